@@ -1,0 +1,55 @@
+# Every target sets up .venv by itself when it is missing; nothing but Python 3.11 with its venv module is needed.
+SHELL := /bin/bash
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+BIN := .venv/bin
+STAMP := .venv/.installed
+TESTS ?= tests
+JOBS ?= 2
+# Tasks to sweep; all when empty.
+TASKS ?=
+export OMP_NUM_THREADS ?= 1
+
+.PHONY: help setup demo check format test sweep bench clean
+
+help:
+	@echo "make demo    a Panda takes the lid off a saucepan: an episode and a video in out/demo"
+	@echo "make check   format, lint, types and the fast tests, in about a minute"
+	@echo "make test    all tests but the long ones"
+	@echo "make sweep   100 demonstrations of each task and the long tests; writes docs/results and the table in README.md"
+	@echo "make bench   how fast; writes benchmarks/results"
+
+setup: $(STAMP)
+
+# Reads the versions from pyproject.toml, so a change there installs again.
+$(STAMP): pyproject.toml
+	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,bench]'
+	@touch $(STAMP)
+
+demo: $(STAMP)
+	$(BIN)/rlbench-pin demo take_lid_off_saucepan --episodes 1 --out out/demo --video
+
+check: $(STAMP)
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/pytest -m "not slow" -n $(JOBS) $(TESTS)
+
+format: $(STAMP)
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+test: $(STAMP)
+	$(BIN)/pytest -m "not slow" -n $(JOBS) --dist worksteal $(TESTS)
+
+# The table is written also when a task fails; the exit code says so afterwards.
+sweep: $(STAMP)
+	status=0; $(BIN)/rlbench-pin check $(TASKS) --episodes 100 --variations 20 --workers $(JOBS) \
+	    --json docs/results/demo_success.json || status=$$?; \
+	$(BIN)/python scripts/update_readme.py && $(BIN)/pytest -m slow -n $(JOBS) $(TESTS) && exit $$status
+
+bench: $(STAMP)
+	$(BIN)/python benchmarks/run_all.py --out benchmarks/results
+
+clean:
+	rm -rf .venv out build dist .pytest_cache .ruff_cache .mypy_cache

@@ -1,0 +1,69 @@
+"""How long planning one leg of a demonstration takes, by method and task, and how the time divides; TOPPRA per path among it."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+
+from harness import Result, main, summary, velocity_environment
+
+from rlbench_pin.environment import LegReport
+from rlbench_pin.planning.plan import Plan
+from rlbench_pin.planning.planner import MotionPlanner
+from rlbench_pin.tasks import task_names
+
+SEEDS = 10
+
+
+def benchmark(tasks: Sequence[str] = (), seeds: int = SEEDS) -> list[Result]:
+    """Demonstrate each task and gather its legs and plans."""
+    legs: dict[str, list[LegReport]] = {}
+    plans: list[Plan] = []
+    for name in tasks or task_names():
+        with velocity_environment() as environment:
+            task = environment.get_task(name)
+            record_plans(task.scene.planner, plans.append)
+            outcomes = [task.try_demo(seed=s, variation=s % task.variation_count(), record=False) for s in range(seeds)]
+            legs[name] = [leg for outcome in outcomes for leg in outcome.legs]
+    return [*_by_task(legs), *_by_stage(plans)]
+
+
+def record_plans(planner: MotionPlanner, keep: Callable[[Plan], None]) -> None:
+    """Make a planner hand every plan to `keep` as well."""
+
+    def recorded(plan: Callable[..., Plan]) -> Callable[..., Plan]:
+        def planned(*args: object, **options: object) -> Plan:
+            result = plan(*args, **options)
+            keep(result)
+            return result
+
+        return planned
+
+    planner.plan_to_pose = recorded(planner.plan_to_pose)  # type: ignore[method-assign]
+    planner.plan_curve = recorded(planner.plan_curve)  # type: ignore[method-assign]
+
+
+def _by_task(legs: dict[str, list[LegReport]]) -> list[Result]:
+    """Times of whole legs: all, by method, by task."""
+    everything = [leg for of_task in legs.values() for leg in of_task]
+    groups: dict[str, list[float]] = defaultdict(list)
+    for leg in everything:
+        groups[leg.method].append(leg.planning_time)
+    rows = [("plan a leg, all tasks", [leg.planning_time for leg in everything])]
+    rows += [(f"plan a leg, {method}", times) for method, times in sorted(groups.items())]
+    rows += [(f"plan a leg, {name}", [leg.planning_time for leg in of_task]) for name, of_task in legs.items()]
+    return [summary(name, times, f"{len(times)} legs") for name, times in rows if times]
+
+
+def _by_stage(plans: Sequence[Plan]) -> list[Result]:
+    """Times of the stages of a plan; `retime` is TOPPRA."""
+    stages: dict[str, list[float]] = defaultdict(list)
+    for plan in plans:
+        for stage, seconds in plan.report.seconds.items():
+            stages[stage].append(seconds)
+    total = sum(map(sum, stages.values()))
+    return [summary(f"  stage {s}", times, f"{sum(times) / total:.0%} of all planning") for s, times in stages.items()]
+
+
+if __name__ == "__main__":
+    main(__doc__, benchmark)

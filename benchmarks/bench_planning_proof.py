@@ -1,0 +1,107 @@
+"""Legs of demonstrations looked at closely: every 1e-4 rad for contact, every ms for torques with the payload."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from harness import velocity_environment
+
+from rlbench_pin.planning.path import through
+from rlbench_pin.planning.plan import Plan
+from rlbench_pin.planning.planner import MotionPlanner
+from rlbench_pin.planning.retime import retime
+from rlbench_pin.tasks import task_names
+
+FINE = 1e-4
+"""Joint distance between two looks [rad]."""
+
+
+@dataclass(eq=False)
+class Inspector:
+    """Looks at every plan that a planner hands out."""
+
+    planner: MotionPlanner
+    legs: int = 0
+    configurations: int = 0
+    collisions: int = 0
+    """Configurations in a contact that the rules of the leg do not allow."""
+    worst_torque: float = 0.0
+    """Largest |tau| / limit."""
+    stretch: list[float] = field(default_factory=list)
+    """Duration with torque limits over duration without."""
+    seconds: list[float] = field(default_factory=list)
+    """Time of each leg [s], all stages."""
+
+    def __post_init__(self) -> None:
+        """Stand between the planner and its user."""
+        self._plan = self.planner.plan_to_pose
+        self.planner.plan_to_pose = self.plan_to_pose  # type: ignore[method-assign]
+
+    def plan_to_pose(self, *args: object, **options: object) -> Plan:
+        """Plan, then look."""
+        began = time.process_time()
+        plan = self._plan(*args, **options)  # type: ignore[arg-type]
+        self.seconds.append(time.process_time() - began)
+        self.legs += 1
+        trajectory, torque = plan.trajectory, self.planner.torque
+        if not options.get("ignore_collisions"):
+            q = trajectory.q
+            for a, b in zip(q[:-1], q[1:], strict=True):
+                count = int(np.abs(b - a).max() / FINE) + 1
+                self.configurations += count
+                self.collisions += sum(not self.planner.collision.keeps_away(a + k / count * (b - a), 0.0) for k in range(count))
+        if torque is not None:
+            self.worst_torque = max(self.worst_torque, torque.worst(trajectory))
+            free = retime(through(plan.path), self.planner.limits, max_speed=self.planner.config.max_speed)
+            kept = retime(through(plan.path), self.planner.limits, max_speed=self.planner.config.max_speed, torque=torque)
+            self.stretch.append(kept.duration / max(free.duration, 1e-9))
+        return plan
+
+
+def inspect(tasks: Sequence[str], legs: int, seeds: int) -> dict[str, float]:
+    """Demonstrate tasks until enough legs were seen."""
+    inspectors: list[Inspector] = []
+    share = -(-legs // len(tasks))
+    for name in tasks:
+        with velocity_environment() as environment:
+            task = environment.get_task(name)
+            inspectors.append(inspector := Inspector(task.scene.planner))
+            for seed in range(seeds):
+                if inspector.legs < share:
+                    task.try_demo(seed=seed, variation=seed % task.variation_count(), record=False)
+    stretch = np.concatenate([i.stretch for i in inspectors])
+    times = 1e3 * np.concatenate([i.seconds for i in inspectors])
+    return {
+        "legs": sum(i.legs for i in inspectors),
+        "configurations": sum(i.configurations for i in inspectors),
+        "collisions": sum(i.collisions for i in inspectors),
+        "worst |tau|/limit": max(i.worst_torque for i in inspectors),
+        "duration ratio, mean": float(stretch.mean()),
+        "duration ratio, max": float(stretch.max()),
+        "leg median ms": float(np.median(times)),
+        "leg p95 ms": float(np.percentile(times, 95)),
+    }
+
+
+def main() -> None:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("tasks", nargs="*", help="task names; all when none is given")
+    parser.add_argument("--legs", type=int, default=500)
+    parser.add_argument("--seeds", type=int, default=100, help="most demonstrations of a task")
+    parser.add_argument("--out", type=Path, help="JSON file for the result")
+    arguments = parser.parse_args()
+    result = inspect(arguments.tasks or task_names(), arguments.legs, arguments.seeds)
+    print(json.dumps(result, indent=1))
+    if arguments.out is not None:
+        arguments.out.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

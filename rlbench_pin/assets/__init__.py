@@ -1,0 +1,12 @@
+"""Data only: objects, robots, textures. `asset_path` turns a name in a scene file into a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+ASSETS = Path(__file__).parent
+
+
+def asset_path(name: str) -> Path:
+    """Return the absolute path of `objects/<name>/<name>.urdf`, `robots/...` or `textures/...`."""
+    return ASSETS / name

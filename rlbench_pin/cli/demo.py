@@ -1,0 +1,130 @@
+"""`rlbench-pin demo TASK`: plan demonstrations, write them to a dataset, film them."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import tyro
+from tqdm import tqdm
+
+from rlbench_pin.cli.film import Film
+from rlbench_pin.cli.setup import find_task, make_environment, picture_config
+from rlbench_pin.datasets import DatasetWriter
+from rlbench_pin.environment import TaskEnvironment
+from rlbench_pin.errors import DemoError
+from rlbench_pin.observation import CAMERAS, Demo, Observation
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """One demonstration on disk."""
+
+    task: str
+    variation: int
+    seed: int
+    attempt: int
+    frames: int
+    seconds: float
+    """Length of the demonstration in simulated time [s]."""
+    instruction: str
+    episode: str
+    video: str | None
+
+
+@dataclass(frozen=True)
+class RecordDemos:
+    """Plan demonstrations of one task, write each to an HDF5 episode, and film it."""
+
+    task: tyro.conf.Positional[str]
+    """Task name, as `rlbench-pin list` prints it."""
+    variation: int = 0
+    """Variation of the task; -1 draws one for each episode."""
+    seed: int = 0
+    """Seed of the first episode; episode i uses seed + i."""
+    episodes: int = 1
+    """Successful episodes to write."""
+    out: Path = Path("out/demo")
+    """Folder of the dataset."""
+    video: bool = True
+    """Film each episode from the side as an MP4 beside it."""
+    image_size: tuple[int, int] = (128, 128)
+    """Width and height of the cameras' pictures [px]."""
+    cameras: tuple[str, ...] = CAMERAS
+    """Cameras whose pictures are stored."""
+    max_attempts: int = 10
+    """Tries for each episode."""
+    json: bool = False
+    """Print JSON for programs."""
+
+    def run(self) -> int:
+        """Record, and print where everything is."""
+        config = picture_config(self.image_size, self.cameras)
+        with make_environment(config) as environment:
+            task = environment.get_task(find_task(self.task))
+            task.set_variation(self.variation)
+            recorded = list(self._record_all(task))
+        if self.json:
+            print(json.dumps([asdict(r) for r in recorded], indent=1))
+        return 0
+
+    def _record_all(self, task: TaskEnvironment) -> Iterator[Recorded]:
+        with tqdm(total=self.episodes, unit="demo", desc=self.task) as bar:
+            for seed in range(self.seed, self.seed + self.episodes):
+                recorded = self._record(task, seed, bar)
+                bar.update()
+                if not self.json:
+                    bar.write(_text(recorded))
+                yield recorded
+
+    def _record(self, task: TaskEnvironment, seed: int, bar: tqdm) -> Recorded:
+        """Try until a demonstration of this seed succeeds, then write it."""
+        causes = []
+        for attempt in range(self.max_attempts):
+            with ExitStack() as stack:
+                film = stack.enter_context(Film(task, self.out)) if self.video else None
+                outcome = task.try_demo(seed=seed, attempt=attempt, on_frame=_counter(bar, seed))
+                if outcome.demo is not None:
+                    return self._keep(outcome.demo, outcome.duration, film)
+                causes.append(outcome.cause)
+        raise DemoError(f"Seed {seed} of '{self.task}' failed {self.max_attempts} times: {'; '.join(causes)}. Try another seed.")
+
+    def _keep(self, demo: Demo, seconds: float, film: Film | None) -> Recorded:
+        episode = DatasetWriter(self.out).add(demo)
+        video = None if film is None else film.keep(episode.parent.with_name("videos") / f"{episode.stem}.mp4")
+        assert demo.random_seed is not None
+        return Recorded(
+            task=demo.task_name,
+            variation=demo.variation_number,
+            seed=demo.random_seed,
+            attempt=demo.attempt,
+            frames=len(demo),
+            seconds=round(seconds, 3),
+            instruction=demo.instructions[0],
+            episode=str(episode),
+            video=None if video is None else str(video),
+        )
+
+
+def _counter(bar: tqdm, seed: int) -> Callable[[Observation], None]:
+    """Return a callback that shows the running frame in the bar."""
+    frames = itertools.count(1)
+
+    def count(_: Observation) -> None:
+        number = next(frames)
+        bar.set_postfix(seed=seed, frame=number, refresh=number % 10 == 0)
+
+    return count
+
+
+def _text(recorded: Recorded) -> str:
+    lines = [
+        f"{recorded.task}, variation {recorded.variation}, seed {recorded.seed}: "
+        f'{recorded.frames} frames, {recorded.seconds:.1f} s, "{recorded.instruction}"',
+        f"  episode  {recorded.episode}",
+    ]
+    return "\n".join(lines + ([f"  video    {recorded.video}"] if recorded.video else []))

@@ -1,0 +1,114 @@
+"""`rlbench-pin doctor`: what works on this machine."""
+
+from __future__ import annotations
+
+import json
+import platform
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from rlbench_pin.datasets import VideoWriter
+from rlbench_pin.environment.camera_config import CameraConfig
+from rlbench_pin.environment.cameras import camera_view
+from rlbench_pin.environment.task_environment import library_versions
+from rlbench_pin.errors import CameraError, RlbenchPinError
+from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.scene.spec import SceneSpec
+from rlbench_pin.sim import World
+
+_DARK, _FLAT = 8.0, 4.0
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that was tried."""
+
+    what: str
+    works: bool
+    needed: bool
+    detail: str
+
+    def line(self) -> str:
+        """One line for people."""
+        mark = "ok     " if self.works else ("BROKEN " if self.needed else "missing")
+        return f"{mark} {self.what:<16} {self.detail}"
+
+
+@dataclass(frozen=True)
+class Doctor:
+    """Say what works here: take a picture with each renderer, write a film, name the libraries."""
+
+    json: bool = False
+    """Print JSON for programs."""
+
+    def run(self) -> int:
+        """Try everything; fails when something that is needed does not work."""
+        findings = [
+            _tried("renderer cpu", True, lambda: check_renderer("cpu")),
+            _tried("renderer egl", False, lambda: check_renderer("egl")),
+            _tried("films", True, check_films),
+        ]
+        versions = {"python": platform.python_version(), **library_versions()}
+        if self.json:
+            print(json.dumps({"findings": [asdict(finding) for finding in findings], "versions": versions}, indent=1))
+        else:
+            for finding in findings:
+                print(finding.line())
+            print("versions " + ", ".join(f"{name} {version}" for name, version in versions.items()))
+        return int(any(finding.needed and not finding.works for finding in findings))
+
+
+def _tried(what: str, needed: bool, attempt: Callable[[], str]) -> Finding:
+    try:
+        return Finding(what, True, needed, attempt())
+    except (RlbenchPinError, OSError) as error:
+        return Finding(what, False, needed, str(error))
+
+
+def check_renderer(renderer: Literal["cpu", "egl"]) -> str:
+    """Take a picture of the empty table and return how long it took.
+
+    Raises:
+        CameraError: There is no such renderer here, or its pictures are black or flat.
+    """
+    robot = robot_description("panda")
+    with World(SceneSpec(format=1), robot, renderer=renderer) as world:
+        world.robot.reset_configuration(np.array(robot.home))
+        view = camera_view("front", CameraConfig(), world, robot)
+        pictures = world.render(view, shadows=True)
+        assert pictures.rgb is not None and pictures.mask is not None
+        arm = [number for number, name in world.masks.items() if name.startswith(robot.name)]
+        check_picture(pictures.rgb, np.isin(pictures.mask, arm), renderer)
+        began = time.perf_counter()
+        for _ in range(5):
+            world.render(view)
+        took = (time.perf_counter() - began) / 5.0
+    return f"{1e3 * took:.1f} ms for 128 x 128 px with depth and mask"
+
+
+def check_picture(rgb: np.ndarray, arm: np.ndarray, renderer: str) -> None:
+    """Check a picture (h, w, 3) in which `arm` (h, w) marks the robot.
+
+    Raises:
+        CameraError: It is black or flat, or the robot in it is missing or black.
+    """
+    if rgb.mean() < _DARK or rgb.std() < _FLAT:
+        raise CameraError(f"Renderer '{renderer}' gives black or flat pictures (mean {rgb.mean():.0f}). Use another renderer.")
+    if not arm.any() or rgb[arm].mean() < _DARK:
+        raise CameraError(f"Renderer '{renderer}' draws no robot, or a black one. Use another renderer, or update the driver.")
+
+
+def check_films() -> str:
+    """Write a short film and return how large it is."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "film.mp4"
+        with VideoWriter(path, (64, 48)) as video:
+            for brightness in range(0, 200, 20):
+                video.add(np.full((48, 64, 3), brightness, dtype=np.uint8))
+        return f"an MP4 of ten pictures has {path.stat().st_size} bytes"

@@ -1,0 +1,88 @@
+"""`rlbench-pin evaluate --controllers`: every controller follows the legs that demonstrations plan."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from tqdm import tqdm
+
+from rlbench_pin.cli.setup import find_task, low_dim_config, make_environment
+from rlbench_pin.environment.controller_summary import ControllerSummary, summarise, table
+from rlbench_pin.environment.controller_trials import LegTrial, chosen_controllers, follow_demo
+from rlbench_pin.environment.task_environment import library_versions
+
+TASKS = (
+    "reach_target", "push_button", "pick_and_lift", "take_lid_off_saucepan", "open_drawer",
+    "close_microwave", "slide_block_to_target", "stack_blocks", "put_rubbish_in_bin", "meat_off_grill",
+)  # fmt: skip
+"""What is evaluated when no task is named."""
+
+
+@dataclass(frozen=True)
+class Evaluate:
+    """Compare controllers on the motions of demonstrations: errors, limits, clearance, time."""
+
+    controllers: bool = False
+    """Evaluate the controllers of `rlbench_pin.control`."""
+    tasks: tuple[str, ...] = TASKS
+    """Task names, as `rlbench-pin list` prints them."""
+    episodes: int = 1
+    """Demonstrations of each task."""
+    seed: int = 0
+    """Seed of the first episode; episode i uses seed + i."""
+    legs: int | None = None
+    """Most legs of each demonstration; all when not given."""
+    only: tuple[str, ...] = ()
+    """Controllers to compare, by name; all when none is given."""
+    json: Path | None = None
+    """File to write everything to."""
+
+    def run(self) -> int:
+        """Follow, and print one table per kind of leg."""
+        if not self.controllers:
+            print("rlbench-pin evaluate: say what to evaluate, `--controllers`.", file=sys.stderr)
+            return 2
+        summaries = summarise(list(self.trials()))
+        print(report(summaries))
+        if self.json is not None:
+            self.json.parent.mkdir(parents=True, exist_ok=True)
+            self.json.write_text(json.dumps(self.content(summaries), indent=1) + "\n", encoding="utf-8")
+        return 0
+
+    def content(self, summaries: Sequence[ControllerSummary]) -> dict[str, object]:
+        """Return what the JSON file says."""
+        return {
+            "format": 1,
+            "tasks": list(self.tasks),
+            "episodes": self.episodes,
+            "seed": self.seed,
+            "legs": self.legs,
+            "versions": library_versions(),
+            "controllers": [asdict(s) for s in summaries],
+        }
+
+    def trials(self) -> Iterator[LegTrial]:
+        """Let every controller follow every leg."""
+        names = chosen_controllers(self.only)
+        classes = [find_task(name) for name in self.tasks]
+        with tqdm(total=len(classes) * self.episodes, unit="episode", desc="controllers") as bar:
+            for task_class in classes:
+                with make_environment(low_dim_config()) as environment:
+                    task = environment.get_task(task_class)
+                    for seed in range(self.seed, self.seed + self.episodes):
+                        yield from follow_demo(task, seed, names, self.legs)
+                        bar.update()
+
+
+def report(summaries: Sequence[ControllerSummary], title: str = "") -> str:
+    """Return one table per kind of leg under its heading; `title` stands before each heading."""
+    headings = {"free": "Legs planned around obstacles", "contact": "Legs that may touch"}
+    parts = [(heading, [s for s in summaries if s.kind == kind]) for kind, heading in headings.items()]
+    return "\n\n".join(f"{title}{heading}\n\n{table(rows)}" for heading, rows in parts if rows)
+
+
+__all__ = ["TASKS", "Evaluate", "report"]

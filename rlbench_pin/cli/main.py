@@ -1,0 +1,70 @@
+"""The entry point: parse, run, turn errors into exit codes: 0 done, 1 failed, 2 misused."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+import tyro
+
+from rlbench_pin.cli.check import Check
+from rlbench_pin.cli.demo import RecordDemos
+from rlbench_pin.cli.doctor import Doctor
+from rlbench_pin.cli.evaluate import Evaluate
+from rlbench_pin.cli.list_tasks import ListTasks
+from rlbench_pin.cli.new import New
+from rlbench_pin.cli.problems import Problems
+from rlbench_pin.cli.video import Video
+from rlbench_pin.cli.view import View
+from rlbench_pin.errors import RlbenchPinError, TaskEnvironmentError, UnknownName
+
+DONE, FAILED, MISUSED = 0, 1, 2
+
+
+class Command(Protocol):
+    """What every command can do."""
+
+    def run(self) -> int:
+        """Do it and return the exit code."""
+        ...
+
+
+COMMANDS: dict[str, Callable[..., Command]] = {
+    "list": ListTasks,
+    "demo": RecordDemos,
+    "check": Check,
+    "view": View,
+    "video": Video,
+    "new": New,
+    "doctor": Doctor,
+    "evaluate": Evaluate,
+    "problems": Problems,
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return the exit code of the process."""
+    command: Command = tyro.extras.subcommand_cli_from_dict(
+        COMMANDS,
+        prog="rlbench-pin",
+        description="Robot manipulation tasks with planned demonstrations.",
+        args=None if arguments is None else list(arguments),
+    )
+    try:
+        return command.run()
+    except (UnknownName, TaskEnvironmentError) as error:
+        return _complain(error, MISUSED)
+    except RlbenchPinError as error:
+        return _complain(error, FAILED)
+    except KeyboardInterrupt:
+        return _complain("interrupted", FAILED)
+
+
+def _complain(problem: object, code: int) -> int:
+    print(f"rlbench-pin: {problem}", file=sys.stderr)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,114 @@
+"""`rlbench-pin new NAME`: a commented pair of task files that passes `check` as it is."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from string import Template
+
+import tyro
+
+from rlbench_pin.errors import TaskEnvironmentError
+from rlbench_pin.scene.spec import NAME_PATTERN
+from rlbench_pin.tasks import camel_case, task_names
+
+TASK = Template('''\
+"""$title. (One sentence: what is to be done.)"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import COLORS, SpawnBoundary, Task, TipInside
+
+
+class $cls(Task):
+    """What varies, and what counts as success. Here: the tip must be inside the ball, whose colour is the variation."""
+
+    solved_by_chance = True  # a ball in the air can be hit by chance; leave this line out where that would be a fault
+
+    def init_task(self) -> None:
+        """Called once: look things up by the names in $name.toml, say what may be grasped and what success is."""
+        self.ball = self.scene.body("ball")
+        self.place = SpawnBoundary([self.scene.region("air")])
+        # self.register_graspable_objects(["ball"])
+        self.register_success_conditions([TipInside(self.robot, self.scene.sensor("goal"))])
+
+    def variation_count(self) -> int:
+        """How many goals there are."""
+        return len(COLORS)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Called for every episode: draw everything from `rng`, return sentences that all ask for the goal."""
+        name, rgb = COLORS[variation]
+        self.ball.set_color(rgb)
+        self.place.clear()
+        self.place.sample(self.ball, rng)
+        return [f"Touch the {name} ball.", f"Bring the hand to the {name} ball."]
+''')
+
+SCENE = Template("""\
+# Lengths [m], angles [rad]; a pose is [x, y, z] or [x, y, z, yaw] or [x, y, z, qx, qy, qz, qw] in the frame of `parent`.
+format = 1
+
+[placement]                                 # where the task root stands; everything below is in its frame
+pose = [0.25, 0.0, 0.752]                   # the middle of the workspace, on the table top
+static = true                               # false: the root is placed at random in every episode
+yaw = [0.0, 0.0]                            # bounds of its random turn
+
+[[body]]                                    # assets: rlbench_pin/assets/CATALOGUE.md; your own: asset = "./thing.urdf"
+name = "ball"
+asset = "objects/ball_marker/ball_marker.urdf"
+pose = [0.0, 0.0, 0.12]
+fixed = true                                # false: it moves under gravity
+
+[[region]]                                  # a box to place things in
+name = "air"
+pose = [0.05, 0.0, 0.12]
+size = [0.35, 0.5, 0.1]
+
+[[sensor]]                                  # a volume that detects bodies; this one goes with the ball
+name = "goal"
+parent = "ball"
+shape = "sphere"
+size = [0.05]
+
+[[waypoint]]                                # the demonstration visits waypoint0, waypoint1, ... with the tip
+name = "waypoint0"
+parent = "ball"
+pose = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]  # hand pointing down
+symmetry = 4                                # it may arrive turned by quarter turns
+# path = "straight"                         # or "curve"; default "plan"
+# ignore_collisions = true                  # for contact
+# gripper = "close"                         # after arriving: "open", "close" or an opening 0.0 to 1.0
+""")
+
+
+@dataclass(frozen=True)
+class New:
+    """Write a commented pair of files, NAME.py and NAME.toml: a reach that passes `rlbench-pin check --task-file NAME.py`."""
+
+    name: tyro.conf.Positional[str]
+    """Name of the task in snake case."""
+    out: Path = Path()
+    """Folder to write to; `rlbench_pin/tasks/library` makes it a task of the package."""
+
+    def run(self) -> int:
+        """Write both files, never over existing ones, and print what to do next."""
+        if not re.match(NAME_PATTERN, self.name):
+            raise TaskEnvironmentError(f"'{self.name}' is no task name. Use small letters, digits and underscores.")
+        if self.name in task_names():
+            raise TaskEnvironmentError(f"A task '{self.name}' exists already. `rlbench-pin list` shows all; choose another name.")
+        fill = {"name": self.name, "cls": camel_case(self.name), "title": self.name.replace("_", " ").capitalize()}
+        pairs = [(self.out / f"{self.name}{end}", text.substitute(fill)) for end, text in ((".py", TASK), (".toml", SCENE))]
+        taken = [str(path) for path, _ in pairs if path.exists()]
+        if taken:
+            raise TaskEnvironmentError(f"{' and '.join(taken)} would be overwritten. Choose another name or folder.")
+        self.out.mkdir(parents=True, exist_ok=True)
+        for path, text in pairs:
+            path.write_text(text, encoding="utf-8")
+            print(path)
+        file = pairs[0][0]
+        print(f"Next: rlbench-pin view {file}", f"then rlbench-pin check --task-file {file} --episodes 20", sep="\n")
+        return 0

@@ -1,0 +1,139 @@
+"""`rlbench-pin video TASK...`: films of demonstrations by a camera that circles around the table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import tyro
+from tqdm import tqdm
+
+from rlbench_pin.cli.grid import Reel, grid_frames, grid_size
+from rlbench_pin.cli.orbit import Orbit
+from rlbench_pin.cli.setup import low_dim_config
+from rlbench_pin.datasets import VideoWriter
+from rlbench_pin.environment import (
+    Discrete,
+    Environment,
+    JointPosition,
+    MoveArmThenGripper,
+    RandomizeEvery,
+    TaskEnvironment,
+    VisualRandomizationConfig,
+)
+from rlbench_pin.errors import DemoError
+from rlbench_pin.tasks import task_names
+
+ALL = "all"
+_CELL = (320, 240)
+
+
+@dataclass(frozen=True)
+class Video:
+    """Film demonstrations of one or more tasks: one film per task, or one film of all of them in a grid."""
+
+    tasks: tyro.conf.Positional[tuple[str, ...]]
+    """Task names, as `rlbench-pin list` prints them, or `all`."""
+    grid: bool = False
+    """All tasks side by side in one film instead of a film each."""
+    variation: int = 0
+    """Variation of the tasks."""
+    seed: int = 0
+    """Seed of the episodes."""
+    size: tuple[int, int] = (1280, 720)
+    """Width and height of a film of one task [px]."""
+    speed: float = 0.005
+    """Angle that the camera moves between two pictures [rad]."""
+    fps: int = 20
+    """Pictures per second; 20 is real time."""
+    domain_randomization: bool = False
+    """Change looks every ten ticks."""
+    textures_path: Path | None = None
+    """Folder of pictures for that; None is the set that comes with the package."""
+    renderer: Literal["cpu", "egl", "auto"] = "cpu"
+    """Who draws."""
+    max_attempts: int = 10
+    """Tries for each demonstration."""
+    out: Path = Path("out/video")
+    """Folder of the films."""
+
+    def run(self) -> int:
+        """Film, and print where the films are."""
+        names = task_names() if ALL in self.tasks else self.tasks
+        if self.grid:
+            print(self._film_grid(tuple(names)))
+            return 0
+        for name in names:
+            path = self.out / f"{name}.mp4"
+            with self._environment() as environment, VideoWriter(path, self.size, self.fps) as video:
+                self._play(environment.get_task(name), Orbit(size=self.size, step=self.speed), video.add)
+            print(path)
+        return 0
+
+    def _film_grid(self, names: tuple[str, ...]) -> Path:
+        reels = {}
+        for name in names:
+            reels[name] = Reel()
+            with self._environment() as environment:
+                orbit = Orbit(size=_CELL, step=self.speed, fov=0.95)
+                self._play(environment.get_task(name), orbit, reels[name].add)
+        path = self.out / "grid.mp4"
+        with VideoWriter(path, grid_size(len(names), _CELL), self.fps) as video:
+            for picture in grid_frames(reels, _CELL):
+                video.add(picture)
+        return path
+
+    def _environment(self) -> Environment:
+        mode = MoveArmThenGripper(JointPosition(), Discrete())
+        if not self.domain_randomization:
+            return Environment(mode, obs_config=low_dim_config(), seed=0, renderer=self.renderer)
+        return Environment(
+            mode,
+            obs_config=low_dim_config(),
+            seed=0,
+            renderer=self.renderer,
+            randomize_every=RandomizeEvery.TRANSITION,
+            frequency=10,
+            visual_randomization_config=VisualRandomizationConfig(self.textures_path),
+        )
+
+    def _play(self, task: TaskEnvironment, orbit: Orbit, add: Callable[[np.ndarray], None]) -> None:
+        """Find a try that succeeds, then play it again before the camera; it goes exactly as the first time."""
+        task.set_variation(self.variation)
+        attempt = self._successful_attempt(task)
+        with tqdm(unit="frame", desc=task.get_name(), leave=False) as bar, _each_tick(task, orbit, add, bar):
+            task.try_demo(seed=self.seed, attempt=attempt, record=False)
+
+    def _successful_attempt(self, task: TaskEnvironment) -> int:
+        causes = []
+        for attempt in range(self.max_attempts):
+            outcome = task.try_demo(seed=self.seed, attempt=attempt, record=False)
+            if outcome.success:
+                return attempt
+            causes.append(outcome.cause)
+        name = task.get_name()
+        raise DemoError(f"Seed {self.seed} of '{name}' failed {self.max_attempts} times: {'; '.join(causes)}. Try another seed.")
+
+
+@contextmanager
+def _each_tick(task: TaskEnvironment, orbit: Orbit, add: Callable[[np.ndarray], None], bar: tqdm):  # type: ignore[no-untyped-def]
+    """Take a picture after every tick of the block, and hold the last one for a second."""
+    frame = 0
+
+    def shoot() -> None:
+        nonlocal frame
+        add(orbit.picture(task.world, frame))
+        frame += 1
+        bar.update()
+
+    task.scene.register_step_callback(shoot)
+    try:
+        yield
+    finally:
+        task.scene.remove_step_callback(shoot)
+    for _ in range(round(1.0 / task.world.control_dt)):
+        shoot()

@@ -1,0 +1,64 @@
+"""What controllers accept: finite vectors of the right length, and poses whose quaternion means a rotation."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from rlbench_pin.errors import InvalidTarget
+from rlbench_pin.spatial import FloatArray
+
+_FLOAT = np.dtype(float)
+SMALLEST_NORM = 1e-3
+"""A quaternion shorter than this has no direction worth trusting."""
+
+
+def as_vector(value: ArrayLike, size: int, what: str) -> FloatArray:
+    """Return `value` as a finite float64 vector of shape (size,); the caller's array itself when it is one.
+
+    Raises:
+        InvalidTarget: It has another shape, or holds NaN or infinity.
+    """
+    try:
+        vector = np.asarray(value, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InvalidTarget(what, value, f"takes {size} numbers") from error
+    if vector.shape != (size,):
+        raise InvalidTarget(what, vector.shape, f"has to have shape ({size},)")
+    if not np.isfinite(vector).all():
+        raise InvalidTarget(what, vector, "has to be finite")
+    return vector
+
+
+def as_state(q: ArrayLike, v: ArrayLike, size: int) -> tuple[FloatArray, FloatArray]:
+    """Return configuration and joint velocity as finite float64 vectors of shape (size,).
+
+    Raises:
+        InvalidTarget: One of them has another shape, or holds NaN or infinity.
+    """
+    if isinstance(q, np.ndarray) and isinstance(v, np.ndarray) and q.dtype is v.dtype is _FLOAT and q.shape == v.shape == (size,):
+        square = q.dot(v)
+        if square - square == 0.0:  # NaN and infinity show in the product, whatever the other factor
+            return q, v
+    return as_vector(q, size, "configuration"), as_vector(v, size, "joint velocity")
+
+
+def as_placement(pose: ArrayLike, what: str = "target pose") -> pin.SE3:
+    """Return a pose (7,) as T_world_target; its quaternion is brought to length 1.
+
+    Raises:
+        InvalidTarget: It has another shape, holds NaN or infinity, or its quaternion is of norm zero.
+    """
+    vector = np.asarray(pose, dtype=float) if type(pose) is np.ndarray and pose.shape == (7,) else as_vector(pose, 7, what)
+    x, y, z, qx, qy, qz, qw = vector.tolist()
+    square = qx * qx + qy * qy + qz * qz + qw * qw
+    if not math.isfinite(x + y + z + square):
+        raise InvalidTarget(what, vector, "has to be finite")
+    if square < SMALLEST_NORM**2:
+        raise InvalidTarget(what, vector, "has a quaternion of norm zero; the order is x, y, z, w")
+    if abs(square - 1.0) > 1e-9:
+        vector = np.concatenate([vector[:3], vector[3:] / math.sqrt(square)])
+    return pin.XYZQUATToSE3(vector)

@@ -1,0 +1,121 @@
+"""Velocity bounds that keep joint position, velocity and acceleration limits for ever, not only for the next tick.
+
+A joint at position q, velocity v chooses its next velocity u, then at most the braking a dt per tick until it stands.
+With velocities held over a tick (`hold="velocity"`), stopping from u takes n = floor(u / (a dt)) more moving ticks and
+
+    q + dt (u + (u - a dt) + (u - 2 a dt) + ...)  <=  upper                                  (1)
+
+In the unit a dt of velocity and a dt^2 of position, the sum is f(u) = (n + 1) u - n (n + 1) / 2, which is continuous,
+increasing and piecewise linear. With the room m = (upper - q) / (a dt^2) the largest allowed u is its inverse,
+
+    g(m) = (m + n (n + 1) / 2) / (n + 1),    n = floor((sqrt(1 + 8 m) - 1) / 2)              (2)
+
+With velocities that change linearly over the tick (`hold="acceleration"`), the trapezoidal sum of (1) telescopes to the same f
+with the room taken less dt v / 2. The lower limit is the mirror image. The next velocity lies in
+
+    [max(-v_max, -g_lower, v - a dt), min(v_max, g_upper, v + a dt)].                        (3)
+
+From a state inside the limits that can still stop, braking at a dt satisfies (3) and leads to such a state again, so the
+interval is never empty (Del Prete, "Joint position and velocity bounds in discrete-time under acceleration/torque
+limits", RA-L 2018, has the continuous counterpart). From a state that cannot stop in time, or is outside already, the
+acceleration limit wins: the interval shrinks to the hardest braking, then to the hardest return.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+
+from rlbench_pin.robot.limits import JointLimits
+from rlbench_pin.spatial import FloatArray
+
+Hold = Literal["velocity", "acceleration"]
+"""What stays constant over a control tick."""
+
+
+def largest_step(room: float, unit: float) -> float:
+    """Return the largest displacement of one tick after which braking stops within `room`, equation (2) times `unit` = a dt^2.
+
+    Room and displacement in [m] or [rad]; with a negative room, that is, from beyond the limit, it is the whole way back.
+    """
+    if room <= unit:
+        return room
+    ticks = int(0.5 * math.sqrt(1.0 + 8.0 * room / unit) - 0.5)
+    return (room + 0.5 * ticks * (ticks + 1) * unit) / (ticks + 1)
+
+
+def stopping_room(speed: FloatArray) -> FloatArray:
+    """Return f(speed), the inverse of `largest_step` in its units: what it takes to stop from `speed`."""
+    ticks = np.floor(speed)
+    return (ticks + 1.0) * speed - 0.5 * ticks * (ticks + 1.0)
+
+
+class JointBounds:
+    """The interval of next velocities of n joints, equation (3)."""
+
+    def __init__(self, limits: JointLimits, dt: float, hold: Hold = "velocity", margin: float = 0.0) -> None:
+        """Prepare the constants.
+
+        Args:
+            limits: Position, velocity and acceleration limits of n joints.
+            dt: Control tick [s].
+            hold: What stays constant over a tick.
+            margin: Distance kept from the position limits [rad].
+        """
+        if dt <= 0.0:
+            raise ValueError(f"the control tick is > 0 s, not {dt}")
+        self.limits, self.dt, self.hold = limits, dt, hold
+        self.velocity = np.array(limits.velocity)
+        self.step = limits.acceleration * dt
+        """Largest change of velocity in one tick, shape (n,), [rad/s]."""
+        self._n = n = len(self.step)
+        self._dt = np.full(n, dt)
+        reach, change = dt * self.velocity, dt * self.step
+        self._ends = np.concatenate([-reach, reach])  # lowest, then highest: one flat array is the fastest
+        self._change, self._twice = np.tile(change, 2), np.tile(np.arange(n), 2)
+        self._units = change.tolist()
+        self._lower, self._upper = (limits.lower + margin).tolist(), (limits.upper - margin).tolist()
+        stop = change * stopping_room(self.velocity / self.step)
+        self._free_above, self._free_below = (limits.lower + margin + stop).tolist(), (limits.upper - margin - stop).tolist()
+
+    def displacements(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return dt times `interval`: lowest and highest displacement of the next tick, each (n,), [rad]."""
+        drift = self._dt * v
+        places = (q if self.hold == "velocity" else q + 0.5 * drift).tolist()
+        ends = self._ends
+        for x, lower, upper in zip(places, self._free_above, self._free_below):
+            if not lower <= x <= upper:
+                ends = self._before_the_limits(places)
+                break
+        drift = drift[self._twice]
+        ends = np.minimum(np.maximum(ends, drift - self._change), drift + self._change)
+        return ends[: self._n], ends[self._n :]
+
+    def _before_the_limits(self, places: list[float]) -> FloatArray:
+        """Return lowest, then highest displacements (2n,), [rad], that let joints at `places` stop before their limits."""
+        ends, n = self._ends.copy(), self._n
+        for j, (x, unit) in enumerate(zip(places, self._units)):
+            if x < self._free_above[j]:
+                ends[j] = min(max(ends[j], -largest_step(x - self._lower[j], unit)), ends[n + j])
+            if x > self._free_below[j]:
+                ends[n + j] = max(min(ends[n + j], largest_step(self._upper[j] - x, unit)), self._ends[j])
+        return ends
+
+    def interval(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return lowest and highest next velocity, each (n,), [rad/s], of joints at `q` [rad] moving at `v` [rad/s]."""
+        lowest, highest = self.displacements(q, v)
+        return lowest / self._dt, highest / self._dt
+
+    def braking(self, v: FloatArray) -> FloatArray:
+        """Return the velocity (n,) after braking for one tick as hard as allowed."""
+        return np.sign(v) * np.maximum(np.abs(v) - self.step, 0.0)
+
+    def travel(self, v: FloatArray, command: FloatArray) -> FloatArray:
+        """Return how far each joint (n,) travels at most in the tick of `command` and the braking after it, [rad].
+
+        It is dt (a dt) f(|command|) by (1); with `hold="acceleration"` the joint starts from `v` and dt |v| / 2 comes on top.
+        """
+        way = self.dt * self.step * stopping_room(np.abs(command) / self.step)
+        return way if self.hold == "velocity" else way + 0.5 * self.dt * np.abs(v)

@@ -1,0 +1,164 @@
+"""Differential inverse kinematics: a tip pose or twist becomes the joint velocity of the next tick, by one small QP in PlaCo.
+
+At configuration q, tip Jacobian J, the displacement d = dt u of the next tick is the solution of
+
+    minimise    w_p ||J_p d - e_p||^2 + w_r ||J_r d - e_r||^2 + (w - w_0 g) ||d||^2 + w_0 g ||d - (q_p - q)||^2
+    subject to  dt u_min <= d <= dt u_max
+
+* e = (e_p, e_r) is what the tip should cover in this tick: dt times the twist, or the next piece of the way to a pose,
+  short enough to stop at its end (`objectives`).
+* The last terms are damping and posture: they bound ||d|| where J loses rank, and move the null space towards q_p. The
+  weight w rises when the manipulability sqrt(det(J J^T)) falls (Nakamura & Hanafusa 1986), for steps that are not small
+  (Sugihara 2011), so that the arm slows down
+  along the lost direction and keeps its accuracy everywhere else.
+* [u_min, u_max] holds position, velocity and acceleration limits, braking distance included (`constraints`). It is never
+  empty: no state makes this QP infeasible, and from a state outside the limits the command is the hardest brake or
+  return.
+
+`DifferentialIKQP` states the same problem as plain matrices for any solver; a test holds the two together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from rlbench_pin.control.checks import as_placement, as_state, as_vector
+from rlbench_pin.control.constraints import Hold, JointBounds
+from rlbench_pin.control.objectives import PostureObjective, TipApproach, TipObjective, manipulability, moved, step_between
+from rlbench_pin.control.placo_arm import PlacoArm
+from rlbench_pin.errors import InfeasibleControl
+from rlbench_pin.robot.limits import JointLimits
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.spatial import FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class DifferentialIKConfig:
+    """Settings of differential inverse kinematics."""
+
+    dt: float = 0.05
+    """Control tick [s]."""
+    tip: TipObjective = field(default_factory=TipObjective)
+    posture: PostureObjective = field(default_factory=PostureObjective)
+    limit_margin: float = 0.0
+    """Distance kept from the joint position limits [rad]."""
+    hold: Hold = "velocity"
+    """Whether a velocity command is reached at once and held, or linearly over the tick."""
+
+
+class TipController:
+    """What both formulations share: checks, bounds, and the way from a target to the tip's next placement."""
+
+    def __init__(
+        self,
+        model: RobotModel,
+        config: DifferentialIKConfig = DifferentialIKConfig(),
+        *,
+        limits: JointLimits | None = None,
+        posture: FloatArray | None = None,
+    ) -> None:
+        """Prepare a controller.
+
+        Args:
+            model: The arm.
+            config: Settings.
+            limits: Joint limits; None takes the arm's.
+            posture: Preferred configuration (n,), [rad]; None takes the arm's home.
+        """
+        self.model, self.config = model, config
+        self._approach = TipApproach(config.tip, config.dt)
+        self.bounds = JointBounds(limits or model.limits, config.dt, config.hold, config.limit_margin)
+        self.posture = as_vector(model.home if posture is None else posture, model.size, "posture").copy()
+
+    def velocity_to_pose(self, q: ArrayLike, v: ArrayLike, pose: ArrayLike) -> FloatArray:
+        """Return the joint velocity of the next tick on the way to a tip pose.
+
+        Args:
+            q: Configuration (n,), [rad].
+            v: Joint velocity (n,) now, that is, the last command; [rad/s].
+            pose: Tip target (7,) in the world.
+
+        Raises:
+            InvalidTarget: NaN, a wrong shape, or a quaternion of norm zero.
+        """
+        q, v = as_state(q, v, self.model.size)
+        goal = as_placement(pose)
+        return self._velocity(q, v, lambda now: self._approach.next(now, goal))
+
+    def velocity_for_twist(
+        self, q: ArrayLike, v: ArrayLike, twist: ArrayLike, frame: Literal["world", "tip"] = "world"
+    ) -> FloatArray:
+        """Return the joint velocity (n,), [rad/s], of the next tick that moves the tip as asked.
+
+        Args:
+            q: Configuration (n,), [rad].
+            v: Joint velocity (n,) now, [rad/s].
+            twist: Velocity of the tip `[linear, angular]` (6,), [m/s, rad/s], taken as it is: no speed cap.
+            frame: Axes of the twist.
+
+        Raises:
+            InvalidTarget: NaN or a wrong shape.
+        """
+        q, v = as_state(q, v, self.model.size)
+        step = self.config.dt * as_vector(twist, 6, "twist")
+
+        def target(now: pin.SE3) -> pin.SE3:
+            linear, angular = (step[:3], step[3:]) if frame == "world" else (now.rotation @ step[:3], now.rotation @ step[3:])
+            return moved(now, linear, angular)
+
+        return self._velocity(q, v, target)
+
+    def _velocity(self, q: FloatArray, v: FloatArray, target: Callable[[pin.SE3], pin.SE3]) -> FloatArray:
+        """Solve for the velocity (n,) that brings the tip to `target(T_world_tip)`."""
+        raise NotImplementedError
+
+
+class DifferentialIK(TipController):
+    """Tip pose or twist to joint velocity, by PlaCo. Not thread-safe; a command depends on its arguments alone."""
+
+    def __init__(
+        self,
+        model: RobotModel,
+        config: DifferentialIKConfig = DifferentialIKConfig(),
+        *,
+        limits: JointLimits | None = None,
+        posture: FloatArray | None = None,
+    ) -> None:
+        """Prepare a controller; arguments as for `TipController`."""
+        super().__init__(model, config, limits=limits, posture=posture)
+        self._arm = PlacoArm(model)
+        solver = self._arm.solver
+        self._tip_task = solver.add_frame_task(model.description.tip_frame, np.eye(4))
+        self._tip_task.configure("tip", "soft", config.tip.position_weight, config.tip.rotation_weight)
+        self._posture_task = solver.add_joints_task()
+        self._posture_task.set_joints(dict(zip(model.description.arm_joints, self.posture.tolist(), strict=True)))
+        self._posture_weight = config.posture.weight * min(1.0, config.posture.gain * config.dt)
+        self._posture_task.configure("posture", "soft", self._posture_weight)
+        solver.enable_joint_limits(True)
+        solver.enable_velocity_limits(False)
+        self._problem = solver.problem
+        self._posture, self._weight, self._singular = config.posture, config.posture.weight, config.posture.singular_below
+        self._dt = np.full(model.size, config.dt)
+        self._pinocchio, self._data, self._tip_id = model.arm, model.arm.createData(), model.tip_id
+
+    def _velocity(self, q: FloatArray, v: FloatArray, target: Callable[[pin.SE3], pin.SE3]) -> FloatArray:
+        self._arm.set_configuration(q)
+        jacobian = pin.computeJointJacobians(self._pinocchio, self._data, q)
+        now = pin.updateFramePlacement(self._pinocchio, self._data, self._tip_id)
+        goal = target(now)
+        left = manipulability(jacobian)
+        weight = self._weight if left >= self._singular else self._posture.damping(left, step_between(now, goal))
+        self._problem.regularization = weight - self._posture_weight
+        self._tip_task.T_world_frame = goal.homogeneous
+        lowest, highest = self.bounds.displacements(q, v)
+        try:
+            step = self._arm.solve(q, lowest, highest)
+        except RuntimeError as error:
+            raise InfeasibleControl("DifferentialIK", str(error)) from error
+        return step / self._dt

@@ -1,0 +1,164 @@
+"""Impedance: the arm as a spring and damper around a target, in joint or in Cartesian space, with stiffness that may change at
+any tick.
+
+Joint space:      tau = K (q_d - q) + D (v_d - v) + M a_d + h
+
+Cartesian space:  tau = J^T (K e + D (x'_d - x')) + h + (I - J^T Jbar^T) tau_0,    Jbar = M^-1 J^T Lambda,   Lambda = (J
+M^-1 J^T)^-1
+
+with e the position error and the rotation vector of R_d R^T along world axes, and tau_0 a weak joint spring towards a
+posture. The projector lets tau_0 do no work at the tip, so that at rest a force F moves the tip by K^-1 F.
+
+Damping follows from stiffness and inertia: D = 2 zeta L sqrt(L^-1 K L^-T) L^T with L L^T the inertia (M or Lambda) makes
+every mode of the coupled system have the damping ratio zeta (Albu-Schaeffer et al. 2003). It is recomputed at each tick,
+so a change of stiffness keeps it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+from scipy.linalg import eigh
+
+from rlbench_pin.control.checks import as_placement, as_state, as_vector
+from rlbench_pin.errors import InvalidTarget
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.spatial import FloatArray
+
+SINGULAR = 1e-6
+"""Added to J M^-1 J^T: bounds Lambda near singularities."""
+
+
+def damping_for(stiffness: FloatArray, inertia: FloatArray, ratio: float) -> FloatArray:
+    """Return the damping matrix (m, m) with which all modes of (inertia, stiffness), each (m, m), have damping ratio `ratio`."""
+    squares, modes = eigh(stiffness, inertia)  # modes^T inertia modes = I, modes^T stiffness modes = diag(squares)
+    back = inertia @ modes
+    return (back * (2.0 * ratio * np.sqrt(np.maximum(squares, 0.0)))) @ back.T
+
+
+def as_stiffness(value: ArrayLike, size: int) -> FloatArray:
+    """Return a stiffness matrix (size, size) from one number, a diagonal (size,), or a matrix.
+
+    Raises:
+        InvalidTarget: It is not finite, not symmetric, or negative in some direction.
+    """
+    array = np.asarray(value, dtype=float)
+    matrix = array if array.ndim == 2 else np.diag(np.broadcast_to(array, size))
+    if matrix.shape != (size, size) or not np.isfinite(matrix).all():
+        raise InvalidTarget("stiffness", value, f"has to be finite: a number, ({size},) or ({size}, {size})")
+    if not np.allclose(matrix, matrix.T) or np.linalg.eigvalsh(matrix)[0] < 0.0:
+        raise InvalidTarget("stiffness", value, "has to be symmetric and without negative directions")
+    return matrix
+
+
+class JointImpedance:
+    """A spring and damper between the arm and a configuration."""
+
+    def __init__(self, model: RobotModel, stiffness: ArrayLike = 100.0, damping_ratio: float = 1.0) -> None:
+        """Choose stiffness [N m/rad]: one number, (n,) or (n, n); and the damping ratio."""
+        self.model, self.damping_ratio = model, damping_ratio
+        self.stiffness = stiffness
+
+    @property
+    def stiffness(self) -> FloatArray:
+        """Stiffness matrix (n, n), [N m/rad]; may be set at any time."""
+        return self._stiffness.copy()
+
+    @stiffness.setter
+    def stiffness(self, value: ArrayLike) -> None:
+        self._stiffness = as_stiffness(value, self.model.size)
+
+    def torque(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        q_target: ArrayLike,
+        v_target: ArrayLike | None = None,
+        a_target: ArrayLike | None = None,
+    ) -> FloatArray:
+        """Return joint torques (n,), [N m], within the effort limits.
+
+        Args:
+            q: Configuration (n,), [rad].
+            v: Joint velocity (n,), [rad/s].
+            q_target: Where the spring pulls, (n,), [rad].
+            v_target: Velocity of the target (n,), [rad/s]; None is rest.
+            a_target: Its acceleration (n,), [rad/s^2]; None is 0.
+
+        Raises:
+            InvalidTarget: NaN or a wrong shape.
+        """
+        n, model = self.model.size, self.model
+        q, v = as_state(q, v, n)
+        error = as_vector(q_target, n, "target configuration") - q
+        rate = (np.zeros(n) if v_target is None else as_vector(v_target, n, "target velocity")) - v
+        a = np.zeros(n) if a_target is None else as_vector(a_target, n, "target acceleration")
+        damping = damping_for(self._stiffness, model.mass_matrix(q), self.damping_ratio)
+        tau = self._stiffness @ error + damping @ rate + model.inverse_dynamics(q, v, a)
+        return np.clip(tau, -model.limits.effort, model.limits.effort)
+
+
+class CartesianImpedance:
+    """A spring and damper between the tip and a pose."""
+
+    def __init__(
+        self,
+        model: RobotModel,
+        stiffness: ArrayLike = (400.0, 400.0, 400.0, 30.0, 30.0, 30.0),
+        damping_ratio: float = 1.0,
+        posture_stiffness: float = 5.0,
+        posture: FloatArray | None = None,
+    ) -> None:
+        """Choose the spring.
+
+        Args:
+            model: The arm.
+            stiffness: One number, (6,) or (6, 6) along world axes, translation [N/m] first, then rotation [N m/rad].
+            damping_ratio: Of all modes.
+            posture_stiffness: Of the joint spring in the null space [N m/rad].
+            posture: Where it pulls (n,), [rad]; None is home.
+        """
+        self.model, self.damping_ratio, self.posture_stiffness = model, damping_ratio, posture_stiffness
+        self.posture = as_vector(model.home if posture is None else posture, model.size, "posture").copy()
+        self.stiffness = stiffness
+
+    @property
+    def stiffness(self) -> FloatArray:
+        """Stiffness matrix (6, 6) along world axes, [N/m, N m/rad]; may be set at any time."""
+        return self._stiffness.copy()
+
+    @stiffness.setter
+    def stiffness(self, value: ArrayLike) -> None:
+        self._stiffness = as_stiffness(value, 6)
+
+    def torque(self, q: ArrayLike, v: ArrayLike, pose: ArrayLike, twist: ArrayLike | None = None) -> FloatArray:
+        """Return joint torques (n,), [N m], within the effort limits.
+
+        Args:
+            q: Configuration (n,), [rad].
+            v: Joint velocity (n,), [rad/s].
+            pose: Where the spring pulls the tip, (7,) in the world.
+            twist: Velocity of that target `[linear, angular]` (6,) along world axes; None is rest.
+
+        Raises:
+            InvalidTarget: NaN, a wrong shape, or a quaternion of norm zero.
+        """
+        model = self.model
+        q, v = as_state(q, v, model.size)
+        goal = as_placement(pose)
+        target = np.zeros(6) if twist is None else as_vector(twist, 6, "twist")
+        now, jacobian, mass = model.tip_se3(q), model.jacobian(q), model.mass_matrix(q)
+        error = np.concatenate([goal.translation - now.translation, pin.log3(goal.rotation @ now.rotation.T)])
+        mobility = np.linalg.solve(mass, jacobian.T)  # M^-1 J^T
+        inertia = np.linalg.inv(jacobian @ mobility + SINGULAR * np.eye(6))
+        damping = damping_for(self._stiffness, 0.5 * (inertia + inertia.T), self.damping_ratio)
+        wrench = self._stiffness @ error + damping @ (target - jacobian @ v)
+        spring = self._posture_torque(q, v, mass)
+        spring -= jacobian.T @ (inertia @ (mobility.T @ spring))
+        tau = jacobian.T @ wrench + spring + model.inverse_dynamics(q, v, np.zeros(model.size))
+        return np.clip(tau, -model.limits.effort, model.limits.effort)
+
+    def _posture_torque(self, q: FloatArray, v: FloatArray, mass: FloatArray) -> FloatArray:
+        """Return the torque (n,) of the joint spring, critically damped joint by joint."""
+        return self.posture_stiffness * (self.posture - q) - 2.0 * np.sqrt(self.posture_stiffness * mass.diagonal()) * v

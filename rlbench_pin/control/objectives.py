@@ -1,0 +1,132 @@
+"""What a Cartesian controller wants of one tick: how far the tip should move and turn, and where the arm would rather be.
+
+The tip is to move along the straight line to its goal, and turn about one axis, as fast as it may and still stop there. With the
+error e (position [m], or rotation vector [rad]), speeds are capped at
+
+    s = min(v_max, A dt g(|e| / (A dt^2)))
+
+where g (see `constraints`) is the largest speed per tick from which braking at A stops within |e|. Both parts are scaled
+by the smaller of the two factors, so the path stays straight as long as joint limits allow the speed. Near the goal g is
+the identity and one tick covers all of e.
+
+The posture objective pulls what the tip leaves free towards a configuration q_p. In
+
+    (w - w_0 g) ||d||^2 + w_0 g ||d - (q_p - q)||^2,       g = gain dt,
+
+the null space moves by d = g (q_p - q) when w = w_0, however small w_0 is. Near singularities w rises above w_0: the sum
+damps, and the pull, whose weight stays, cannot hold the tip back from its goal.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from scipy.linalg.blas import dsyrk
+from scipy.linalg.lapack import dpotrf
+
+from rlbench_pin.control.constraints import largest_step
+from rlbench_pin.spatial import FloatArray
+
+SMALL_STEP = 0.01
+"""Steps of the tip shorter than this [m] or [rad] are damped less near singularities."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TipObjective:
+    """How the tip approaches its goal."""
+
+    linear_speed: float = 1.0
+    """Largest speed [m/s]."""
+    angular_speed: float = 3.0
+    """Largest speed of turning [rad/s]."""
+    linear_acceleration: float = 2.0
+    """Braking towards the goal [m/s^2]."""
+    angular_acceleration: float = 6.0
+    """Braking towards the goal [rad/s^2]."""
+    position_weight: float = 1.0
+    """Weight of 1 m of error."""
+    rotation_weight: float = 0.3
+    """Weight of 1 rad of error."""
+
+    def __post_init__(self) -> None:
+        """Refuse what would divide by zero."""
+        for name, value in vars(self).items():
+            if not value > 0.0:
+                raise ValueError(f"{name} has to be > 0, not {value}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PostureObjective:
+    """What the arm does with the freedom that the tip leaves."""
+
+    gain: float = 1.0
+    """Share of the way to the preferred configuration covered per second [1/s]."""
+    weight: float = 1e-5
+    """Damping far from singularities, relative to the weights of the tip."""
+    singular_weight: float = 1e-2
+    """Damping in a singular configuration, for steps that are not small."""
+    singular_below: float = 0.01
+    """Manipulability sqrt(det(J J^T)) below which the damping rises from `weight` to `singular_weight`."""
+
+    def damping(self, manipulability: float, step: float) -> float:
+        """Return w: `weight`, and more where manipulability is lacking (Nakamura), in proportion to what is asked (Sugihara).
+
+        Args:
+            manipulability: sqrt(det(J J^T)).
+            step: What the tip is to cover in this tick, [m] or [rad].
+        """
+        lack = max(0.0, 1.0 - manipulability / self.singular_below)
+        return self.weight + self.singular_weight * lack * lack * min(1.0, step / SMALL_STEP)
+
+
+class TipApproach:
+    """Where the tip should be after each tick on its way to a goal."""
+
+    def __init__(self, tip: TipObjective, dt: float) -> None:
+        """Prepare for ticks of `dt` [s]."""
+        self._linear = tip.linear_speed * dt, tip.linear_acceleration * dt * dt
+        self._angular = tip.angular_speed * dt, tip.angular_acceleration * dt * dt
+
+    def next(self, now: pin.SE3, goal: pin.SE3) -> pin.SE3:
+        """Return T_world_tip one tick after `now` on the way to `goal`."""
+        x, y, z, qx, qy, qz, qw = pin.SE3ToXYZQUAT(now.actInv(goal)).tolist()
+        sine = math.sqrt(qx * qx + qy * qy + qz * qz)
+        distance, angle = math.sqrt(x * x + y * y + z * z), 2.0 * math.atan2(sine, abs(qw))
+        share = min(_share(distance, *self._linear), _share(angle, *self._angular))
+        if share >= 1.0:
+            return goal
+        half = 0.5 * share * angle
+        part = math.copysign(math.sin(half) / sine, qw) if sine > 0.0 else 0.0
+        return now * pin.XYZQUATToSE3([share * x, share * y, share * z, part * qx, part * qy, part * qz, math.cos(half)])
+
+
+def _share(error: float, fastest: float, unit: float) -> float:
+    """Return the share of `error` to cover in one tick, given the largest step and A dt^2, all in [m] or [rad]."""
+    step = largest_step(error, unit)
+    if step > fastest:
+        step = fastest
+    return step / error if step < error else 1.0
+
+
+def step_between(now: pin.SE3, goal: pin.SE3) -> float:
+    """Return the larger of distance [m] and angle [rad] between two placements."""
+    motion = now.actInv(goal)
+    return max(float(np.linalg.norm(motion.translation)), float(np.linalg.norm(pin.log3(motion.rotation))))
+
+
+def moved(placement: pin.SE3, shift: FloatArray, turn: FloatArray) -> pin.SE3:
+    """Return T_world_tip shifted by (3,) [m] and turned by the rotation vector (3,) [rad], both along world axes."""
+    return pin.SE3(pin.exp3(turn) @ placement.rotation, placement.translation + shift)
+
+
+def manipulability(jacobian: FloatArray) -> float:
+    """Return sqrt(det(J J^T)) of a Jacobian (6, n), the product of its singular values: 0 when it lost rank.
+
+    It does not matter at which point and along which axes the twist is expressed: such a change has determinant 1.
+    The Cholesky factor of J J^T has the square root of the determinant on its diagonal, as a product.
+    """
+    factor, failed = dpotrf(dsyrk(1.0, jacobian), 0, 0, 1)  # upper, without clearing the rest, in place
+    return 0.0 if failed else math.prod(factor.diagonal().tolist())

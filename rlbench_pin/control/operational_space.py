@@ -1,0 +1,146 @@
+"""Operational space control as a QP: the joint torques that accelerate the tip as wanted, within what motors and joints can do.
+
+With inertia M, Coriolis and gravity h, tip Jacobian J, the torques tau = M a + h belong to the joint accelerations a that solve
+
+    minimise    ||W^1/2 (J a + dJ/dt v - x'')||^2 + w ||a - a_p||^2
+    subject to  -tau_max <= M a + h <= tau_max
+                 (u_min - v) / dt <= a <= (u_max - v) / dt
+
+* x'' = x''_d + D (x'_d - x') + K e pulls the tip back to its target with e the position error and the rotation vector of
+  R_d R^T, both along world axes; K = omega^2 and D = 2 omega make that critically damped.
+* a_p = omega_p^2 (q_p - q) - 2 omega_p v keeps the freedom that is left near a posture; w is small, and damps near
+  singularities.
+* [u_min, u_max] is the interval of next velocities that keeps position, velocity and acceleration limits for ever
+  (`constraints`).
+
+Torque limits and the interval may exclude each other, for a heavy payload say. Then the command is the safe stop: brake
+every joint as hard as the motors allow. Khatib 1987 has the idea; Del Prete & Mansard 2015 the formulation as a QP.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from rlbench_pin.control.checks import as_placement, as_state, as_vector
+from rlbench_pin.control.constraints import JointBounds
+from rlbench_pin.control.osqp_solver import OsqpSolver
+from rlbench_pin.control.quadratic_program import QPSolver, QuadraticProgram
+from rlbench_pin.errors import InfeasibleControl
+from rlbench_pin.robot.limits import JointLimits
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.spatial import FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class OperationalSpaceConfig:
+    """Settings of operational space control."""
+
+    dt: float = 1.0 / 240.0
+    """Time for which a torque is held [s]."""
+    tip_frequency: float = 25.0
+    """omega: how fast tip errors decay [rad/s]."""
+    posture_frequency: float = 4.0
+    """omega_p [rad/s]."""
+    rotation_weight: float = 0.1
+    """Weight of 1 rad/s^2 at the tip; 1 m/s^2 weighs 1."""
+    posture_weight: float = 1e-4
+    """w."""
+    limit_margin: float = 0.0
+    """Distance kept from the joint position limits [rad]."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class TorqueCommand:
+    """Torques for the next tick."""
+
+    torque: FloatArray
+    """Shape (n,), [N m], within the effort limits."""
+    acceleration: FloatArray
+    """What they should produce (n,), [rad/s^2]."""
+    stopped: bool
+    """Whether this is the safe stop, because no torque met all constraints."""
+
+
+class OperationalSpaceQP:
+    """Tip pose, twist and acceleration to joint torques. Not thread-safe."""
+
+    def __init__(
+        self,
+        model: RobotModel,
+        config: OperationalSpaceConfig = OperationalSpaceConfig(),
+        *,
+        limits: JointLimits | None = None,
+        posture: FloatArray | None = None,
+        solver: QPSolver | None = None,
+    ) -> None:
+        """Prepare a controller.
+
+        Args:
+            model: The arm, with its payload.
+            config: Settings.
+            limits: Joint limits; None takes the arm's.
+            posture: Preferred configuration (n,), [rad]; None takes the arm's home.
+            solver: Solves the QP; None is OSQP.
+        """
+        self.model, self.config = model, config
+        self.limits = limits or model.limits
+        self.posture = as_vector(model.home if posture is None else posture, model.size, "posture").copy()
+        self.bounds = JointBounds(self.limits, config.dt, "acceleration", config.limit_margin)
+        default = OsqpSolver(self.limits.acceleration, model.size, rho=3e-3, tolerance=1e-7, iterations=10_000)
+        self._solver: QPSolver = solver or default
+        self._weights = np.repeat([1.0, config.rotation_weight], 3)
+
+    def command(
+        self, q: ArrayLike, v: ArrayLike, pose: ArrayLike, twist: ArrayLike | None = None, acceleration: ArrayLike | None = None
+    ) -> TorqueCommand:
+        """Return the torques of the next tick.
+
+        Args:
+            q: Configuration (n,), [rad].
+            v: Joint velocity (n,), [rad/s].
+            pose: Tip target (7,) in the world.
+            twist: Its velocity `[linear, angular]` (6,) along world axes, [m/s, rad/s]; None is rest.
+            acceleration: Its acceleration (6,) along world axes, [m/s^2, rad/s^2]; None is 0.
+
+        Raises:
+            InvalidTarget: NaN, a wrong shape, or a quaternion of norm zero.
+        """
+        q, v = as_state(q, v, self.model.size)
+        goal = as_placement(pose)
+        target_twist = np.zeros(6) if twist is None else as_vector(twist, 6, "twist")
+        target_acceleration = np.zeros(6) if acceleration is None else as_vector(acceleration, 6, "acceleration")
+        problem, mass, bias = self._problem(q, v, goal, target_twist, target_acceleration)
+        effort = self.limits.effort
+        try:
+            a, stopped = self._solver.solve(problem), False
+        except InfeasibleControl:
+            a, stopped = (self.bounds.braking(v) - v) / self.config.dt, True
+        torque = np.minimum(np.maximum(mass @ a + bias, -effort), effort)
+        return TorqueCommand(torque, a, stopped)
+
+    def _problem(
+        self, q: FloatArray, v: FloatArray, goal: pin.SE3, twist: FloatArray, acceleration: FloatArray
+    ) -> tuple[QuadraticProgram, FloatArray, FloatArray]:
+        """Return the program for the accelerations, the inertia and the bias torques."""
+        model, data, tip, config = self.model.arm, self.model.data, self.model.tip_id, self.config
+        mass = self.model.mass_matrix(q)
+        bias = np.array(pin.nonLinearEffects(model, data, q, v))
+        jacobian = self.model.jacobian(q)
+        pin.forwardKinematics(model, data, q, v, np.zeros_like(v))
+        now = pin.updateFramePlacement(model, data, tip)
+        drift = pin.getFrameClassicalAcceleration(model, data, tip, pin.LOCAL_WORLD_ALIGNED).vector
+        error = np.concatenate([goal.translation - now.translation, pin.log3(goal.rotation @ now.rotation.T)])
+        omega, omega_p = config.tip_frequency, config.posture_frequency
+        wanted = acceleration + 2.0 * omega * (twist - jacobian @ v) + omega * omega * error - drift
+        rest = omega_p * omega_p * (self.posture - q) - 2.0 * omega_p * v
+        weighted = jacobian.T * self._weights
+        P = weighted @ jacobian + config.posture_weight * np.eye(len(q))
+        slowest, fastest = self.bounds.interval(q, v)
+        effort = self.limits.effort
+        linear = -weighted @ wanted - config.posture_weight * rest
+        low, high = (slowest - v) / config.dt, (fastest - v) / config.dt
+        return QuadraticProgram(P, linear, mass, -effort - bias, effort - bias, low, high), mass, bias

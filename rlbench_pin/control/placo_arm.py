@@ -1,0 +1,79 @@
+"""The arm as PlaCo sees it: joints of the arm alone, base where it stands, fingers fixed, no geometry."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import placo
+
+from rlbench_pin.errors import RobotModelError
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.spatial import FloatArray
+
+BASE = 7
+"""PlaCo puts a pose (7,) of the base in front of the joints in q."""
+BASE_SPEED = 6
+"""And a twist (6,) in front of them in a displacement."""
+
+
+class PlacoArm:
+    """A PlaCo robot and kinematics solver for one arm, in the joint order of `RobotModel`."""
+
+    def __init__(self, model: RobotModel) -> None:
+        """Build the robot and check that it is the same arm.
+
+        Raises:
+            RobotModelError: PlaCo orders the joints differently, or its kinematics disagree with Pinocchio's.
+        """
+        self.size = model.size
+        self.robot = placo.RobotWrapper(model.description.urdf.name, int(placo.Flags.ignore_collisions), _bare_urdf(model))
+        self.solver = placo.KinematicsSolver(self.robot)
+        self.solver.mask_fbase(True)
+        self.robot.set_T_world_fbase(model.base.homogeneous)
+        self._state, self._pinocchio = self.robot.state, self.robot.model
+        self._update, self._solve = self.robot.update_kinematics, self.solver.solve
+        self._q = np.array(self._state.q)
+        self._lower, self._upper = np.array(self._pinocchio.lowerPositionLimit), np.array(self._pinocchio.upperPositionLimit)
+        self._lower_joints, self._upper_joints = self._lower[BASE:], self._upper[BASE:]
+        self._check(model)
+
+    def set_configuration(self, q: FloatArray) -> None:
+        """Put the arm at `q` (n,) [rad] and compute its kinematics."""
+        self._q[BASE:] = q
+        self._state.q = self._q
+        self._update()
+
+    def solve(self, q: FloatArray, lowest: FloatArray, highest: FloatArray) -> FloatArray:
+        """Return the displacement (n,) [rad] of the next tick from `q`, between `lowest` and `highest` (n,).
+
+        PlaCo raises RuntimeError when there is none.
+        """
+        np.add(q, lowest, out=self._lower_joints)
+        np.add(q, highest, out=self._upper_joints)
+        self._pinocchio.lowerPositionLimit = self._lower
+        self._pinocchio.upperPositionLimit = self._upper
+        return self._solve(False)[BASE_SPEED:]
+
+    def _check(self, model: RobotModel) -> None:
+        names = tuple(self.robot.joint_names())
+        if names != model.description.arm_joints:
+            raise RobotModelError(f"PlaCo orders the joints {names}, the description {model.description.arm_joints}.")
+        self.set_configuration(model.home)
+        placo_tip = np.asarray(self.robot.get_T_world_frame(model.description.tip_frame))
+        if not np.allclose(placo_tip, model.tip_se3(model.home).homogeneous, atol=1e-9):
+            raise RobotModelError(
+                f"PlaCo and Pinocchio put '{model.description.tip_frame}' of '{model.description.name}' in two places."
+            )
+
+
+def _bare_urdf(model: RobotModel) -> str:
+    """Return the arm's URDF without geometry, the fingers fixed at zero: they carry no frame that control needs."""
+    root = ET.parse(model.description.urdf).getroot()
+    for link in root.iterfind("link"):
+        for geometry in [*link.iterfind("visual"), *link.iterfind("collision")]:
+            link.remove(geometry)
+    for joint in root.iterfind("joint"):
+        if joint.get("name") in model.description.gripper_joints:
+            joint.set("type", "fixed")
+    return ET.tostring(root, encoding="unicode")

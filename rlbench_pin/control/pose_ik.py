@@ -1,0 +1,128 @@
+"""One pose, one configuration: differential inverse kinematics run to its end, with restarts.
+
+Each step solves the QP of `differential_ik` without the clock: no velocities, only position limits and a trust region,
+
+    minimise    w_p ||J_p d - e_p||^2 + w_r ||J_r d - e_r||^2 + w ||d||^2
+    subject to  lower <= q + d <= upper,   |d| <= r,            w = c (w_p ||e_p||^2 + w_r ||e_r||^2) + w_0
+
+With damping in proportion to the squared error (Sugihara, "Solvability-unconcerned inverse kinematics by the
+Levenberg-Marquardt method", T-RO 2011) steps are cautious far away, where J says little, and of Newton's kind near the
+goal. A descent that stops halving its error is given up, and the next start is drawn at random between the joint limits.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from rlbench_pin.control.checks import as_placement, as_vector
+from rlbench_pin.control.placo_arm import PlacoArm
+from rlbench_pin.errors import NoIkSolution
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.spatial import FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class PoseIKConfig:
+    """When a pose counts as reached, and how long to try."""
+
+    position_tolerance: float = 1e-4
+    """[m]."""
+    rotation_tolerance: float = 1e-3
+    """[rad]."""
+    rotation_weight: float = 0.3
+    """Weight of 1 rad of error; 1 m weighs 1."""
+    damping: float = 0.1
+    """c: damping per squared error."""
+    step: float = 1.2
+    """r: largest change of a joint in one step [rad]."""
+    steps: int = 60
+    """Steps of one descent at most."""
+    patience: int = 5
+    """Steps within which the squared error has to halve."""
+    starts: int = 60
+    """Descents at most; the first begins at the given configuration."""
+
+
+@dataclass(frozen=True, eq=False)
+class PoseSolution:
+    """A configuration that reaches a pose, and what it took."""
+
+    q: FloatArray
+    """Shape (n,), [rad]."""
+    position_error: float
+    """[m]."""
+    rotation_error: float
+    """[rad]."""
+    starts: int
+    steps: int
+
+
+class PoseIK:
+    """Finds configurations whose tip is at a pose, inside the joint limits. Not thread-safe."""
+
+    def __init__(self, model: RobotModel, config: PoseIKConfig = PoseIKConfig()) -> None:
+        """Prepare the solver."""
+        self.model, self.config = model, config
+        self._arm, self._data = PlacoArm(model), model.arm.createData()
+        solver = self._arm.solver
+        self._tip_task = solver.add_frame_task(model.description.tip_frame, np.eye(4))
+        self._tip_task.configure("tip", "soft", 1.0, config.rotation_weight)
+        self._damping_task = solver.add_regularization_task(1.0)
+        solver.enable_joint_limits(True)
+        solver.enable_velocity_limits(False)
+
+    def solve(self, pose: ArrayLike, q_start: ArrayLike, rng: np.random.Generator) -> PoseSolution:
+        """Return a configuration that reaches `pose`.
+
+        Args:
+            pose: Tip target (7,) in the world.
+            q_start: Where the first descent begins (n,), [rad].
+            rng: Draws the other starts.
+
+        Raises:
+            InvalidTarget: NaN, a wrong shape, or a quaternion of norm zero.
+            NoIkSolution: No descent arrived; carries the smallest error.
+        """
+        goal = as_placement(pose)
+        limits, config = self.model.limits, self.config
+        q = np.clip(as_vector(q_start, self.model.size, "configuration"), limits.lower, limits.upper)
+        best, steps = (math.inf, math.inf), 0
+        for start in range(config.starts):
+            q, errors, taken = self._descend(goal, q if start == 0 else rng.uniform(limits.lower, limits.upper))
+            steps += taken
+            if errors[0] <= config.position_tolerance and errors[1] <= config.rotation_tolerance:
+                return PoseSolution(q, *errors, start + 1, steps)
+            best = min(best, errors)
+        raise NoIkSolution(np.asarray(pose, dtype=float), *best, config.starts)
+
+    def _descend(self, goal: pin.SE3, q: FloatArray) -> tuple[FloatArray, tuple[float, float], int]:
+        """Walk downhill from `q`; return where it ended, position and rotation error there, and the number of steps."""
+        config, limits = self.config, self.model.limits
+        self._tip_task.T_world_frame = goal.homogeneous
+        best = math.inf
+        for taken in range(config.steps):
+            errors = self._errors(goal, q)
+            square = errors[0] ** 2 + config.rotation_weight * errors[1] ** 2
+            if errors[0] <= config.position_tolerance and errors[1] <= config.rotation_tolerance:
+                return q, errors, taken
+            if taken % config.patience == config.patience - 1:
+                if square > 0.5 * best:
+                    return q, errors, taken
+                best = square
+            self._arm.set_configuration(q)
+            self._damping_task.configure("damping", "soft", config.damping * square + 1e-9)
+            lowest, highest = np.maximum(limits.lower - q, -config.step), np.minimum(limits.upper - q, config.step)
+            q = np.minimum(np.maximum(q + self._arm.solve(q, lowest, highest), limits.lower), limits.upper)
+        return q, self._errors(goal, q), config.steps
+
+    def _errors(self, goal: pin.SE3, q: FloatArray) -> tuple[float, float]:
+        """Return distance [m] and angle [rad] between the tip at `q` and the goal."""
+        pin.forwardKinematics(self.model.arm, self._data, q)
+        tip = pin.updateFramePlacement(self.model.arm, self._data, self.model.tip_id)
+        x, y, z, qx, qy, qz, qw = pin.SE3ToXYZQUAT(tip.actInv(goal)).tolist()
+        return math.sqrt(x * x + y * y + z * z), 2.0 * math.atan2(math.sqrt(qx * qx + qy * qy + qz * qz), abs(qw))

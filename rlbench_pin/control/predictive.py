@@ -1,0 +1,208 @@
+"""Model predictive control of the tip: the next half second of joint velocities at once, the first of which is used.
+
+Unknown are velocities u_0 .. u_{N-1}, deviations x_1 .. x_N of the configurations from a nominal motion, and slacks s_1 .. s_N:
+
+    minimise    sum_k  ||J_k x_k - e_k||_W^2 + w_c ||u_k - u_{k-1}||^2 + w_p ||qbar_k + x_k - q_p||^2
+                       + w_s s_k + w_t ||u_{N-1}||^2
+    subject to  qbar_{k+1} + x_{k+1} = qbar_k + x_k + dt u_k,    x_0 = 0
+                |u_k| <= v_max,   |u_k - u_{k-1}| <= a dt,   u_0 in the interval of `constraints`
+                lower <= qbar_k + x_k <= upper
+                d_i(qbar_k) + grad d_i x_k + s_k >= d_min  for the nearest pairs i,   s_k >= 0
+
+where e_k is what is missing from the tip at qbar_k to the reference pose k, with the Jacobian there. The nominal motion
+is the last plan, moved on by one tick: one linearisation per tick (Diehl's real-time iteration). The matrices are sparse
+and keep their pattern; OSQP starts from the last solution, so a command depends on the commands before since `reset`, and
+on nothing else.
+
+s_k keeps the QP feasible when distances cannot be kept; joint limits always can. Should OSQP fail to converge, the
+command is braking. Distances are linearised, so put a `SafetyFilter` behind this controller where they have to hold.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import osqp
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from rlbench_pin.control.checks import as_placement, as_state, as_vector
+from rlbench_pin.control.constraints import JointBounds
+from rlbench_pin.control.osqp_solver import FIXED
+from rlbench_pin.control.predictive_program import PredictiveProgram, ProgramSize
+from rlbench_pin.errors import InvalidTarget
+from rlbench_pin.robot.distances import DistanceModel
+from rlbench_pin.robot.limits import JointLimits
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.spatial import FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class PredictiveConfig:
+    """Settings of model predictive control."""
+
+    dt: float = 0.05
+    """Control tick [s]."""
+    horizon: int = 10
+    """N: ticks looked ahead."""
+    position_weight: float = 100.0
+    """Of 1 m^2."""
+    rotation_weight: float = 10.0
+    """Of 1 rad^2."""
+    change_weight: float = 2e-2
+    """w_c."""
+    posture_weight: float = 1e-3
+    """w_p."""
+    final_weight: float = 1e-3
+    """w_t."""
+    slack_weight: float = 100.0
+    """w_s, of 1 m."""
+    pairs: int = 6
+    """Nearest pairs heeded at each tick of the horizon, when distances are given."""
+    margin: float = 0.02
+    """d_min to the world [m]."""
+    self_margin: float = 0.01
+    """d_min within the arm [m]."""
+    tolerance: float = 1e-4
+    """Residual at which OSQP stops."""
+    iterations: int = 4000
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PredictiveCommand:
+    """The next command and the plan it comes from."""
+
+    velocity: FloatArray
+    """Joint velocity of the next tick (n,), [rad/s]."""
+    plan: FloatArray
+    """Configurations planned for the next ticks (N, n), [rad]."""
+    shortfall: float
+    """Largest slack [m]: by how much the plan breaks a minimum distance."""
+    stopped: bool
+    """Whether the command is braking, because the QP was not solved."""
+
+
+class CartesianMPC:
+    """Follows tip references by looking ahead. Not thread-safe."""
+
+    def __init__(
+        self,
+        model: RobotModel,
+        config: PredictiveConfig = PredictiveConfig(),
+        *,
+        distances: DistanceModel | None = None,
+        limits: JointLimits | None = None,
+        posture: FloatArray | None = None,
+    ) -> None:
+        """Prepare a controller.
+
+        Args:
+            model: The arm.
+            config: Settings.
+            distances: The world to keep clear of; None heeds none.
+            limits: Joint limits; None takes the arm's.
+            posture: Preferred configuration (n,), [rad]; None takes the arm's home.
+        """
+        self.model, self.config, self.distances = model, config, distances
+        self.bounds = JointBounds(limits or model.limits, config.dt)
+        self.posture = as_vector(model.home if posture is None else posture, model.size, "posture").copy()
+        size = ProgramSize(model.size, config.horizon, config.pairs if distances is not None else 0)
+        self._program = PredictiveProgram(size, self.bounds, config.change_weight, config.final_weight, config.slack_weight)
+        self._weights = np.repeat([config.position_weight, config.rotation_weight], 3)
+        self._data = model.arm.createData()
+        self.iterations = 0
+        """Iterations that the last solve took."""
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the last plan."""
+        self._plan: FloatArray | None = None
+        settings = {
+            "warm_starting": True,
+            "rho": 0.1,
+            "eps_abs": self.config.tolerance,
+            "eps_rel": self.config.tolerance,
+        }
+        program = self._program
+        program.clear()
+        self._osqp = osqp.OSQP()
+        cost, rows = program.cost, program.rows
+        self._osqp.setup(
+            cost, program.linear, rows, program.low, program.high, **FIXED, **settings, max_iter=self.config.iterations
+        )
+
+    def command(self, q: ArrayLike, v: ArrayLike, reference: ArrayLike) -> PredictiveCommand:
+        """Return the joint velocity of the next tick, and the plan.
+
+        Args:
+            q: Configuration (n,), [rad].
+            v: Joint velocity (n,) now, that is, the last command; [rad/s].
+            reference: Tip pose (7,) to hold, or poses (N, 7) for the ends of the next ticks, in the world.
+
+        Raises:
+            InvalidTarget: NaN, a wrong shape, or a quaternion of norm zero.
+        """
+        q, v = as_state(q, v, self.model.size)
+        goals = self._goals(reference)
+        nominal = self._nominal(q, v)
+        program = self._program
+        program.set_state(q, v, nominal)
+        for k, goal in enumerate(goals):
+            program.set_objective(k, *self._objective(nominal[k], goal))
+            if self.distances is not None:
+                program.set_distances(k, *self._clearances(nominal[k]))
+        self._osqp.update(q=program.linear, l=program.low, u=program.high, Px=program.cost.data, Ax=program.rows.data)
+        result = self._osqp.solve(raise_error=False)
+        self.iterations = int(result.info.iter)
+        if result.info.status_val != osqp.SolverStatus.OSQP_SOLVED:
+            self.reset()
+            return PredictiveCommand(self.bounds.braking(v), nominal, 0.0, True)
+        velocities, deviations, slacks = program.split(np.asarray(result.x))
+        self._plan = velocities
+        slowest, fastest = self.bounds.interval(q, v)
+        velocity = np.minimum(np.maximum(velocities[0], slowest), fastest)
+        return PredictiveCommand(velocity, nominal + deviations, float(slacks.max(initial=0.0)), False)
+
+    def _goals(self, reference: ArrayLike) -> list[pin.SE3]:
+        poses = np.asarray(reference, dtype=float)
+        if poses.ndim == 1:
+            return [as_placement(poses, "reference")] * self.config.horizon
+        if poses.shape != (self.config.horizon, 7):
+            raise InvalidTarget("reference", poses.shape, f"has to have shape (7,) or ({self.config.horizon}, 7)")
+        return [as_placement(pose, "reference") for pose in poses]
+
+    def _nominal(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Return the last plan, moved on by one tick, from `q` on; without one, braking. Shape (N, n), [rad]."""
+        limits = self.bounds.limits
+        if self._plan is None:
+            velocities = np.zeros((self.config.horizon, len(q)))
+            for row in velocities:
+                v = self.bounds.braking(v)
+                row[:] = v
+        else:
+            velocities = np.concatenate([self._plan[1:], self._plan[-1:]])
+        return np.clip(q + self.config.dt * np.cumsum(velocities, axis=0), limits.lower, limits.upper)
+
+    def _objective(self, q: FloatArray, goal: pin.SE3) -> tuple[FloatArray, FloatArray]:
+        """Return the quadratic (n, n) and linear (n,) cost of the deviation from `q`."""
+        jacobian = pin.computeFrameJacobian(self.model.arm, self._data, q, self.model.tip_id, pin.LOCAL_WORLD_ALIGNED)
+        pin.forwardKinematics(self.model.arm, self._data, q)
+        now = pin.updateFramePlacement(self.model.arm, self._data, self.model.tip_id)
+        error = np.concatenate([goal.translation - now.translation, pin.log3(goal.rotation @ now.rotation.T)])
+        weighted = jacobian.T * self._weights
+        weight = self.config.posture_weight
+        return weighted @ jacobian + weight * np.eye(len(q)), -weighted @ error - weight * (self.posture - q)
+
+    def _clearances(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return gradients (m, n) of the nearest distances at `q`, and how much is left above their minimum (m,), [m]."""
+        model, config = self.distances, self.config
+        assert model is not None
+        model.place(q)
+        least = np.where(model.crosses, config.margin, config.self_margin)
+        hidden = np.where(model.counts, 0.0, np.inf)
+        likely = np.argsort(model.bounds - least + hidden, kind="stable")[: 4 * config.pairs]
+        spare = model.measure(likely) - least[likely] + hidden[likely]
+        order = np.argsort(spare, kind="stable")[: config.pairs]
+        which = likely[order][np.isfinite(spare[order])]
+        return model.gradients(which), spare[order][: len(which)]

@@ -1,0 +1,240 @@
+"""A filter in front of any policy: the joint velocity nearest to the wanted one that cannot hurt.
+
+At configuration q the filter passes on the next velocity u that solves
+
+    minimise    ||(u - u_wanted) / v_max||^2
+    subject to  u_min <= u <= u_max                       joint limits, braking distance included (`constraints`)
+                grad d_k (q) u >= - gain (d_k - d_min)    for near pairs k: velocity dampers                       (1)
+
+where d_k are distances between the arm, what it holds and the world, and their gradients come from nearest points and
+normals (`robot.distances`). With (1) a distance d approaches its minimum d_min exponentially (Faverjon & Tournassoud
+1987; a control barrier function of the class d' >= -gain d). When no row is active, u is the wanted velocity clipped to
+the box, and no QP is solved.
+
+(1) is linear in a short motion and knows nothing of braking, so the result is checked: the tick of u and the hardest
+braking after it, at true distances and in all pairs (`braking`). If that way is not clear, commands between u and braking
+are tried, and last braking itself, which was checked one tick ago. Therefore, in a world that stands still, limits hold
+and distances stay above the minimum at all times, also when the QP is infeasible: braking is the safe stop.
+
+A state that breaks a rule already is led back: joints beyond their limits brake, then return; pairs nearer than the
+minimum may not come nearer, and (1) asks them to part at most at `recovery_speed`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rlbench_pin.control.braking import BrakingCheck
+from rlbench_pin.control.checks import as_state, as_vector
+from rlbench_pin.control.constraints import Hold, JointBounds
+from rlbench_pin.control.osqp_solver import OsqpSolver
+from rlbench_pin.control.quadratic_program import QPSolver, QuadraticProgram
+from rlbench_pin.errors import InfeasibleControl
+from rlbench_pin.robot.distances import DistanceModel
+from rlbench_pin.robot.limits import JointLimits
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.robot.motion_bounds import IndexArray
+from rlbench_pin.spatial import FloatArray
+
+Reason = Literal["limits", "distance", "braking", "infeasible"]
+"""Why a command was changed: joint limits; velocity dampers; the way to standstill was not clear; the QP had no solution."""
+BETWEEN = (0.5, 0.0)
+"""Shares of the QP's solution, the rest braking, that are tried when the way is not clear."""
+ROWS = 32
+"""Pairs that take part in the QP, the most pressing first."""
+SLACK = 1e-5
+"""How much nearer than it is a pair below the minimum may come [m]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SafetyConfig:
+    """Settings of the safety filter."""
+
+    dt: float = 0.05
+    """Control tick [s]."""
+    hold: Hold = "velocity"
+    """Whether a commanded velocity is reached at once and held, or linearly over the tick."""
+    margin: float = 0.01
+    """Minimum distance to the world [m]."""
+    self_margin: float = 0.005
+    """Minimum distance between parts of the arm, and of what it holds [m]."""
+    buffer: float = 0.003
+    """The dampers begin this much before the minimum distance, so that curvature does not break it at once [m]."""
+    gain: float = 5.0
+    """Of the distance above the minimum, the share that may be lost per second [1/s]."""
+    influence: float = 0.05
+    """Pairs nearer than this always take part in the QP [m]."""
+    recovery_speed: float = 0.05
+    """At which pairs below the minimum are made to part [m/s]."""
+    limit_margin: float = 0.0
+    """Distance kept from the joint position limits [rad]."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SafeCommand:
+    """What the filter passes on, and why."""
+
+    velocity: FloatArray
+    """Joint velocity of the next tick (n,), [rad/s]."""
+    wanted: FloatArray
+    reasons: tuple[Reason, ...]
+    """Empty when the wanted velocity passed unchanged."""
+    pairs: tuple[tuple[str, str], ...]
+    """What came too near, as names."""
+    stopped: bool
+    """Whether the command is the hardest braking, for want of anything better."""
+
+    @property
+    def intervened(self) -> bool:
+        """Whether the command differs from the wanted one."""
+        return bool(self.reasons)
+
+    def __str__(self) -> str:
+        """Say what happened in words."""
+        near = ", ".join(f"{a} near {b}" for a, b in self.pairs)
+        return f"{' and '.join(self.reasons) or 'passed'}{f' ({near})' if near else ''}{', braking' if self.stopped else ''}"
+
+
+@dataclass
+class FilterCounts:
+    """What a filter did so far."""
+
+    ticks: int = 0
+    interventions: int = 0
+    solves: int = 0
+    """QPs solved."""
+    stops: int = 0
+    reasons: dict[str, int] = field(default_factory=dict)
+
+    def add(self, command: SafeCommand) -> None:
+        """Count one command."""
+        self.ticks += 1
+        self.interventions += command.intervened
+        self.stops += command.stopped
+        for reason in command.reasons:
+            self.reasons[reason] = self.reasons.get(reason, 0) + 1
+
+
+class SafetyFilter:
+    """Makes joint velocities safe for one arm. Not thread-safe; a command depends on state, world and wanted velocity alone."""
+
+    def __init__(
+        self,
+        model: RobotModel,
+        config: SafetyConfig = SafetyConfig(),
+        *,
+        limits: JointLimits | None = None,
+        solver: QPSolver | None = None,
+    ) -> None:
+        """Prepare a filter for an empty world; `distances.update` tells it the world.
+
+        Args:
+            model: The arm.
+            config: Settings.
+            limits: Joint limits; None takes the arm's.
+            solver: Solves the QP; None is OSQP.
+        """
+        self.model, self.config = model, config
+        self.bounds = JointBounds(limits or model.limits, config.dt, config.hold, config.limit_margin)
+        self.distances = DistanceModel(model)
+        self.counts = FilterCounts()
+        self._braking = BrakingCheck(self.distances, self.bounds)
+        self._solver: QPSolver = solver or OsqpSolver(self.bounds.velocity, ROWS, rho=0.1, tolerance=1e-6, iterations=4000)
+        self._weight = self.bounds.velocity**-2.0
+
+    def filter(self, q: ArrayLike, v: ArrayLike, wanted: ArrayLike) -> SafeCommand:
+        """Return the safe joint velocity of the next tick.
+
+        Args:
+            q: Configuration (n,), [rad].
+            v: Joint velocity (n,) now, that is, the last command; [rad/s].
+            wanted: Joint velocity (n,) that somebody would like, [rad/s].
+
+        Raises:
+            InvalidTarget: NaN or a wrong shape.
+        """
+        q, v = as_state(q, v, self.model.size)
+        wanted = as_vector(wanted, self.model.size, "wanted joint velocity")
+        lowest, highest = self.bounds.interval(q, v)
+        clipped = np.minimum(np.maximum(wanted, lowest), highest)
+        self.distances.place(q)
+        command, reasons, pairs = self._damped(v, clipped, lowest, highest)
+        command, refused, stopped = self._checked(q, v, command)
+        if len(refused):
+            reasons, pairs = (*reasons, "braking"), np.concatenate([pairs, refused])
+        if not np.array_equal(clipped, wanted):
+            reasons = ("limits", *reasons)
+        names = tuple(dict.fromkeys(self.distances.names(k) for k in pairs.tolist()))
+        result = SafeCommand(command, np.array(wanted), reasons, names, stopped or "infeasible" in reasons)
+        self.counts.add(result)
+        return result
+
+    def filter_acceleration(self, q: ArrayLike, v: ArrayLike, wanted: ArrayLike) -> SafeCommand:
+        """Like `filter` for a wanted joint acceleration (n,), [rad/s^2]; the command is the velocity at the end of the tick."""
+        return self.filter(
+            q, v, np.asarray(v, dtype=float) + self.config.dt * as_vector(wanted, self.model.size, "wanted acceleration")
+        )
+
+    # Proposing ----------------------------------------------------------------------------------------------------
+
+    def _damped(
+        self, v: FloatArray, wanted: FloatArray, lowest: FloatArray, highest: FloatArray
+    ) -> tuple[FloatArray, tuple[Reason, ...], IndexArray]:
+        """Return the velocity in the box nearest to `wanted` that keeps the dampers, why it differs, and the pairs it heeds."""
+        which, gradients, least = self._dampers(wanted)
+        if self.config.hold == "acceleration":  # the tick moves by the mean of both velocities
+            gradients, least = 0.5 * gradients, least - 0.5 * gradients @ v
+        slack = gradients @ wanted - least
+        if not len(which) or slack.min() >= 0.0:
+            return wanted, (), which[:0]
+        infinite = np.full(len(which), np.inf)
+        problem = QuadraticProgram(np.diag(self._weight), -self._weight * wanted, gradients, least, infinite, lowest, highest)
+        self.counts.solves += 1
+        try:
+            velocity = self._solver.solve(problem)
+        except InfeasibleControl:
+            return self.bounds.braking(v), ("infeasible",), which[slack < 0.0]
+        return velocity, ("distance",), which[gradients @ velocity - least < 1e-4]
+
+    def _dampers(self, velocity: FloatArray) -> tuple[IndexArray, FloatArray, FloatArray]:
+        """Return pairs that are near or might come near, gradients of their distances, and the least rates of change [m/s]."""
+        model, config = self.distances, self.config
+        heeded = self._minimum() + config.buffer
+        spare = model.bounds - heeded
+        fast = model.motion.approach(np.abs(velocity))
+        near = np.flatnonzero(((spare < config.influence) | (config.gain * spare < fast)) & model.counts)
+        spare = model.measure(near) - heeded[near]
+        keep = (spare < config.influence) | (config.gain * spare < fast[near])
+        near, spare = near[keep], spare[keep]
+        if len(near) > ROWS:
+            pressing = np.argsort(config.gain * spare - np.minimum(fast[near], 1.0), kind="stable")[:ROWS]
+            near, spare = near[pressing], spare[pressing]
+        return near, model.gradients(near), np.minimum(-config.gain * spare, config.recovery_speed)
+
+    def _minimum(self) -> FloatArray:
+        """Return the smallest distance allowed, shape (pairs,), [m]."""
+        return np.where(self.distances.crosses, self.config.margin, self.config.self_margin)
+
+    # Checking -----------------------------------------------------------------------------------------------------
+
+    def _checked(self, q: FloatArray, v: FloatArray, command: FloatArray) -> tuple[FloatArray, IndexArray, bool]:
+        """Return the first of `command`, commands between it and braking, and braking, whose way to standstill is clear."""
+        model = self.distances
+        floors = np.where(model.counts, self._minimum(), -np.inf)
+        below = model.bounds < floors  # perhaps, or for sure: bounds are exact where it matters
+        if below.any():
+            which = np.flatnonzero(below)
+            floors[which] = np.minimum(floors[which], model.measure(which) - SLACK)
+        refused = self._braking.unsafe(q, v, command, floors)
+        if not len(refused):
+            return command, refused, False
+        brake = self.bounds.braking(v)
+        for share in BETWEEN[:-1]:
+            between = brake + share * (command - brake)
+            if not len(self._braking.unsafe(q, v, between, floors)):
+                return between, refused, False
+        return brake, refused, True

@@ -1,0 +1,70 @@
+"""Where things lie: `<root>/<task>/variation<k>/episodes/episode<j>.h5`, and one `manifest.json` per task."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from rlbench_pin.errors import DatasetError, nearest_name
+
+EPISODE_SUFFIX = ".h5"
+MANIFEST = "manifest.json"
+ALL_VARIATIONS = -1
+
+_EPISODE = re.compile(r"episode(\d+)\.h5")
+_VARIATION = re.compile(r"variation(\d+)")
+
+
+def episode_path(root: Path, task: str, variation: int, episode: int) -> Path:
+    """Return the file of one episode."""
+    return Path(root) / task / f"variation{variation}" / "episodes" / f"episode{episode}{EPISODE_SUFFIX}"
+
+
+def manifest_path(root: Path, task: str) -> Path:
+    """Return the manifest of one task."""
+    return Path(root) / task / MANIFEST
+
+
+def episode_number(path: Path) -> int:
+    """Return j of `episode<j>.h5`."""
+    match = _EPISODE.fullmatch(Path(path).name)
+    if match is None:
+        raise DatasetError(f"'{path}' is not called like an episode; expected episode<number>{EPISODE_SUFFIX}.")
+    return int(match[1])
+
+
+def stored_variations(root: Path, task: str) -> tuple[int, ...]:
+    """Return the variations of a task that have a folder, ascending."""
+    matches = (_VARIATION.fullmatch(p.name) for p in _task_folder(root, task).iterdir() if p.is_dir())
+    return tuple(sorted(int(m[1]) for m in matches if m))
+
+
+def episode_files(root: Path, task: str, variation: int = ALL_VARIATIONS) -> tuple[Path, ...]:
+    """Return the episodes of one variation, or of all (-1), in natural order.
+
+    Raises:
+        DatasetError: The root, the task or the variation is not stored there.
+    """
+    stored = stored_variations(root, task)
+    if variation != ALL_VARIATIONS and variation not in stored:
+        raise DatasetError(f"'{root}' holds no variation {variation} of '{task}', only {list(stored)}.")
+    wanted = stored if variation == ALL_VARIATIONS else (variation,)
+    return tuple(path for v in wanted for path in _episodes_in(episode_path(root, task, v, 0).parent))
+
+
+def _episodes_in(folder: Path) -> list[Path]:
+    files = [p for p in folder.glob(f"episode*{EPISODE_SUFFIX}") if _EPISODE.fullmatch(p.name)] if folder.is_dir() else []
+    return sorted(files, key=episode_number)
+
+
+def _task_folder(root: Path, task: str) -> Path:
+    root = Path(root)
+    if not root.is_dir():
+        raise DatasetError(f"The dataset folder '{root}' does not exist. Make one with `rlbench-pin demo TASK --out {root}`.")
+    folder = root / task
+    if not folder.is_dir():
+        stored = sorted(p.name for p in root.iterdir() if p.is_dir())
+        near = nearest_name(task, stored)
+        guess = f" Did you mean '{near}'?" if near else ""
+        raise DatasetError(f"'{root}' holds no task '{task}', only {stored}.{guess}")
+    return folder

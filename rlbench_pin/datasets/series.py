@@ -1,0 +1,158 @@
+"""One value per frame, as HDF5: arrays are stacked, the rest becomes JSON. Nothing is pickled, nothing is rounded.
+
+A series is a list with one value per frame; None means that the frame has no such value. Each series becomes one HDF5
+dataset whose attribute `kind` says how to read it back:
+
+* `array`: arrays of one shape and type, stacked along the first axis;
+* `arrays`: lists of equally many such arrays, stacked along the first two axes;
+* `float`: python floats, as float64;
+* `json`: anything else, one JSON text per frame.
+
+A dataset with the attribute `constant` holds one value for all frames; `frames` lists the frames that have one.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import h5py
+import numpy as np
+
+Value = Any
+"""What `Observation.misc` may hold: arrays, numbers, texts, and lists and dicts of them."""
+
+_ARRAY, _TUPLE, _PAIRS, _SCALAR = "__array__", "__tuple__", "__pairs__", "__scalar__"
+_SMALL = 256
+
+
+def write_series(group: h5py.Group, name: str, values: Sequence[Value], compression: str) -> None:
+    """Store one value per frame under `name`; does nothing when every value is None."""
+    frames = [i for i, v in enumerate(values) if v is not None]
+    if not frames:
+        return
+    present = [values[i] for i in frames]
+    kind = _kind(present)
+    data = _pack(kind, present)
+    constant = kind != "float" and len(present) > 1 and _all_equal(data)
+    dataset = _create(group, name, data[:1] if constant else data, compression)
+    dataset.attrs["kind"] = kind
+    if constant:
+        dataset.attrs["constant"] = True
+    if len(frames) != len(values):
+        group.create_dataset(f"{name}@frames", data=np.array(frames, dtype=np.int64))
+
+
+def read_series(group: h5py.Group, name: str, length: int) -> list[Value]:
+    """Read back what `write_series` stored: `length` values, None where a frame has none."""
+    dataset = group[name]
+    frames = group[f"{name}@frames"][()].tolist() if f"{name}@frames" in group else range(length)
+    data = dataset[()]
+    if dataset.attrs.get("constant", False):
+        data = np.repeat(data, len(frames), axis=0)
+    if len(data) != len(frames):
+        raise ValueError(f"'{name}' has {len(data)} values for {len(frames)} frames")
+    result: list[Value] = [None] * length
+    for frame, value in zip(frames, _unpack(dataset.attrs["kind"], data)):
+        result[frame] = value
+    return result
+
+
+def to_json(value: Value) -> str:
+    """Write a value as JSON; arrays, tuples, numpy scalars and dicts with other keys than texts survive."""
+    return json.dumps(_plain(value))
+
+
+def from_json(text: str | bytes) -> Value:
+    """Read back what `to_json` wrote."""
+    return json.loads(text, object_hook=_restore)
+
+
+def _kind(values: Sequence[Value]) -> str:
+    first = values[0]
+    if all(type(v) is float for v in values):
+        return "float"
+    if _stackable(values):
+        return "array"
+    if isinstance(first, list) and first and all(isinstance(v, list) and len(v) == len(first) for v in values):
+        flat = [item for v in values for item in v]
+        return "arrays" if _stackable(flat) else "json"
+    return "json"
+
+
+def _stackable(values: Sequence[Value]) -> bool:
+    """Whether all are arrays of one shape and one plain type."""
+    first = values[0]
+    if not isinstance(first, np.ndarray) or first.dtype.kind not in "biuf":
+        return False
+    return all(isinstance(v, np.ndarray) and v.shape == first.shape and v.dtype == first.dtype for v in values)
+
+
+def _pack(kind: str, values: Sequence[Value]) -> np.ndarray:
+    if kind == "json":
+        return np.array([to_json(v) for v in values], dtype=object)
+    if kind == "arrays":
+        return np.stack([np.stack(v) for v in values])
+    return np.array(values, dtype=np.float64) if kind == "float" else np.stack(values)
+
+
+def _unpack(kind: str, data: np.ndarray) -> list[Value]:
+    if kind == "json":
+        return [from_json(text) for text in data]
+    if kind == "arrays":
+        return [[item.copy() for item in row] for row in data]
+    if kind == "array":
+        return [np.array(row) for row in data]
+    if kind == "float":
+        return [float(v) for v in data]
+    raise ValueError(f"unknown kind of series '{kind}'")
+
+
+def _all_equal(data: np.ndarray) -> bool:
+    """Whether all rows are bit-equal (so that NaN equals NaN and -0.0 differs from 0.0)."""
+    if data.dtype == object:
+        return all(text == data[0] for text in data)
+    first = data[0].tobytes()
+    return all(row.tobytes() == first for row in data)
+
+
+def _create(group: h5py.Group, name: str, data: np.ndarray, compression: str) -> h5py.Dataset:
+    """Make a dataset; anything large is chunked per frame, shuffled and compressed."""
+    if data.dtype == object:
+        return group.create_dataset(name, data=data, dtype=h5py.string_dtype("utf-8"))
+    if data.nbytes < _SMALL or data.size == 0:
+        return group.create_dataset(name, data=data)
+    chunks = (1, *data.shape[1:]) if data.ndim >= 3 and data[0].nbytes >= 4096 else data.shape
+    return group.create_dataset(name, data=data, chunks=chunks, compression=compression, shuffle=True)
+
+
+def _plain(value: Value) -> Value:
+    """Replace what JSON does not know by marked dicts."""
+    if isinstance(value, np.ndarray):
+        return {_ARRAY: value.tolist(), "dtype": str(value.dtype), "shape": list(value.shape)}
+    if isinstance(value, np.generic):
+        return {_SCALAR: value.item(), "dtype": str(value.dtype)}
+    if isinstance(value, tuple):
+        return {_TUPLE: [_plain(v) for v in value]}
+    if isinstance(value, list):
+        return [_plain(v) for v in value]
+    if isinstance(value, dict):
+        if all(isinstance(k, str) and not k.startswith("__") for k in value):
+            return {k: _plain(v) for k, v in value.items()}
+        return {_PAIRS: [[_plain(k), _plain(v)] for k, v in value.items()]}
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    raise TypeError(f"a {type(value).__name__} cannot be stored; use arrays, numbers, texts, lists and dicts")
+
+
+def _restore(marked: dict[str, Value]) -> Value:
+    if _ARRAY in marked:
+        return np.array(marked[_ARRAY], dtype=marked["dtype"]).reshape(marked["shape"])
+    if _SCALAR in marked:
+        return np.dtype(marked["dtype"]).type(marked[_SCALAR])
+    if _TUPLE in marked:
+        return tuple(marked[_TUPLE])
+    if _PAIRS in marked:
+        return dict(marked[_PAIRS])
+    return marked

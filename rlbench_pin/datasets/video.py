@@ -1,0 +1,87 @@
+"""Films: a sequence of pictures becomes an MP4 that players and browsers open."""
+
+from __future__ import annotations
+
+import os
+from fractions import Fraction
+from pathlib import Path
+from types import TracebackType
+from typing import cast
+
+import av
+import numpy as np
+
+from rlbench_pin.errors import DatasetError
+
+_CODECS: tuple[tuple[str, dict[str, str]], ...] = (
+    ("libx264", {"crf": "20", "preset": "medium"}),
+    ("mpeg4", {"qscale": "3"}),
+)
+
+
+class VideoWriter:
+    """Writes pictures to an MP4; the file appears when the writer is closed without an error.
+
+    Args:
+        path: The file, replaced when it exists.
+        size: Width and height [px], both even.
+        fps: Pictures per second [1/s].
+    """
+
+    def __init__(self, path: Path, size: tuple[int, int], fps: int = 20) -> None:
+        if size[0] % 2 or size[1] % 2:
+            raise DatasetError(f"A video of {size[0]} x {size[1]} px cannot be encoded; choose an even width and height.")
+        self.path, self.size, self.frames = Path(path), size, 0
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        self._temporary = self.path.with_name(f".{self.path.stem}.{os.getpid()}.part.mp4")
+        self._container = av.open(str(self._temporary), mode="w", options={"movflags": "faststart"})
+        codec, options = _available_codec()
+        self._stream = cast(av.VideoStream, self._container.add_stream(codec, rate=fps, options=options))
+        self._stream.width, self._stream.height = size
+        self._stream.pix_fmt = "yuv420p"
+        self._stream.codec_context.time_base = Fraction(1, fps)
+        self._stream.codec_context.thread_count = 1
+
+    def add(self, picture: np.ndarray) -> None:
+        """Append one picture, uint8 (h, w, 3)."""
+        width, height = self.size
+        if picture.shape != (height, width, 3):
+            raise DatasetError(f"A picture of shape {picture.shape} does not fit a video of {width} x {height} px.")
+        frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture, dtype=np.uint8), format="rgb24")
+        frame.pts = self.frames
+        self.frames += 1
+        for packet in self._stream.encode(frame):
+            self._container.mux(packet)
+
+    def close(self) -> Path:
+        """Finish the file and return its path."""
+        if self.frames == 0:
+            self.discard()
+            raise DatasetError(f"The video '{self.path}' has no pictures.")
+        for packet in self._stream.encode(None):
+            self._container.mux(packet)
+        self._container.close()
+        os.replace(self._temporary, self.path)
+        return self.path
+
+    def discard(self) -> None:
+        """Throw away what was written."""
+        self._container.close()
+        self._temporary.unlink(missing_ok=True)
+
+    def __enter__(self) -> VideoWriter:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
+        if kind is None:
+            self.close()
+        else:
+            self.discard()
+
+
+def _available_codec() -> tuple[str, dict[str, str]]:
+    """Return the first encoder that this build of FFmpeg has, with its options."""
+    for name, options in _CODECS:
+        if name in av.codecs_available:
+            return name, options
+    raise DatasetError("This build of PyAV has neither an H.264 nor an MPEG-4 encoder. Install the wheel of `av`.")

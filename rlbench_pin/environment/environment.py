@@ -1,0 +1,253 @@
+"""The front door: choose actions and observations, then get tasks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+
+from rlbench_pin.environment.action_mode import ActionMode
+from rlbench_pin.environment.cameras import camera_view
+from rlbench_pin.environment.gripper_actions import GripperMode
+from rlbench_pin.environment.observation_config import ObservationConfig
+from rlbench_pin.environment.observe import camera_misc
+from rlbench_pin.environment.randomize import (
+    DynamicsRandomizationConfig,
+    RandomizeEvery,
+    VisualRandomizationConfig,
+    check_randomisation,
+)
+from rlbench_pin.environment.randomizer import Randomizer
+from rlbench_pin.environment.scene import Scene
+from rlbench_pin.environment.stored import read_stored_demos
+from rlbench_pin.environment.task_environment import TaskEnvironment
+from rlbench_pin.errors import DatasetError, EnvironmentClosed, TaskEnvironmentError, UnknownName
+from rlbench_pin.observation import CAMERAS, Demo
+from rlbench_pin.planning.planner import MotionPlanner, PlannerConfig
+from rlbench_pin.robot.catalogue import SUPPORTED_ROBOTS, robot_description
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.scene.spec import SceneSpec
+from rlbench_pin.sim import RENDERERS, RendererName, World
+from rlbench_pin.tasks import Task, task_class, task_scene
+
+
+class Environment:
+    """A simulated robot at a table, for which tasks can be chosen.
+
+    Args:
+        action_mode: What actions mean.
+        dataset_root: Folder of stored demonstrations.
+        obs_config: What observations contain; a fresh default when None.
+        headless: Accepted for compatibility; nothing is ever shown on a screen.
+        static_positions: Leave tasks where their scene files put them.
+        robot_setup: Name of the arm, in any case.
+        randomize_every: When to randomise, with one of the randomisation settings.
+        frequency: Randomise every n-th event.
+        visual_randomization_config: Visual randomisation.
+        dynamics_randomization_config: Dynamics randomisation.
+        attach_grasped_objects: Fix grasped bodies to the hand, unless the gripper mode says otherwise.
+        shaped_rewards: Return the tasks' own rewards.
+        arm_max_velocity: Cap on planned joint speeds [rad/s].
+        arm_max_acceleration: Cap on planned joint accelerations [rad/s^2].
+        seed: Seed of everything that is drawn and not seeded by a call.
+        renderer: Who draws pictures: `cpu`, `egl`, or `auto` for EGL where there is one. Pictures of the two differ a little.
+
+    Raises:
+        DatasetError: `dataset_root` does not exist (also a RuntimeError).
+        UnknownRobot: No such arm (also a ValueError).
+    """
+
+    def __init__(
+        self,
+        action_mode: ActionMode,
+        dataset_root: str = "",
+        obs_config: ObservationConfig | None = None,
+        headless: bool = False,
+        static_positions: bool = False,
+        robot_setup: str = "panda",
+        randomize_every: RandomizeEvery | None = None,
+        frequency: int = 1,
+        visual_randomization_config: VisualRandomizationConfig | None = None,
+        dynamics_randomization_config: DynamicsRandomizationConfig | None = None,
+        attach_grasped_objects: bool = True,
+        shaped_rewards: bool = False,
+        arm_max_velocity: float = 1.0,
+        arm_max_acceleration: float = 4.0,
+        *,
+        seed: int | None = None,
+        renderer: RendererName = "cpu",
+    ) -> None:
+        if dataset_root and not Path(dataset_root).is_dir():
+            raise DatasetError(f"The dataset root '{dataset_root}' does not exist. Create it, or pass dataset_root=''.")
+        if robot_setup.lower() not in SUPPORTED_ROBOTS:
+            raise UnknownRobot(robot_setup)
+        check_randomisation(randomize_every, frequency, visual_randomization_config, dynamics_randomization_config)
+        self._action_mode, self._dataset_root = action_mode, str(dataset_root)
+        self._obs_config = ObservationConfig() if obs_config is None else obs_config
+        self._obs_config.check()
+        self._randomize_every, self._frequency = randomize_every, frequency
+        self._visual, self._dynamics = visual_randomization_config, dynamics_randomization_config
+        if renderer not in RENDERERS:
+            raise UnknownName("renderer", str(renderer), RENDERERS)
+        self._renderer = renderer
+        self._headless, self._static_positions, self._shaped_rewards = headless, static_positions, shaped_rewards
+        self._robot_setup = robot_setup.lower()
+        self._attach_grasped_objects = attach_grasped_objects
+        self._planner_config = PlannerConfig(max_velocity=arm_max_velocity, max_acceleration=arm_max_acceleration)
+        self._seeds = np.random.default_rng(seed)
+        self._model: RobotModel | None = None
+        self._scene: Scene | None = None
+
+    # Life -------------------------------------------------------------------------------------------------------
+
+    def launch(self) -> None:
+        """Load the robot.
+
+        Raises:
+            TaskEnvironmentError: It was launched before (also a RuntimeError).
+        """
+        if self._model is not None:
+            raise AlreadyLaunched("The environment is launched already. Call `shutdown()` first.")
+        self._model = RobotModel(robot_description(self._robot_setup))
+        gripper_mode = getattr(self._action_mode, "gripper_action_mode", None)
+        if isinstance(gripper_mode, GripperMode):
+            gripper_mode.environment_attaches = self._attach_grasped_objects
+
+    def shutdown(self) -> None:
+        """Free the world; safe to call repeatedly."""
+        if self._scene is not None:
+            self._scene.world.close()
+        self._scene, self._model = None, None
+
+    def __enter__(self) -> Environment:
+        if self._model is None:
+            self.launch()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.shutdown()
+
+    # Tasks ------------------------------------------------------------------------------------------------------
+
+    def get_task(self, task: type[Task] | str) -> TaskEnvironment:
+        """Load a task, by class or by name, and return its loop; the previous task is unloaded.
+
+        Raises:
+            UnknownName: No task has this name; names the nearest.
+        """
+        chosen = task_class(task) if isinstance(task, str) else task
+        if self._model is None:
+            self.launch()
+        assert self._model is not None
+        scene = self._build(chosen, task_scene(chosen), self._model)
+        if self._scene is not None:
+            self._scene.world.close()
+        self._scene = scene
+        return TaskEnvironment(
+            scene,
+            self._action_mode,
+            self._obs_config,
+            self._seeds,
+            self._dataset_root,
+            self._static_positions,
+            self._shaped_rewards,
+            self._randomizer(scene),
+        )
+
+    def _randomizer(self, scene: Scene) -> Randomizer | None:
+        if self._randomize_every is None:
+            return None
+        return Randomizer(scene, self._obs_config, self._randomize_every, self._frequency, self._visual, self._dynamics)
+
+    def _build(self, chosen: type[Task], spec: SceneSpec, model: RobotModel) -> Scene:
+        world = World(spec, model.description, renderer=self._renderer)
+        try:
+            task = chosen(world)
+            task.init_task()
+            planner = MotionPlanner(model, self._planner_config)
+            return Scene(world, task, model.description, model, planner, self._obs_config)
+        except BaseException:
+            world.close()
+            raise
+
+    def get_demos(
+        self,
+        task_name: str,
+        amount: int,
+        variation_number: int = 0,
+        image_paths: bool = False,
+        random_selection: bool = True,
+        from_episode_number: int = 0,
+    ) -> list[Demo]:
+        """Return stored demonstrations without starting a simulator.
+
+        Raises:
+            DatasetError: There is no dataset root, or it lacks what was asked for.
+            UnknownName: No task has this name.
+        """
+        return read_stored_demos(
+            self._dataset_root,
+            task_class(task_name).get_name(),
+            amount,
+            variation_number,
+            self._obs_config,
+            image_paths=image_paths,
+            random_selection=random_selection,
+            from_episode_number=from_episode_number,
+            rng=self._seeds,
+        )
+
+    # What it offers ---------------------------------------------------------------------------------------------
+
+    @property
+    def action_shape(self) -> tuple[int]:
+        """Shape of an action; needs a task."""
+        return (self.action_size,)
+
+    @property
+    def action_size(self) -> int:
+        """How many numbers an action has; needs a task."""
+        if self._scene is None:
+            raise NoTask("The shape of actions is known once a task is loaded. Call `get_task(...)` first.")
+        return self._action_mode.action_shape(self._scene)
+
+    def action_bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest values of an action; needs a task."""
+        if self._scene is None:
+            raise NoTask("The bounds of actions are known once a task is loaded. Call `get_task(...)` first.")
+        return self._action_mode.action_bounds(self._scene)
+
+    def get_scene_data(self) -> dict[str, dict[str, Any] | None]:
+        """Return intrinsics, extrinsics and clipping planes of each camera at the home posture, None where it is switched off."""
+        description = robot_description(self._robot_setup)
+        with World(SceneSpec(format=1), description) as world:
+            return {f"{name}_camera": self._camera_data(name, world) for name in CAMERAS}
+
+    def _camera_data(self, name: str, world: World) -> dict[str, Any] | None:
+        config = getattr(self._obs_config, f"{name}_camera")
+        if not config.is_used:
+            return None
+        misc = camera_misc(name, camera_view(name, config, world, robot_description(self._robot_setup)))
+        return {
+            "intrinsics": misc[f"{name}_camera_intrinsics"],
+            "extrinsics": misc[f"{name}_camera_extrinsics"],
+            "near_plane": misc[f"{name}_camera_near"],
+            "far_plane": misc[f"{name}_camera_far"],
+        }
+
+
+class AlreadyLaunched(TaskEnvironmentError, RuntimeError):
+    """`launch` was called twice."""
+
+
+class NoTask(EnvironmentClosed):
+    """Something was asked that only a loaded task can answer."""
+
+
+class UnknownRobot(UnknownName, ValueError):
+    """No arm has this name."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__("robot", name, tuple(SUPPORTED_ROBOTS))

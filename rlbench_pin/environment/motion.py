@@ -1,0 +1,96 @@
+"""Running a planned motion and operating the hand, tick by tick; shared by action modes and demonstrations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from rlbench_pin.control.tracking import TrajectoryTracker
+from rlbench_pin.environment.scene import Scene
+from rlbench_pin.robot.trajectory import Trajectory
+from rlbench_pin.spatial import FloatArray
+
+REST_SPEED = 0.05
+"""Joint speed below which the arm counts as resting [rad/s]."""
+_REST_TICKS = 10
+_GRIPPER_TICKS = 60
+_SETTLE_TICKS_AFTER_OPENING = 10
+
+
+def follow(
+    scene: Scene,
+    trajectory: Trajectory,
+    *,
+    until: Callable[[], bool] = lambda: False,
+    on_tick: Callable[[FloatArray], None] = lambda target: None,
+) -> None:
+    """Track `trajectory` to its end and come to rest there.
+
+    Args:
+        scene: The scene to move in.
+        trajectory: Timed joint motion that starts where the arm is.
+        until: Asked after every tick; True ends the motion early.
+        on_tick: Called after every tick with the commanded joint positions (n,) [rad].
+    """
+    target = scene.robot.joint_positions
+    for target in TrajectoryTracker(trajectory, scene.world.control_dt):
+        scene.drive_to(target)
+        on_tick(target)
+        if until():
+            return
+    for _ in range(_REST_TICKS):
+        if np.abs(scene.robot.joint_velocities).max() < REST_SPEED:
+            return
+        scene.drive_to(target)
+        on_tick(target)
+        if until():
+            return
+
+
+def move_gripper(
+    scene: Scene,
+    amount: float,
+    *,
+    release: bool,
+    speed: float,
+    attach: bool = True,
+    detach_before_open: bool = True,
+    on_tick: Callable[[], None] = lambda: None,
+) -> None:
+    """Drive the fingers to an opening fraction and attach or release bodies.
+
+    Closing runs by physics until the fingers stall; then every registered graspable body between them is fixed to the hand.
+
+    Args:
+        scene: The scene to act in.
+        amount: Opening fraction, 0 shut to 1 open.
+        release: Let go of what is held (an opening motion); otherwise hold what lies between the fingers afterwards.
+        speed: Finger speed [m/s].
+        attach: Fix bodies to the hand; otherwise friction alone holds them.
+        detach_before_open: Release before the fingers move; otherwise after.
+        on_tick: Called after every tick.
+    """
+    if scene.robot.mode == "torque":
+        scene.hold()
+    if release and detach_before_open:
+        scene.gripper.release()
+    scene.gripper.set_target(amount, speed)
+    for tick in range(_GRIPPER_TICKS):
+        scene.step()
+        on_tick()
+        if tick > 0 and not scene.gripper.moving:
+            break
+    hold_or_release(scene, release=release, attach=attach)
+    for _ in range(_SETTLE_TICKS_AFTER_OPENING if release else 0):
+        scene.step()
+        on_tick()
+
+
+def hold_or_release(scene: Scene, *, release: bool, attach: bool) -> None:
+    """Let everything go, or fix every graspable body between the fingers to the hand."""
+    if release:
+        scene.gripper.release()
+    elif attach:
+        for name in scene.gripper.between_fingers():
+            scene.gripper.grasp(name)

@@ -1,0 +1,151 @@
+"""Domain randomisation: when it happens and what may change."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+import numpy as np
+
+from rlbench_pin.assets import asset_path
+from rlbench_pin.errors import CameraError, TaskEnvironmentError
+
+_PICTURES = (".png", ".jpg", ".jpeg")
+
+
+class RandomizeEvery(Enum):
+    """The event that brings a new look or new dynamics."""
+
+    EPISODE = "episode"
+    """Each reset."""
+    VARIATION = "variation"
+    """Each reset to another variation than the last one's."""
+    TRANSITION = "transition"
+    """Each control tick."""
+
+
+class RandomisationMisused(TaskEnvironmentError, ValueError):
+    """Randomisation was switched on in a way that makes no sense."""
+
+
+class NoTextureFolder(CameraError, NotADirectoryError):
+    """The folder of textures does not exist."""
+
+
+class NoTextures(CameraError, RuntimeError):
+    """The folder of textures has no pictures."""
+
+
+@dataclass(kw_only=True)
+class RandomizationConfig:
+    """Which things may change. Names are those of bodies, of the room (`table`, `floor`, `wall_front`...) and of the robot."""
+
+    whitelist: Sequence[str] | None = None
+    """Only these change; `*` and `?` stand for other letters. None: all."""
+    blacklist: Sequence[str] | None = None
+    """These never change, even when they are on the white list."""
+    randomize_arm: bool = True
+    """Whether the robot changes."""
+
+    def should_randomize(self, name: str) -> bool:
+        """Whether the thing called `name` may change."""
+        if self.whitelist is not None and not any(fnmatchcase(name, pattern) for pattern in self.whitelist):
+            return False
+        return not any(fnmatchcase(name, pattern) for pattern in self.blacklist or ())
+
+
+@dataclass(init=False)
+class VisualRandomizationConfig(RandomizationConfig):
+    """Textures, lights and cameras.
+
+    Args:
+        image_directory: Folder with PNG or JPEG pictures; None is a small set of patterns that comes with the package.
+        whitelist: Only these things get textures.
+        blacklist: These never do.
+        randomize_arm: Whether the robot does.
+        textures: Put textures on things. A thing to which its task gave a colour keeps it; the texture only shades it.
+        light: How much lights change: 0 not at all, 1 strongly.
+        camera_shift: Standard deviation of each camera's position [m].
+        camera_turn: Standard deviation of each camera's orientation [rad].
+
+    Raises:
+        NoTextureFolder: There is no such folder (also a NotADirectoryError).
+        NoTextures: It has no pictures (also a RuntimeError).
+    """
+
+    image_directory: Path
+    textures: bool
+    light: float
+    camera_shift: float
+    camera_turn: float
+    _images: tuple[Path, ...] = field(repr=False)
+
+    def __init__(
+        self,
+        image_directory: str | Path | None = None,
+        whitelist: Sequence[str] | None = None,
+        blacklist: Sequence[str] | None = None,
+        randomize_arm: bool = True,
+        *,
+        textures: bool = True,
+        light: float = 1.0,
+        camera_shift: float = 0.0,
+        camera_turn: float = 0.0,
+    ) -> None:
+        super().__init__(whitelist=whitelist, blacklist=blacklist, randomize_arm=randomize_arm)
+        self.image_directory = asset_path("textures") if image_directory is None else Path(image_directory)
+        self.textures, self.light, self.camera_shift, self.camera_turn = textures, light, camera_shift, camera_turn
+        self._images = _pictures_in(self.image_directory)
+
+    def sample(self, samples: int, rng: np.random.Generator) -> list[Path]:
+        """Draw pictures, with replacement."""
+        return [self._images[i] for i in rng.integers(len(self._images), size=samples).tolist()]
+
+
+def _pictures_in(folder: Path) -> tuple[Path, ...]:
+    if not folder.is_dir():
+        raise NoTextureFolder(f"The texture folder '{folder}' does not exist. Pass a folder of PNG or JPEG pictures, or None.")
+    try:
+        images = tuple(sorted(path for path in folder.iterdir() if path.suffix.lower() in _PICTURES))
+    except OSError as error:
+        raise NoTextures(f"The texture folder '{folder}' cannot be read: {error}. Check its permissions.") from error
+    if not images:
+        raise NoTextures(f"The texture folder '{folder}' has no .png or .jpg files. Put some there, or pass None.")
+    return images
+
+
+@dataclass(kw_only=True)
+class DynamicsRandomizationConfig(RandomizationConfig):
+    """Factors that physical properties are multiplied by, drawn between a lowest and a highest value."""
+
+    mass: tuple[float, float] = (0.8, 1.25)
+    """Of bodies that move; inertia follows."""
+    friction: tuple[float, float] = (0.8, 1.25)
+    """Of bodies and the table."""
+    damping: tuple[float, float] = (0.8, 1.25)
+    """Of the joints of bodies."""
+    gains: tuple[float, float] = (0.9, 1.1)
+    """Of the arm's motors, when `randomize_arm`."""
+
+    def __post_init__(self) -> None:
+        for name in ("mass", "friction", "damping", "gains"):
+            low, high = getattr(self, name)
+            if not 0.0 < low <= high < np.inf:
+                raise RandomisationMisused(f"The factors of {name} must be 0 < lowest <= highest, not ({low}, {high}).")
+
+
+def check_randomisation(every: RandomizeEvery | None, frequency: int, visual: object | None, dynamics: object | None) -> None:
+    """Raise unless the randomisation arguments make sense together."""
+    if every is not None and visual is None and dynamics is None:
+        raise RandomisationMisused("randomize_every was given without a randomisation config. Pass a visual or a dynamics one.")
+    if every is None and (visual is not None or dynamics is not None):
+        raise RandomisationMisused("A randomisation config was given without randomize_every. Pass RandomizeEvery.EPISODE.")
+    if visual is not None and not isinstance(visual, VisualRandomizationConfig):
+        raise RandomisationMisused(f"visual_randomization_config must be a VisualRandomizationConfig, not {visual!r}.")
+    if dynamics is not None and not isinstance(dynamics, DynamicsRandomizationConfig):
+        raise RandomisationMisused(f"dynamics_randomization_config must be a DynamicsRandomizationConfig, not {dynamics!r}.")
+    if frequency < 1:
+        raise RandomisationMisused(f"frequency counts events and is at least 1, not {frequency}.")

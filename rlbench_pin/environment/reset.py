@@ -1,0 +1,86 @@
+"""The path of a reset: clean state -> variation -> placement -> feasibility -> settled world."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rlbench_pin.environment.randomness import EpisodeRandom
+from rlbench_pin.environment.scene import Scene
+from rlbench_pin.environment.turns import check_feasible
+from rlbench_pin.errors import BoundaryError, PlanningError, ResetError, WaypointError
+from rlbench_pin.sim import WorldState
+from rlbench_pin.tasks import place_task
+
+MAX_RESET_ATTEMPTS = 40
+SETTLE_TICKS = 10
+
+
+@dataclass(frozen=True)
+class EpisodeStart:
+    """How an episode began."""
+
+    instructions: tuple[str, ...]
+    attempts: int
+    """Placement attempts that were needed."""
+
+
+def start_episode(
+    scene: Scene,
+    clean: WorldState,
+    variation: int,
+    random: EpisodeRandom,
+    *,
+    static: bool,
+    max_attempts: int = MAX_RESET_ATTEMPTS,
+) -> EpisodeStart:
+    """Bring the scene to the start of an episode.
+
+    Args:
+        scene: The running scene.
+        clean: State of the world right after it was built.
+        variation: Variation of the task.
+        random: Generators of this episode.
+        static: Leave the task where its scene file puts it.
+        max_attempts: Placements to try.
+
+    Raises:
+        ResetError: No attempt gave a placement whose waypoints can all be reached; carries why each failed.
+    """
+    causes: list[str] = []
+    for attempt in range(1, max_attempts + 1):
+        try:
+            instructions = _try_start(scene, clean, variation, random, static)
+        except (BoundaryError, WaypointError, PlanningError) as error:
+            causes.append(f"{type(error).__name__}: {error}")
+            continue
+        return EpisodeStart(tuple(instructions), attempt)
+    scene.world.restore(clean)
+    raise ResetError(scene.task.get_name(), causes)
+
+
+def _try_start(scene: Scene, clean: WorldState, variation: int, random: EpisodeRandom, static: bool) -> list[str]:
+    task = scene.task
+    task.end_episode()
+    scene.world.restore(clean)
+    scene.variation = variation
+    scene.planning_rng, scene.noise_rng = random.planning, random.noise
+    instructions = task.begin_episode(variation, random.placement)
+    if not static and not task.is_static_workspace():
+        place_task(scene.world, random.placement, task.base_rotation_bounds())
+    _check_arm_is_free(scene)
+    waypoints = task.get_waypoints()
+    if waypoints:
+        check_feasible(scene.planner, waypoints, np.array(scene.description.home), random.planning)
+    for _ in range(SETTLE_TICKS):
+        scene.world.step()
+    task.reset_conditions()
+    return instructions
+
+
+def _check_arm_is_free(scene: Scene) -> None:
+    scene.refresh_planner()
+    pairs = scene.planner.collision.colliding_pairs(np.array(scene.description.home))
+    if pairs:
+        raise BoundaryError(f"the arm at home touches {pairs[0][1]}")

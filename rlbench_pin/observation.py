@@ -1,0 +1,121 @@
+"""Observation and Demo: plain records of arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, overload
+
+import numpy as np
+
+Array = np.ndarray
+
+CAMERAS: tuple[str, ...] = ("left_shoulder", "right_shoulder", "overhead", "wrist", "front")
+PRODUCTS: tuple[str, ...] = ("rgb", "depth", "mask", "point_cloud")
+LOW_DIM: tuple[str, ...] = (
+    "gripper_open",
+    "joint_velocities",
+    "joint_positions",
+    "joint_forces",
+    "gripper_pose",
+    "gripper_joint_positions",
+    "gripper_touch_forces",
+    "task_low_dim_state",
+)
+
+
+@dataclass(eq=False)
+class Observation:
+    """What is known at one instant; a field is None when it was not asked for.
+
+    Pictures are (h, w, ...) arrays, top row first: rgb uint8, depth float32, mask int32, point cloud float32 in the world frame
+    [m]. Joint data are (n,) float64 in [rad], [rad/s], [N m]; `gripper_pose` is the tip pose (7,) in the world.
+    """
+
+    left_shoulder_rgb: Array | None = None
+    left_shoulder_depth: Array | None = None
+    left_shoulder_mask: Array | None = None
+    left_shoulder_point_cloud: Array | None = None
+    right_shoulder_rgb: Array | None = None
+    right_shoulder_depth: Array | None = None
+    right_shoulder_mask: Array | None = None
+    right_shoulder_point_cloud: Array | None = None
+    overhead_rgb: Array | None = None
+    overhead_depth: Array | None = None
+    overhead_mask: Array | None = None
+    overhead_point_cloud: Array | None = None
+    wrist_rgb: Array | None = None
+    wrist_depth: Array | None = None
+    wrist_mask: Array | None = None
+    wrist_point_cloud: Array | None = None
+    front_rgb: Array | None = None
+    front_depth: Array | None = None
+    front_mask: Array | None = None
+    front_point_cloud: Array | None = None
+    joint_velocities: Array | None = None
+    joint_positions: Array | None = None
+    joint_forces: Array | None = None
+    gripper_open: float | None = None
+    gripper_pose: Array | None = None
+    gripper_matrix: Array | None = None
+    gripper_joint_positions: Array | None = None
+    gripper_touch_forces: Array | None = None
+    task_low_dim_state: Array | None = None
+    misc: dict[str, Any] = field(default_factory=dict)
+
+    def get_low_dim_data(self) -> Array:
+        """Concatenate the low-dimensional fields that are present, in the order of `LOW_DIM`, to one vector."""
+        values = (getattr(self, name) for name in LOW_DIM)
+        parts = [np.atleast_1d(np.asarray(v, dtype=float)) for v in values if v is not None]
+        return np.concatenate(parts) if parts else np.zeros(0)
+
+
+class Demo(Sequence[Observation]):
+    """One demonstration: a sequence of observations and all that is needed to play it again.
+
+    Args:
+        observations: One per control tick, the first before any motion.
+        random_seed: Seed of the episode; `reset(seed=...)` with it gives the same start state.
+        num_reset_attempts: Placement attempts the reset needed.
+        variation_number: Variation of the task.
+        instructions: Sentences that describe the goal.
+        state: Portable snapshot of the world at the first frame, name -> array.
+        versions: Name -> version of the package and of the libraries it was made with.
+        attempt: Which try of the seed this demo is, from 0.
+        task_name: Snake-case name of the task.
+    """
+
+    def __init__(
+        self,
+        observations: Sequence[Observation],
+        random_seed: int | None = None,
+        num_reset_attempts: int | None = None,
+        variation_number: int = 0,
+        instructions: Sequence[str] = (),
+        state: Mapping[str, Array] | None = None,
+        versions: Mapping[str, str] | None = None,
+        attempt: int = 0,
+        task_name: str = "",
+    ) -> None:
+        self._observations = list(observations)
+        self.random_seed = random_seed
+        self.num_reset_attempts = num_reset_attempts
+        self.variation_number = variation_number
+        self.instructions = tuple(instructions)
+        self.state = dict(state) if state is not None else None
+        self.versions = dict(versions or {})
+        self.attempt = attempt
+        self.task_name = task_name
+
+    def __len__(self) -> int:
+        return len(self._observations)
+
+    @overload
+    def __getitem__(self, index: int) -> Observation: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Observation]: ...
+    def __getitem__(self, index: int | slice) -> Observation | list[Observation]:
+        return self._observations[index]
+
+    def __iter__(self) -> Iterator[Observation]:
+        return iter(self._observations)

@@ -1,0 +1,139 @@
+"""Inverse kinematics: poses to configurations, by damped least squares on the logarithm of the pose error."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from scipy.linalg.lapack import dposv
+
+from rlbench_pin.errors import GoalInCollision, NoIkSolution
+from rlbench_pin.robot.collision import CollisionModel
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3
+
+TOLERANCE = 1e-6
+"""Norm of the remaining pose error, `[m, rad]` together."""
+LIMIT_MARGIN = 0.05
+"""Configurations nearer than this to a joint limit come last [rad]."""
+SAME = 0.1
+"""Solutions nearer than this to each other count once [rad]."""
+_ITERATIONS = 40
+_LARGEST_STEP = 0.6
+_JOINT_WEIGHT_END = 0.4
+
+
+@dataclass(frozen=True, eq=False)
+class Descent:
+    """Where one descent ended."""
+
+    q: FloatArray
+    error: FloatArray
+    """Pose error `[linear, angular]` in the tip frame, shape (6,)."""
+    converged: bool
+
+
+def descend(model: RobotModel, target: pin.SE3, q_start: FloatArray, iterations: int = _ITERATIONS) -> Descent:
+    """Walk from `q_start` to a configuration that reaches `target`, inside the joint limits.
+
+    Each step is dq = J^T (J J^T + w I)^-1 e with w growing with the error (Sugihara's damping); joints that would leave
+    their limits are held and the step is taken by the others.
+    """
+    arm, data, tip = model.arm, model.data, model.tip_id
+    lower, upper = model.limits.lower, model.limits.upper
+    q = np.minimum(np.maximum(q_start, lower), upper)
+    best = np.inf
+    for i in range(iterations):
+        pin.framesForwardKinematics(arm, data, q)
+        error = pin.log6(data.oMf[tip].actInv(target)).vector
+        square = float(error @ error)
+        if square < TOLERANCE * TOLERANCE:
+            return Descent(q, error, True)
+        if i % 8 == 7:
+            if square > 0.5 * best:
+                break
+            best = square
+        jacobian = pin.computeFrameJacobian(arm, data, q, tip, pin.LOCAL)
+        step = _step(jacobian, error, 0.5 * square + 1e-9)
+        outside = ((q <= lower) & (step < 0.0)) | ((q >= upper) & (step > 0.0))
+        if outside.any():
+            jacobian[:, outside] = 0.0
+            step = _step(jacobian, error, 0.5 * square + 1e-6)
+        largest = float(np.abs(step).max())
+        if largest > _LARGEST_STEP:
+            step *= _LARGEST_STEP / largest
+        q = np.minimum(np.maximum(q + step, lower), upper)
+    return Descent(q, error, False)
+
+
+def _step(jacobian: FloatArray, error: FloatArray, damping: float) -> FloatArray:
+    """Return J^T (J J^T + damping I)^-1 e."""
+    square = jacobian @ jacobian.T
+    square.flat[::7] += damping
+    _, solution, info = dposv(square, error)
+    return jacobian.T @ solution if info == 0 else np.zeros(jacobian.shape[1])
+
+
+def solve_ik(
+    model: RobotModel,
+    pose: PoseLike,
+    seed_q: FloatArray,
+    rng: np.random.Generator,
+    *,
+    starts: int = 60,
+    max_solutions: int = 1,
+    collision: CollisionModel | None = None,
+) -> list[FloatArray]:
+    """Find configurations whose tip is at `pose`, nearest to `seed_q` first, those close to a joint limit last.
+
+    Args:
+        model: The arm.
+        pose: Tip pose (7,) in the world.
+        seed_q: Where the search begins, shape (n,), [rad].
+        rng: Draws the other starts.
+        starts: How many descents are tried at most.
+        max_solutions: Enough solutions to stop; different branches when more than one.
+        collision: Drops configurations that collide; None accepts all.
+
+    Raises:
+        NoIkSolution: No descent reaches the pose; carries the smallest error.
+        GoalInCollision: All configurations that reach it collide.
+    """
+    target = pose_to_se3(pose)
+    found: list[FloatArray] = []
+    colliding: list[FloatArray] = []
+    closest: Descent | None = None
+    for k in range(starts):
+        end = descend(model, target, seed_q if k == 0 else draw_start(model, seed_q, rng, k))
+        if not end.converged:
+            closest = end if closest is None or end.error @ end.error < closest.error @ closest.error else closest
+            continue
+        if any(np.abs(end.q - q).max() < SAME for q in (*found, *colliding)):
+            continue
+        (colliding if collision is not None and collision.goal_in_collision(end.q) else found).append(end.q)
+        if len(found) >= max_solutions:
+            break
+    if found:
+        return sorted(found, key=lambda q: cost(model, seed_q, q))
+    if colliding and collision is not None:
+        pairs, depths = collision.penetrations(min(colliding, key=lambda q: cost(model, seed_q, q)))
+        raise GoalInCollision(pairs, len(colliding), depths)
+    assert closest is not None
+    position, rotation = (float(np.linalg.norm(part)) for part in (closest.error[:3], closest.error[3:]))
+    raise NoIkSolution(np.asarray(pose), position, rotation, starts, model.tip_pose(closest.q))
+
+
+def cost(model: RobotModel, q_from: FloatArray, q: FloatArray) -> float:
+    """Rank a configuration: weighted joint distance [rad], the wrist counting less, plus a penalty near joint limits."""
+    weights = np.linspace(1.0, _JOINT_WEIGHT_END, model.size)
+    lack = max(0.0, LIMIT_MARGIN - model.limits.margin(q))
+    return float(np.linalg.norm(weights * (q - q_from))) + (2.0 if lack > 0.0 else 0.0) + 20.0 * lack
+
+
+def draw_start(model: RobotModel, seed_q: FloatArray, rng: np.random.Generator, k: int) -> FloatArray:
+    """Draw the k-th start: at first around the seed, then wider, in the end anywhere within the limits."""
+    limits = model.limits
+    anywhere = rng.uniform(limits.lower, limits.upper)
+    blend = min(1.0, 0.15 * k)
+    return seed_q + blend * (anywhere - seed_q)

@@ -1,0 +1,162 @@
+"""Smooth geometric joint paths, s -> q, without time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.interpolate import BSpline, make_interp_spline
+
+from rlbench_pin.spatial import FloatArray
+
+IsFree = Callable[[FloatArray], bool]
+"""Says whether a configuration (n,) is free of collisions."""
+
+
+class JointPath:
+    """A cubic spline q(s) on 0 <= s <= 1, twice continuously differentiable."""
+
+    def __init__(self, spline: BSpline) -> None:
+        self._orders = (spline, spline.derivative(1), spline.derivative(2))
+
+    def __call__(self, s: FloatArray | float, order: int = 0) -> FloatArray:
+        """Return q, dq/ds or d2q/ds2 at parameters `s`, shape (m, n)."""
+        return self._orders[order](s)
+
+    @property
+    def start(self) -> FloatArray:
+        """First configuration (n,)."""
+        return self(0.0)
+
+    @property
+    def end(self) -> FloatArray:
+        """Last configuration (n,)."""
+        return self(1.0)
+
+    def spread(self, step: float) -> tuple[FloatArray, FloatArray]:
+        """Return parameters (m,) and configurations (m, n), 0 and 1 among them, with joint distances of at most `step` [rad]."""
+        knots = np.unique(self._orders[0].t)
+        s = np.unique(np.concatenate([np.linspace(a, b, 9) for a, b in zip(knots[:-1], knots[1:], strict=True)]))
+        lengths = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self(s), axis=0)).max(axis=1))])
+        count = max(2, int(np.ceil(lengths[-1] / step)) + 1)
+        even = np.interp(np.linspace(0.0, lengths[-1], count), lengths, s)
+        even[0], even[-1] = 0.0, 1.0
+        return even, self(even)
+
+    def first_collision(self, is_free: IsFree, step: float) -> float | None:
+        """Return the parameter of a configuration that is not free, looking every `step` [rad]; None when there is none."""
+        s, q = self.spread(step)
+        for i in coarse_to_fine(len(s)):
+            if not is_free(q[i]):
+                return float(s[i])
+        return None
+
+    def bezier(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the path as cubic Bezier pieces: control points (m, 4, n), parameters of their beginnings and ends (m,)."""
+        knots = np.unique(self._orders[0].t)
+        q, slope = self(knots), self(knots, 1)
+        third = np.diff(knots)[:, None] / 3.0
+        control = np.stack([q[:-1], q[:-1] + third * slope[:-1], q[1:] - third * slope[1:], q[1:]], axis=1)
+        return control, knots[:-1], knots[1:]
+
+    def length(self) -> float:
+        """Return the length in joint space [rad]."""
+        return float(np.linalg.norm(np.diff(self.spread(0.05)[1], axis=0), axis=1).sum())
+
+
+def through(points: FloatArray, s: FloatArray | None = None) -> JointPath:
+    """Interpolate points (m, n) smoothly, at parameters `s` (m,) or at their distances."""
+    if s is None:
+        points = distinct(points)
+        s = _chord(points)
+    if len(points) < 4:
+        return along(points, radius=1.0)
+    return JointPath(make_interp_spline(s, points, k=3))
+
+
+def along(vertices: FloatArray, radius: float | FloatArray) -> JointPath:
+    """Follow a polyline (m, n), rounding its corners over at most `radius` [rad], one for all or one each (m,), before and after.
+
+    The curve is a cubic B-spline whose control points lie on the polyline: it stays in the hull of neighbouring ones, so with
+    a shrinking radius it tends to the polyline itself.
+    """
+    vertices = np.asarray(vertices)
+    if np.ndim(radius) == 0 or len(vertices) != len(distinct(vertices)):
+        vertices = distinct(vertices)
+        radius = np.full(len(vertices), np.min(radius))
+    control = _control_points(vertices, np.asarray(radius))
+    chord = _chord(control)
+    inner = (chord[1:-3] + chord[2:-2] + chord[3:-1]) / 3.0
+    return JointPath(BSpline(np.concatenate([np.zeros(4), inner, np.ones(4)]), control, 3))
+
+
+def round_off(
+    vertices: FloatArray, trouble: Callable[[JointPath], float | None], radius: float = 0.4, least: float = 0.01
+) -> JointPath | None:
+    """Round the corners of a polyline, each as far as the curve makes no trouble.
+
+    Args:
+        vertices: Corners (m, n), the ends among them.
+        trouble: Returns where on a path (0..1) something is wrong, None for nowhere.
+        radius: Where rounding begins before a corner, at most [rad].
+        least: Smaller roundings are not tried [rad].
+
+    Returns:
+        The curve, or None when even tight corners make trouble.
+    """
+    vertices = distinct(vertices)
+    radii = np.full(len(vertices), radius)
+    while True:
+        path = along(vertices, radii)
+        where = trouble(path)
+        if where is None:
+            return path
+        corner = int(np.argmin(np.linalg.norm(vertices - path(where), axis=1)))
+        if radii[corner] < 2.0 * least:
+            return None
+        radii[corner] *= 0.4
+
+
+def distinct(points: FloatArray) -> FloatArray:
+    """Drop points that repeat their predecessor; keep two at least."""
+    keep = np.concatenate([[True], np.abs(np.diff(points, axis=0)).max(axis=1) > 1e-9])
+    return points[keep] if keep.sum() > 1 else points[[0, -1]]
+
+
+def edge_is_free(a: FloatArray, b: FloatArray, is_free: IsFree, step: float) -> bool:
+    """Say whether the straight joint-space line from `a` to `b` is free, ends excluded, looking every `step` [rad]."""
+    count = int(np.ceil(np.abs(b - a).max() / step)) + 1
+    return all(is_free(a + (i / (count - 1)) * (b - a)) for i in coarse_to_fine(count) if 0 < i < count - 1)
+
+
+def coarse_to_fine(count: int) -> list[int]:
+    """Return 0..count-1, widely spaced indices first, so that collisions are found early."""
+    order = [0, count - 1] if count > 1 else [0]
+    stride = 1
+    while stride < count:
+        stride *= 2
+    seen = set(order)
+    while stride > 1:
+        half = stride // 2
+        for i in range(half, count - 1, stride):
+            if i not in seen:
+                seen.add(i)
+                order.append(i)
+        stride = half
+    return order
+
+
+def _chord(points: FloatArray) -> FloatArray:
+    """Return the distance along the points, scaled to 0..1."""
+    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    total = np.concatenate([[0.0], np.cumsum(lengths)])
+    return total / total[-1] if total[-1] > 0.0 else np.linspace(0.0, 1.0, len(points))
+
+
+def _control_points(vertices: FloatArray, radii: FloatArray) -> FloatArray:
+    """Place control points on a polyline: its vertices, and two on each edge that bound the rounding of its corners."""
+    way = np.diff(vertices, axis=0)
+    lengths = np.maximum(np.linalg.norm(way, axis=1), 1e-12)
+    after, before = (np.minimum(1.0 / 3.0, r / lengths)[:, None] for r in (radii[:-1], radii[1:]))
+    rows = np.stack([vertices[:-1] + after * way, vertices[1:] - before * way, vertices[1:]], axis=1)
+    return np.concatenate([vertices[:1], rows.reshape(-1, vertices.shape[1])])

@@ -1,0 +1,101 @@
+"""What planning is told and what it gives: settings, plan, report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from rlbench_pin.planning.sampling import ALGORITHMS, Algorithm
+from rlbench_pin.robot.trajectory import Trajectory
+from rlbench_pin.spatial import FloatArray
+
+Method = Literal["straight", "direct", "sampled", "curve"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlannerConfig:
+    """How motions are searched and how fast they may be."""
+
+    max_velocity: float = 1.0
+    """No joint is faster [rad/s]."""
+    max_acceleration: float = 4.0
+    """No joint accelerates more [rad/s^2]."""
+    max_speed: float | None = None
+    """Bound of the norm of the joint velocity [rad/s]; None for none."""
+    torque_limits: bool = True
+    """Keep the joint torques within their limits, with what the hand holds."""
+    jerk_time: float = 0.0
+    """How long a change of acceleration takes at least [s]; 0 lets it jump."""
+    margin: float = 0.003
+    """Clearance to the world, except where start or goal have less [m]."""
+    algorithm: Algorithm = "rrt_connect"
+    """Sampling planner."""
+    checks: int = 50_000
+    """Budget of state checks of the sampling planner."""
+    simplify_checks: int = 1000
+    """Budget of state checks for shortcuts."""
+    ik_starts: int = 40
+    """Descents per goal pose at most."""
+    branches: int = 4
+    """Goal configurations that are planned to at most."""
+    elbows: int = 0
+    """Further goal configurations, on each side of the nearest, that hold the pose with the elbow elsewhere."""
+    region_samples: int = 12
+    """Poses that are drawn from a region of goals."""
+    edge_step: float = 0.05
+    """Resolution of edge checks while searching [rad]."""
+    check_step: float = 0.02
+    """Resolution of the check of the final path [rad]."""
+    certify: bool = True
+    """Accept a path only when it is proven free between its samples, too."""
+    certify_checks: int = 6000
+    """Budget of state checks of one proof."""
+    clearance: float = 0.0
+    """Clearance that paths around obstacles keep if they can, at most tried before `margin` [m]."""
+    measure_clearance: bool = False
+    """Report the clearance of every plan; costs some milliseconds."""
+    own_margin: float = 0.001
+    """Clearance between links of the arm [m]."""
+    attempts: int = 3
+    """Searches, ever finer, before giving up."""
+
+    def __post_init__(self) -> None:
+        """Refuse values that cannot work."""
+        if self.algorithm not in ALGORITHMS:
+            raise ValueError(f"algorithm is one of {', '.join(ALGORITHMS)}, not '{self.algorithm}'")
+        numbers = ("max_velocity", "max_acceleration", "edge_step", "check_step", "checks", "ik_starts", "branches", "attempts")
+        for name in numbers:
+            if getattr(self, name) <= 0:
+                raise ValueError(f"{name} is > 0, not {getattr(self, name)}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanReport:
+    """How a plan came about."""
+
+    method: Method
+    """straight: the tip's line; direct: the joints' line; sampled: around obstacles; curve: through given poses."""
+    goal: int
+    """Index of the pose that was reached."""
+    length: float
+    """Length in joint space [rad]."""
+    checks: int
+    """Configurations checked for collisions."""
+    seconds: dict[str, float]
+    """Time spent in each stage [s]: rules, straight, ik, search, shorten, smooth, retime."""
+    clearance: float | None = None
+    """Smallest distance to anything that counts [m]; None when it was not measured."""
+    certified: bool = False
+    """Proven free of collisions as a continuum."""
+    doubts: int = 0
+    """Paths that were dropped because no proof was found."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A motion ready to be executed."""
+
+    trajectory: Trajectory
+    path: FloatArray
+    """Configurations along the way (m, n), [rad]."""
+    report: PlanReport

@@ -1,0 +1,294 @@
+"""From where the arm is to where it should be: the one name of this package that others use."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rlbench_pin.errors import GoalInCollision, NoIkSolution, NoPath, NotStraight
+from rlbench_pin.planning.around import path_around
+from rlbench_pin.planning.goals import PoseRegion, self_motions
+from rlbench_pin.planning.ik import cost, solve_ik
+from rlbench_pin.planning.path import JointPath, along, edge_is_free, through
+from rlbench_pin.planning.plan import Method, Plan, PlannerConfig, PlanReport
+from rlbench_pin.planning.retime import retime
+from rlbench_pin.planning.rules import Rules
+from rlbench_pin.planning.stages import Stages
+from rlbench_pin.planning.straight import curve_path, straight_path
+from rlbench_pin.planning.torque import TorqueLimits
+from rlbench_pin.robot.collision import CollisionModel
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.robot.payload import payload_inertia
+from rlbench_pin.scene.snapshot import WorldSnapshot
+from rlbench_pin.spatial import FloatArray, PoseLike, rotation_distance
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    path: JointPath
+    method: Method
+    goal: int
+
+
+class MotionPlanner:
+    """Plans motions of one arm. The same arguments and generator state give the same plan."""
+
+    def __init__(self, model: RobotModel, config: PlannerConfig | None = None) -> None:
+        self.model = model
+        self.config = config or PlannerConfig()
+        self.collision = CollisionModel(model)
+        self.torque = TorqueLimits(model) if self.config.torque_limits else None
+        self.limits = model.limits.capped(self.config.max_velocity, self.config.max_acceleration)
+
+    def update(self, snapshot: WorldSnapshot) -> None:
+        """Take over the world as it is now."""
+        self.collision.update(snapshot)
+        if self.torque is not None:
+            self.torque.carry(payload_inertia(self.model, snapshot))
+
+    def plan_to_pose(
+        self,
+        q_start: FloatArray,
+        pose: PoseLike | Sequence[PoseLike] | PoseRegion,
+        *,
+        straight: bool | None = None,
+        ignore_collisions: bool = False,
+        allowed: Collection[str] = (),
+        rng: np.random.Generator,
+    ) -> Plan:
+        """Plan a motion that brings the tip to a pose, or to one of several.
+
+        Args:
+            q_start: Where the arm is (n,), [rad].
+            pose: Goal of the tip in the world (7,), or a row of equally good ones, or a region of them.
+            straight: True: only along a straight line of the tip; False: never tried; None: tried first.
+            ignore_collisions: Plan as if nothing could be touched.
+            allowed: Names of bodies that may be touched.
+            rng: Draws IK starts, samples and shortcuts.
+
+        Raises:
+            NoIkSolution: No pose is within reach.
+            StartInCollision: The motion would begin in a forbidden contact.
+            GoalInCollision: Every configuration at the goal collides.
+            NotStraight: `straight` is True and no line can be followed.
+            NoPath: The goal is free, but no way to it was found.
+            RetimingError: The path cannot be timed.
+        """
+        stages = self._open()
+        q = self._inside(q_start)
+        poses = pose.sample(self.config.region_samples, rng) if isinstance(pose, PoseRegion) else _as_poses(pose)
+        rules = self._rules(stages, q, allowed, ignore_collisions)
+        if straight is not False:
+            found = self._straight(stages, q, poses, rules, limit=len(poses) if straight else 2, must=bool(straight))
+            if found is not None:
+                return self._close(stages, found, rules)
+        goals = self._goals(stages, q, poses, rng, None if ignore_collisions else self.collision)
+        return self._close(stages, self._search(stages, q, goals, rules, rng), rules)
+
+    def plan_to_configuration(
+        self,
+        q_start: FloatArray,
+        q_goal: FloatArray,
+        *,
+        ignore_collisions: bool = False,
+        allowed: Collection[str] = (),
+        rng: np.random.Generator,
+    ) -> Plan:
+        """Plan a motion to a joint configuration (n,), [rad]; raises as `plan_to_pose`."""
+        stages = self._open()
+        q, goal = self._inside(q_start), self._inside(q_goal)
+        rules = self._rules(stages, q, allowed, ignore_collisions)
+        if not ignore_collisions and self.collision.goal_in_collision(goal):
+            pairs, depths = self.collision.penetrations(goal)
+            raise GoalInCollision(pairs, 1, depths)
+        return self._close(stages, self._search(stages, q, [(goal, 0)], rules, rng), rules)
+
+    def plan_curve(
+        self,
+        q_start: FloatArray,
+        poses: Sequence[PoseLike],
+        *,
+        ignore_collisions: bool = True,
+        allowed: Collection[str] = (),
+        rng: np.random.Generator | None = None,
+    ) -> Plan:
+        """Plan a motion whose tip passes `poses` (7,), one after the other, without stopping.
+
+        Raises:
+            NotStraight: A joint limit, a singularity or a collision interrupts the curve.
+        """
+        stages = self._open()
+        q = self._inside(q_start)
+        rules = self._rules(stages, q, allowed, ignore_collisions)
+        with stages.stage("straight"):
+            path = through(curve_path(self.model, q, poses, None if rules is None else rules.is_free))
+            self._require_free(path, rules)
+        return self._close(stages, _Found(path, "curve", len(poses) - 1), rules)
+
+    def reachable(
+        self,
+        q_seed: FloatArray,
+        pose: PoseLike | Sequence[PoseLike],
+        rng: np.random.Generator,
+        ignore_collisions: bool = True,
+        allowed: Collection[str] = (),
+    ) -> FloatArray:
+        """Return the configuration (n,) nearest to `q_seed` that reaches a pose, or one of several.
+
+        Raises:
+            NoIkSolution: None is within reach.
+            GoalInCollision: Collisions count, and all configurations collide.
+        """
+        if not ignore_collisions:
+            self.collision.clear()
+            self.collision.allow(allowed)
+        stages = self._open()
+        q = self._inside(q_seed)
+        return self._goals(stages, q, _as_poses(pose), rng, None if ignore_collisions else self.collision, branches=1)[0][0]
+
+    # Stages -------------------------------------------------------------------------------------------------------
+
+    def _open(self) -> Stages:
+        return Stages(checks=self.collision.checks)
+
+    def _inside(self, q: FloatArray) -> FloatArray:
+        """Return the nearest configuration within the joint limits: measured joints may overshoot them a little."""
+        return np.clip(np.asarray(q, dtype=float), self.limits.lower, self.limits.upper)
+
+    def _rules(self, stages: Stages, q: FloatArray, allowed: Collection[str], ignore_collisions: bool) -> Rules | None:
+        if ignore_collisions:
+            return None
+        with stages.stage("rules"):
+            self.collision.begin(q, margin=self.config.margin, own=self.config.own_margin, allowed=allowed)
+        return Rules(self.collision, self.config)
+
+    def _straight(
+        self, stages: Stages, q: FloatArray, poses: list[FloatArray], rules: Rules | None, limit: int, must: bool
+    ) -> _Found | None:
+        """Try the straight lines to the `limit` poses that need the least turning; None when there is none."""
+        here = self.model.tip_pose(q)
+        order = sorted(range(len(poses)), key=lambda i: rotation_distance(here, poses[i]))[:limit]
+        failure: NotStraight | None = None
+        with stages.stage("straight"):
+            for i in order:
+                try:
+                    return _Found(self._line(q, poses[i], rules), "straight", i)
+                except NotStraight as error:
+                    failure = error if failure is None or error.fraction > failure.fraction else failure
+        if must and failure is not None:
+            raise failure
+        return None
+
+    def _line(self, q: FloatArray, pose: FloatArray, rules: Rules | None) -> JointPath:
+        points = straight_path(self.model, q, pose)
+        if rules is not None and not rules.is_free(points[-1]):
+            if self.collision.goal_in_collision(points[-1]):
+                raise NotStraight(1.0, "its end touches something")
+            self.collision.relax(points[-1])
+        path = through(points, np.linspace(0.0, 1.0, len(points)))
+        self._require_free(path, rules)
+        return path
+
+    def _require_free(self, path: JointPath, rules: Rules | None) -> None:
+        hit = None if rules is None else rules.trouble(path)
+        if hit is not None:
+            raise NotStraight(hit, "something is in the way", self.collision.colliding_pairs(path(hit)))
+
+    def _goals(
+        self,
+        stages: Stages,
+        q: FloatArray,
+        poses: list[FloatArray],
+        rng: np.random.Generator,
+        collision: CollisionModel | None,
+        branches: int | None = None,
+    ) -> list[tuple[FloatArray, int]]:
+        """Return goal configurations with the index of their pose, nearest first."""
+        wanted = branches or self.config.branches
+        found: list[tuple[FloatArray, int]] = []
+        failures: list[NoIkSolution | GoalInCollision] = []
+        with stages.stage("ik"):
+            for i, pose in enumerate(poses):
+                try:
+                    solutions = solve_ik(
+                        self.model, pose, q, rng, starts=self.config.ik_starts, max_solutions=wanted, collision=collision
+                    )
+                    found += [(solution, i) for solution in self._with_elbows(solutions, collision)]
+                except (NoIkSolution, GoalInCollision) as error:
+                    failures.append(error)
+        if not found:
+            raise next((e for e in failures if isinstance(e, GoalInCollision)), failures[0])
+        return sorted(found, key=lambda item: cost(self.model, q, item[0]))[:wanted]
+
+    def _with_elbows(self, solutions: list[FloatArray], collision: CollisionModel | None) -> list[FloatArray]:
+        """Add what the redundant arm reaches by moving its elbow about the nearest solution, when that is wished for."""
+        if self.config.elbows == 0:
+            return solutions
+        more = self_motions(self.model, solutions[0], count=self.config.elbows)
+        return solutions + [q for q in more if collision is None or not collision.goal_in_collision(q)]
+
+    def _search(
+        self,
+        stages: Stages,
+        q: FloatArray,
+        goals: list[tuple[FloatArray, int]],
+        rules: Rules | None,
+        rng: np.random.Generator,
+    ) -> _Found:
+        """Find a smooth free path to one of the goals: the joints' line if that is free, around obstacles otherwise."""
+        if rules is None:
+            return _Found(along(np.array([q, goals[0][0]]), 1.0), "direct", goals[0][1])
+        with stages.stage("search"):
+            for goal, index in goals:
+                self.collision.relax(goal)
+                if edge_is_free(q, goal, rules.is_free, self.config.edge_step):
+                    path = along(np.array([q, goal]), 1.0)
+                    if rules.trouble(path) is None:
+                        return _Found(path, "direct", index)
+        path = self._around(q, [g for g, _ in goals], rules, rng, stages)
+        return _Found(path, "sampled", _index_of(path.end, goals))
+
+    def _around(
+        self, q: FloatArray, goals: list[FloatArray], rules: Rules, rng: np.random.Generator, stages: Stages
+    ) -> JointPath:
+        """Search with the clearance that is wished for, and where that fails with the least that is asked for."""
+        config, collision = self.config, self.collision
+        if config.clearance > config.margin:
+            try:
+                with collision.wider(config.clearance - config.margin, [q, *goals]):
+                    return path_around(q, goals, rules, self.limits, rng, stages)
+            except NoPath:
+                pass
+        return path_around(q, goals, rules, self.limits, rng, stages)
+
+    def _close(self, stages: Stages, found: _Found, rules: Rules | None) -> Plan:
+        with stages.stage("retime"):
+            trajectory = retime(
+                found.path, self.limits, max_speed=self.config.max_speed, torque=self.torque, jerk_time=self.config.jerk_time
+            )
+        report = PlanReport(
+            method=found.method,
+            goal=found.goal,
+            length=found.path.length(),
+            checks=self.collision.checks - stages.checks,
+            clearance=self._clearance(found.path) if self.config.measure_clearance else None,
+            seconds=stages.seconds,
+            certified=rules is not None and self.config.certify,
+            doubts=0 if rules is None else rules.doubts,
+        )
+        return Plan(trajectory, found.path.spread(0.05)[1], report)
+
+    def _clearance(self, path: JointPath) -> float:
+        """Return the smallest distance that counts along a path, looking every 0.1 rad [m]."""
+        return min((d.distance for q in path.spread(0.1)[1] for d in self.collision.distances(q)[:1]), default=float("inf"))
+
+
+def _index_of(q: FloatArray, goals: list[tuple[FloatArray, int]]) -> int:
+    return min(goals, key=lambda item: float(np.abs(item[0] - q).max()))[1]
+
+
+def _as_poses(pose: PoseLike | Sequence[PoseLike]) -> list[FloatArray]:
+    """Return a list of poses (7,) from one or several."""
+    return list(np.atleast_2d(np.asarray(pose, dtype=float)))

@@ -1,0 +1,141 @@
+"""Planning problems as self-contained records: arm, obstacles, held bodies, start and goal; written as JSON and read back."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from rlbench_pin.errors import ProblemFileError
+from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.collision_geometry import body_geometry
+from rlbench_pin.robot.geometry import as_shape
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.scene.snapshot import NO_FILE, BodySnapshot, Shape, WorldSnapshot
+from rlbench_pin.spatial import FloatArray
+
+FORMAT = 1
+
+
+@dataclass(frozen=True, eq=False)
+class PlanningProblem:
+    """From where the arm stands to where it should be, among obstacles."""
+
+    name: str
+    world: WorldSnapshot
+    """Obstacles, the start configuration, and what is held."""
+    goal: FloatArray | None = None
+    """Goal configuration (n,), [rad]; None when poses are given."""
+    poses: FloatArray | None = None
+    """Equally good goal poses of the tip (k, 7)."""
+    allowed: tuple[str, ...] = ()
+    """Bodies that may be touched."""
+    robot: str = "panda"
+    base_pose: tuple[float, ...] | None = None
+    """Where the arm stands; None as in its description."""
+
+    @property
+    def start(self) -> FloatArray:
+        """Start configuration (n,), [rad]."""
+        return self.world.arm
+
+    def model(self) -> RobotModel:
+        """Return the arm of this problem, where it stands."""
+        return RobotModel(robot_description(self.robot), self.base_pose)
+
+
+def solid_body(
+    name: str, shapes: Sequence[Shape], pose: Sequence[float] = (0, 0, 0, 0, 0, 0, 1), *, fixed: bool = True
+) -> BodySnapshot:
+    """Return a body made of shapes, at a pose (7,)."""
+    return BodySnapshot(name, NO_FILE, ("base",), np.array([pose], dtype=float), fixed=fixed, shapes=tuple(shapes))
+
+
+def self_contained(world: WorldSnapshot) -> WorldSnapshot:
+    """Return the world with shapes in place of model files; every link becomes a body that is named like its own."""
+    bodies: list[BodySnapshot] = []
+    attached: list[str] = []
+    for body in world.bodies:
+        if not body.collides:
+            continue
+        geometry = body_geometry(body)
+        for link, pose in zip(body.link_names, body.link_poses, strict=True):
+            if link in geometry:
+                name = body.name if len(body.link_names) == 1 else f"{body.name}/{link}"
+                bodies.append(solid_body(name, [as_shape(part) for part in geometry[link]], pose, fixed=body.fixed))
+                attached += [name] if body.name in world.attached else []
+    return WorldSnapshot(tuple(bodies), world.arm, world.fingers, tuple(attached))
+
+
+# JSON -------------------------------------------------------------------------------------------------------------
+
+
+def write_problem(problem: PlanningProblem, path: Path) -> None:
+    """Write one problem; numbers keep every bit."""
+    world = self_contained(problem.world)
+    content = {
+        "format": FORMAT,
+        "name": problem.name,
+        "robot": problem.robot,
+        "base_pose": problem.base_pose,
+        "start": world.arm.tolist(),
+        "fingers": world.fingers.tolist(),
+        "goal": None if problem.goal is None else problem.goal.tolist(),
+        "poses": None if problem.poses is None else problem.poses.tolist(),
+        "allowed": list(problem.allowed),
+        "attached": list(world.attached),
+        "bodies": [
+            {
+                "name": body.name,
+                "pose": body.link_poses[0].tolist(),
+                "fixed": body.fixed,
+                "shapes": [asdict(shape) for shape in body.shapes],
+            }
+            for body in world.bodies
+        ],
+    }
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+
+
+def read_problem(path: Path) -> PlanningProblem:
+    """Read a problem that `write_problem` wrote.
+
+    Raises:
+        ProblemFileError: The file is missing, no JSON, of another format, or lacks a part.
+    """
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise ProblemFileError(path, str(error)) from error
+    if not isinstance(content, Mapping) or content.get("format") != FORMAT:
+        raise ProblemFileError(path, f"it is not of format {FORMAT}")
+    try:
+        return _problem(content)
+    except (KeyError, TypeError, ValueError) as error:
+        raise ProblemFileError(path, f"{type(error).__name__}: {error}") from error
+
+
+def _problem(content: Mapping[str, object]) -> PlanningProblem:
+    bodies = tuple(
+        solid_body(b["name"], [_shape(s) for s in b["shapes"]], b["pose"], fixed=bool(b["fixed"]))
+        for b in content["bodies"]  # type: ignore[attr-defined]
+    )
+    world = WorldSnapshot(bodies, np.array(content["start"]), np.array(content["fingers"]), tuple(content["attached"]))  # type: ignore[arg-type]
+    goal, poses, base = content["goal"], content["poses"], content["base_pose"]
+    return PlanningProblem(
+        str(content["name"]),
+        world,
+        None if goal is None else np.array(goal),
+        None if poses is None else np.array(poses),
+        tuple(content["allowed"]),  # type: ignore[arg-type]
+        str(content["robot"]),
+        None if base is None else tuple(base),  # type: ignore[arg-type]
+    )
+
+
+def _shape(content: Mapping[str, object]) -> Shape:
+    return Shape(content["kind"], tuple(content["size"]), tuple(content["pose"]))  # type: ignore[arg-type]

@@ -1,0 +1,85 @@
+"""Joint torques along a motion, with what the hand carries: tau = M(q) a + C(q, v) v + g(q), by Pinocchio."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import toppra
+import toppra.constraint
+
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.robot.trajectory import Trajectory
+from rlbench_pin.spatial import FloatArray
+
+DENSE = 1e-3
+"""Time between two looks at the torques of a finished trajectory [s]."""
+_LOOK = 1.0 / 40.0
+_RESERVE = 0.97
+_ROUNDS = 12
+
+
+class TorqueLimits:
+    """The dynamics of one arm with a payload, and the torques its joints may give."""
+
+    def __init__(self, model: RobotModel, payload: pin.Inertia | None = None) -> None:
+        """Copy the arm's dynamics, so that the payload stays here.
+
+        Args:
+            model: The arm.
+            payload: What it carries, in the frame of its last joint; None for nothing.
+        """
+        self._arm = pin.Model(model.arm)
+        self._last, self._bare = model.size, model.arm.inertias[model.size].copy()
+        self.limit = model.limits.effort
+        self.carry(payload)
+
+    def carry(self, payload: pin.Inertia | None) -> None:
+        """Replace the payload."""
+        loaded = payload is not None and payload.mass > 0.0
+        self._arm.inertias[self._last] = self._bare + payload if loaded else self._bare.copy()
+        self._data = self._arm.createData()
+
+    def torques(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+        """Return the torques (n,) of one instant [N m]."""
+        return np.array(pin.rnea(self._arm, self._data, q, v, a))
+
+    def constraint(self) -> toppra.constraint.Constraint:
+        """Return the limits as TOPPRA wants them."""
+        bound = _RESERVE * np.stack([-self.limit, self.limit], axis=1)
+        scheme = toppra.constraint.DiscretizationType.Interpolation
+        friction = np.zeros(len(self.limit))
+        return toppra.constraint.JointTorqueConstraint(self.torques, bound, friction, discretization_scheme=scheme)
+
+    def surely_kept(self, trajectory: Trajectory, acceleration: FloatArray) -> bool:
+        """Say whether no acceleration within +-`acceleration` (n,) could break a limit on the way; quick, and cautious."""
+        step = max(1, int(_LOOK / max(trajectory.duration / max(1, len(trajectory.times) - 1), 1e-9)))
+        for i in range(0, len(trajectory.times), step):
+            rest = np.abs(pin.nonLinearEffects(self._arm, self._data, trajectory.q[i], trajectory.v[i]))
+            upper = np.triu(np.abs(pin.crba(self._arm, self._data, trajectory.q[i])))
+            inertia = upper + np.triu(upper, 1).T
+            if (rest + inertia @ acceleration > _RESERVE * self.limit).any():
+                return False
+        return True
+
+    def worst(self, trajectory: Trajectory, dt: float = DENSE) -> float:
+        """Return the largest |tau| / limit, looking every `dt` [s] and at every sample."""
+        times = np.unique(np.concatenate([np.arange(0.0, trajectory.duration, dt), trajectory.times]))
+        ratios = [np.abs(self.torques(*trajectory.sample(t))) / self.limit for t in times]
+        return float(np.max(ratios))
+
+    def slowed(self, trajectory: Trajectory) -> Trajectory:
+        """Return the trajectory, uniformly slower where that is needed to keep the limits everywhere.
+
+        Slowing down does not help against gravity: a payload beyond the arm's strength is carried as slowly as 1/10 of the speed.
+        """
+        for _ in range(_ROUNDS):
+            ratio = self.worst(trajectory)
+            if ratio <= 1.0:
+                return trajectory
+            trajectory = stretched(trajectory, min(1.25, 1.0 + max(0.002, 0.7 * (ratio - 1.0))))
+        return trajectory
+
+
+def stretched(trajectory: Trajectory, factor: float) -> Trajectory:
+    """Return the trajectory `factor` times slower."""
+    return Trajectory(trajectory.times * factor, trajectory.q, trajectory.v / factor, trajectory.a / factor**2)

@@ -1,0 +1,304 @@
+"""Does a configuration touch anything? The arm, what it holds and the world of a snapshot, by Coal.
+
+`update` takes a snapshot, `begin` sets the rules of one motion (what may be touched, how much clearance), and then
+`in_collision` answers in a few tens of microseconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from rlbench_pin.errors import StartInCollision
+from rlbench_pin.robot.collision_geometry import CollisionGeometry, Owner, is_room, room_distance
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.scene.snapshot import BodySnapshot, WorldSnapshot
+from rlbench_pin.spatial import FloatArray
+
+TOUCH = 5e-4
+"""Things nearer than this at the start of a motion count as touching [m]."""
+SLACK = 2e-3
+"""How much deeper a contact of the start may become [m]."""
+DEEPEST = 1e-2
+"""A start that penetrates the room, or the arm itself, by more than this is refused [m]."""
+SURE = 2e-4
+"""Margins of at least this can be told from contact [m]."""
+ROOM_REACH = 1.6
+"""Parts of the room farther from the base than this are never met [m]; the arm reaches 1.2 m."""
+GOAL_TOLERANCE = 5e-4
+"""Penetration accepted in a goal configuration [m]; a held body, which may be set down, gets `SLACK`."""
+_FEW = 100
+"""Up to this many shapes, comparing all boxes is faster than keeping a tree of them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Distance:
+    """The nearest points of two things; negative when they overlap."""
+
+    a: str
+    """A link of the arm, or a held body."""
+    b: str
+    """A body of the world, or another link of the arm."""
+    distance: float
+    """[m]."""
+    point_a: FloatArray
+    """World position (3,) on `a`."""
+    point_b: FloatArray
+    normal: FloatArray
+    """Unit vector (3,) from `a` to `b`."""
+
+
+class CollisionModel:
+    """Collision checks for one arm in a changing world. Not thread-safe."""
+
+    def __init__(self, model: RobotModel) -> None:
+        self.model = model
+        self.checks = 0
+        """Number of configurations checked so far."""
+        self._data = model.full.createData()
+        self._arm_index = _as_slice(model.full_index[: model.size])
+        self._layout: object = None
+        fingers = np.full(len(model.description.gripper_joints), model.description.gripper_open)
+        self.update(WorldSnapshot((), model.home, fingers))
+
+    def update(self, snapshot: WorldSnapshot) -> None:
+        """Take over bodies, finger positions and held bodies; cheap while the same bodies are present and held.
+
+        A held body that is fixed to the world cannot follow the hand: it is left out.
+        """
+        self._q = self.model.full_configuration(snapshot.arm, snapshot.fingers)
+        bodies = [body for body in snapshot.bodies if body.collides and not (body.fixed and body.name in snapshot.attached)]
+        bodies = [body for body in bodies if not self._is_beyond_reach(body)]
+        layout = (snapshot.attached, tuple(b.layout for b in bodies))
+        if layout != self._layout:
+            self._geometry = CollisionGeometry(self.model, bodies, snapshot.attached)
+            self._wide_data: pin.GeometryData | None = None
+            self._layout = layout
+        pin.forwardKinematics(self.model.full, self._data, self._q)
+        self._geometry.place(bodies, self._data.oMi[self._geometry.hand_joint])
+        self.clear()
+
+    # The rules of one motion --------------------------------------------------------------------------------------
+
+    def clear(self) -> None:
+        """Forget the rules of the last motion: everything counts, no clearance."""
+        count = len(self._geometry.owners)
+        self._active = np.ones((count, count), dtype=bool)
+        self._margins = np.zeros((count, count))
+        self._apply()
+
+    def allow(self, names: Collection[str]) -> None:
+        """Let the arm and what it holds touch the objects called `names`, until the next `begin`, `clear` or `update`.
+
+        The room stays solid: table, floor and walls are never passed through.
+        """
+        self._allow(names)
+        self._apply()
+
+    def begin(self, q_start: FloatArray, *, margin: float = 0.0, own: float = 0.0, allowed: Collection[str] = ()) -> None:
+        """Set the rules of one motion from where it starts.
+
+        World bodies keep `margin` [m] from the arm and links `own` [m] from each other, but what is nearer at the start may
+        stay as near. Links of objects that touch the arm at the start may be touched; the room and a held body's surroundings
+        only as deep as they are.
+
+        Raises:
+            StartInCollision: The start penetrates the room or the arm itself.
+        """
+        self._active = np.ones(self._active.shape, dtype=bool)
+        self._margins = np.where(self._geometry.crosses, margin, own)
+        self._allow(allowed)
+        self._apply()
+        if self.in_collision(q_start):
+            self._admit_start(q_start)
+
+    def relax(self, q: FloatArray) -> None:
+        """Lower the clearance of this motion where configuration `q`, its goal, is nearer to something."""
+        near = self._near(q) if self.in_collision(q) else ()
+        for k, depth in near:
+            self._set_margin(k, depth - 1e-4)
+        if near:
+            self._apply()
+
+    @contextmanager
+    def wider(self, more: float, ends: Sequence[FloatArray]) -> Iterator[None]:
+        """Keep `more` clearance [m] to the world for a while, except where configurations `ends` have less."""
+        before, self._margins = self._margins, np.where(
+            self._geometry.crosses & (self._margins >= SURE), self._margins + more, self._margins
+        )  # fmt: skip
+        self._apply()
+        try:
+            for q in ends:
+                self.relax(q)
+            yield
+        finally:
+            self._margins = before
+            self._apply()
+
+    def _apply(self) -> None:
+        geometry = self._geometry
+        geometry.data.setActiveCollisionPairs(geometry.model, self._active)
+        geometry.data.setSecurityMargins(geometry.model, self._margins)
+        self._manager = self._broad_phase(geometry.data)
+        self._level = -1.0
+
+    def _broad_phase(self, data: pin.GeometryData) -> object:
+        few = len(self._geometry.owners) <= _FEW
+        kind = pin.BroadPhaseManager_NaiveCollisionManager if few else pin.BroadPhaseManager_SSaPCollisionManager
+        return kind(self.model.full, self._geometry.model, data)
+
+    def _is_beyond_reach(self, body: BodySnapshot) -> bool:
+        """Say whether nothing the arm carries can get near a part of the room, such as a far wall."""
+        return is_room(body.name) and room_distance(body, self.model.base.translation) > ROOM_REACH
+
+    def _allow(self, names: Collection[str]) -> None:
+        named = np.array([o.body in names and o.kind == "thing" for o in self._geometry.owners], dtype=bool)
+        self._active[named, :] = False
+        self._active[:, named] = False
+
+    def _admit_start(self, q_start: FloatArray) -> None:
+        """Loosen the rules where the start already breaks them."""
+        refused: dict[tuple[str, str], float] = {}
+        for k, depth in self._near(q_start):
+            a, b = self._owners_of(k)
+            kinds = {a.kind, b.kind}
+            if "thing" in kinds and "held" not in kinds:
+                if depth < TOUCH:
+                    self._ignore(a, b)
+                    continue
+            elif depth < -DEEPEST and kinds != {"held", "thing"}:
+                refused[a.label, b.label] = max(-depth, refused.get((a.label, b.label), 0.0))
+            slack = SLACK if depth < TOUCH else min(SLACK, 0.5 * depth)
+            self._set_margin(k, -np.inf if depth < -DEEPEST else depth - slack)
+        if refused:
+            pairs = sorted(refused)
+            raise StartInCollision(pairs, [refused[pair] for pair in pairs])
+        self._apply()
+
+    def _ignore(self, a: Owner, b: Owner) -> None:
+        """Let a link of the arm (the whole hand, if it is part of it) touch one link of an object."""
+        robot, thing = (b, a) if a.kind == "thing" else (a, b)
+        owners = self._geometry.owners
+        one = np.array([o.kind == "hand" if robot.kind == "hand" else o == robot for o in owners])
+        other = np.array([o == thing for o in owners])
+        self._active[np.ix_(one, other)] = False
+        self._active[np.ix_(other, one)] = False
+
+    def _set_margin(self, k: int, margin: float) -> None:
+        """Lower the margin of a pair; one of minus infinity takes the pair out."""
+        i, j = self._geometry.pairs[k]
+        if np.isinf(margin):
+            self._active[i, j] = self._active[j, i] = False
+        else:
+            self._margins[i, j] = self._margins[j, i] = min(self._margins[i, j], margin)
+
+    # Questions ----------------------------------------------------------------------------------------------------
+
+    def in_collision(self, q: FloatArray) -> bool:
+        """Say whether arm configuration `q` breaks the rules: touches something, or is nearer than its margin."""
+        self.checks += 1
+        self._q[self._arm_index] = q
+        return bool(pin.computeCollisions(self.model.full, self._data, self._manager, self._q, True))
+
+    def keeps_away(self, q: FloatArray, distance: float) -> bool:
+        """Say whether configuration `q` is at least `distance` [m] away from every forbidden contact.
+
+        Together with `reaches` this proves whole neighbourhoods of `q` free. Pairs that begin or end in contact, or nearer to it
+        than `SURE`, count from `SLACK / 2` deeper than their margin. Asking with the same distance again is cheapest.
+        """
+        self.checks += 1
+        if distance != self._level:
+            self._widen(distance)
+        self._q[self._arm_index] = q
+        return not pin.computeCollisions(self.model.full, self._data, self._wide, self._q, True)
+
+    def _widen(self, distance: float) -> None:
+        """Prepare checks whose margins are `distance` more than contact."""
+        geometry = self._geometry
+        if self._wide_data is None:
+            self._wide_data = geometry.model.createData()
+        self._wide_data.setActiveCollisionPairs(geometry.model, self._active)
+        self._wide_data.setSecurityMargins(geometry.model, self._floors() + distance)
+        self._wide = self._broad_phase(self._wide_data)
+        self._level = distance
+
+    def _floors(self) -> FloatArray:
+        """Return the distance that no motion goes below, for each pair of shapes (m, m), [m]."""
+        sure = (self._margins >= SURE) | (self._margins == 0.0)
+        return np.where(sure, 0.0, self._margins - 0.5 * SLACK)
+
+    @property
+    def reaches(self) -> FloatArray:
+        """How far any shape that the arm carries can get from the axis of each joint, shape (n,), [m]."""
+        return self._geometry.reaches
+
+    def goal_in_collision(self, q: FloatArray) -> bool:
+        """Like `in_collision`, but without the clearance: a goal may be near things, and a held body may be set down."""
+        if not self.in_collision(q):
+            return False
+        for k, depth in self._near(q):
+            tolerance = SLACK if "held" in {o.kind for o in self._owners_of(k)} else GOAL_TOLERANCE
+            if depth < min(-tolerance, self._margins[self._geometry.pairs[k]]):
+                return True
+        return False
+
+    def colliding_pairs(self, q: FloatArray) -> list[tuple[str, str]]:
+        """Return the names of what touches what in configuration `q`, links of the arm first."""
+        return sorted({(a.label, b.label) for a, b in map(self._owners_of, self._breaking(q))})
+
+    def penetrations(self, q: FloatArray) -> tuple[list[tuple[str, str]], list[float]]:
+        """Return the names of what touches what, deepest first, and how deep [m]; negative where only a margin is broken."""
+        deepest: dict[tuple[str, str], float] = {}
+        for k, distance in self._near(q):
+            a, b = self._owners_of(k)
+            deepest[a.label, b.label] = max(-distance, deepest.get((a.label, b.label), -np.inf))
+        pairs = sorted(deepest, key=lambda pair: (-deepest[pair], pair))
+        return pairs, [deepest[pair] for pair in pairs]
+
+    def distances(self, q: FloatArray, within: float = np.inf) -> list[Distance]:
+        """Return the distances of all active pairs nearer than `within` [m], nearest first; margins do not matter."""
+        self._q[self._arm_index] = q
+        geometry = self._geometry
+        pin.computeDistances(self.model.full, self._data, geometry.model, geometry.data, self._q)
+        found = [
+            self._distance(k, result)
+            for k, result in enumerate(geometry.data.distanceResults)
+            if result.min_distance < within and self._active[geometry.pairs[k]]
+        ]
+        return sorted(found, key=lambda d: d.distance)
+
+    def distance(self, q: FloatArray) -> Distance | None:
+        """Return the smallest distance between the arm or what it holds and anything; None when there is nothing."""
+        return next(iter(self.distances(q)), None)
+
+    def _owners_of(self, k: int) -> tuple[Owner, Owner]:
+        i, j = self._geometry.pairs[k]
+        return self._geometry.owners[i], self._geometry.owners[j]
+
+    def _breaking(self, q: FloatArray) -> list[int]:
+        """Return the indices of the active pairs that break their margin."""
+        self._q[self._arm_index] = q
+        geometry = self._geometry
+        pin.computeCollisions(self.model.full, self._data, geometry.model, geometry.data, self._q, False)
+        active = geometry.data.activeCollisionPairs
+        return [k for k, result in enumerate(geometry.data.collisionResults) if active[k] and result.isCollision()]
+
+    def _near(self, q: FloatArray) -> list[tuple[int, float]]:
+        """Return pair index and distance [m] of the active pairs that break their margin."""
+        geometry = self._geometry
+        return [(k, pin.computeDistance(geometry.model, geometry.data, k).min_distance) for k in self._breaking(q)]
+
+    def _distance(self, k: int, result: object) -> Distance:
+        a, b = self._owners_of(k)
+        points = np.array(result.getNearestPoint1()), np.array(result.getNearestPoint2())  # type: ignore[attr-defined]
+        return Distance(a.label, b.label, float(result.min_distance), *points, np.array(result.normal))  # type: ignore[attr-defined]
+
+
+def _as_slice(index: FloatArray) -> slice | FloatArray:
+    """Return a slice in place of indices that follow each other: writing through it is faster."""
+    first = int(index[0])
+    return slice(first, first + len(index)) if np.array_equal(index, np.arange(first, first + len(index))) else index

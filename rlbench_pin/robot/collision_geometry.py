@@ -1,0 +1,178 @@
+"""All shapes that may meet, in one Pinocchio geometry model: the arm, what it holds, and the bodies of a snapshot."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+import pinocchio as pin
+
+from rlbench_pin.robot.geometry import Part, bounds, link_geometry, primitive
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.scene.snapshot import BodySnapshot
+from rlbench_pin.spatial import FloatArray, pose_to_se3
+
+Kind = Literal["arm", "hand", "held", "thing", "room"]
+
+
+@dataclass(frozen=True)
+class Owner:
+    """What a shape belongs to."""
+
+    body: str
+    link: str
+    kind: Kind
+
+    @property
+    def label(self) -> str:
+        """Name in reports: the link of the arm, or the body."""
+        return self.link if self.kind in ("arm", "hand") else self.body
+
+    @property
+    def moves(self) -> bool:
+        """Whether the arm carries it."""
+        return self.kind in ("arm", "hand", "held")
+
+
+class CollisionGeometry:
+    """The shapes of one set of bodies, the pairs worth checking, and placements that can be renewed.
+
+    Args:
+        model: The arm.
+        bodies: Bodies with collision geometry.
+        held: Names of those that move with the hand.
+    """
+
+    def __init__(self, model: RobotModel, bodies: Sequence[BodySnapshot], held: Collection[str]) -> None:
+        self._model, self._held = model, frozenset(held)
+        hand_frame = model.full.frames[model.full.getFrameId(model.description.hand_link)]
+        self._hand_joint = hand_frame.parentJoint
+        self.model = pin.GeometryModel()
+        self.owners: list[Owner] = []
+        self._excluded = _excluded_links(model)
+        self._add_robot()
+        self._first_body = len(self.owners)
+        for body in bodies:
+            self._add_body(body)
+        self._add_pairs()
+        self.pairs: list[tuple[int, int]] = [(pair.first, pair.second) for pair in self.model.collisionPairs]
+        self.data = self.model.createData()
+        moves = np.array([owner.moves for owner in self.owners])
+        self.crosses = moves[:, None] != moves[None, :]
+        """Which pairs are of the arm or a held body with the world, shape (m, m)."""
+        self._poses: dict[int, FloatArray] = {}
+
+    @cached_property
+    def reaches(self) -> FloatArray:
+        """How far any moving shape can get from the axis of each arm joint, in any configuration, shape (n,), [m].
+
+        The next joint of the chain keeps its distance from the axis; beyond it the links may be stretched.
+        """
+        full, description = self._model.full, self._model.description
+        data = full.createData()
+        axes = pin.computeJointJacobians(full, data, pin.neutral(full))[:, self._model.full_index[: self._model.size]]
+        arm = [full.getJointId(name) for name in description.arm_joints]
+        reaches = np.zeros(len(arm))
+        for shape in self.model.geometryObjects:
+            chain = list(full.supports[shape.parentJoint])
+            shape.geometry.computeLocalAABB()
+            center = shape.placement.act(np.asarray(shape.geometry.aabb_center))
+            for j in (j for j, joint in enumerate(arm) if joint in chain):
+                beyond = chain[chain.index(arm[j]) + 1 :]
+                near = data.oMi[beyond[0]].translation if beyond else data.oMi[chain[-1]].act(center)
+                links = [full.jointPlacements[i].translation for i in beyond[1:]] + ([center] if beyond else [])
+                slides = description.gripper_open * sum(joint not in arm for joint in beyond)
+                arm_length = np.linalg.norm(axes[:3, j] + np.cross(axes[3:, j], near)) + slides + shape.geometry.aabb_radius
+                reaches[j] = max(reaches[j], arm_length + sum(float(np.linalg.norm(link)) for link in links))
+        return reaches
+
+    def place(self, bodies: Sequence[BodySnapshot], T_world_hand_joint: pin.SE3) -> None:
+        """Write the placements of all bodies; those held relative to the hand as it is now."""
+        T_hand_world = T_world_hand_joint.inverse()
+        objects = self.model.geometryObjects
+        index = self._first_body
+        for body in bodies:
+            held = body.name in self._held
+            geometry = body_geometry(body)
+            for link, pose in zip(body.link_names, body.link_poses, strict=True):
+                parts = geometry.get(link, ())
+                if parts and (held or index not in self._poses or not np.array_equal(self._poses[index], pose)):
+                    self._poses[index] = pose.copy()
+                    T_joint_link = T_hand_world * pose_to_se3(pose) if held else pose_to_se3(pose)
+                    for k, (_, placement) in enumerate(parts):
+                        objects[index + k].placement = T_joint_link * placement
+                index += len(parts)
+
+    @property
+    def hand_joint(self) -> int:
+        """Pinocchio's number of the joint that carries the hand."""
+        return int(self._hand_joint)
+
+    def _add_robot(self) -> None:
+        description, full = self._model.description, self._model.full
+        hand = {description.hand_link, *description.finger_links}
+        for link, parts in link_geometry(description.urdf).items():
+            frame_id = full.getFrameId(link)
+            frame = full.frames[frame_id]
+            owner = Owner(description.name, link, "hand" if link in hand else "arm")
+            for k, (shape, placement) in enumerate(parts):
+                placed = frame.placement * placement
+                self.model.addGeometryObject(pin.GeometryObject(f"{link}:{k}", frame.parentJoint, frame_id, placed, shape))
+                self.owners.append(owner)
+
+    def _add_body(self, body: BodySnapshot) -> None:
+        held = body.name in self._held
+        kind: Kind = "held" if held else "room" if is_room(body.name) else "thing"
+        joint = self._hand_joint if held else 0
+        geometry = body_geometry(body)
+        for link in body.link_names:
+            for k, (shape, _) in enumerate(geometry.get(link, ())):
+                name = f"{body.name}/{link}:{k}"
+                self.model.addGeometryObject(pin.GeometryObject(name, joint, pin.SE3.Identity(), shape))
+                self.owners.append(Owner(body.name, link, kind))
+
+    def _add_pairs(self) -> None:
+        joints = [shape.parentJoint for shape in self.model.geometryObjects]
+        for j in range(len(joints)):
+            for i in range(j):
+                if joints[i] != joints[j] and self._matters(self.owners[i], self.owners[j]):
+                    self.model.addCollisionPair(pin.CollisionPair(i, j))
+
+    def _matters(self, a: Owner, b: Owner) -> bool:
+        kinds = {a.kind, b.kind}
+        if kinds <= {"arm", "hand"}:
+            return a.link != b.link and frozenset((a.link, b.link)) not in self._excluded
+        return kinds != {"held"} and kinds != {"held", "hand"}
+
+
+def body_geometry(body: BodySnapshot) -> Mapping[str, tuple[Part, ...]]:
+    """Return the collision shapes of every link of a body: those of its model file, or its own."""
+    if not body.shapes:
+        return link_geometry(body.urdf, body.scale)
+    return {body.link_names[0]: tuple(primitive(shape) for shape in body.shapes)}
+
+
+def room_distance(body: BodySnapshot, point: FloatArray) -> float:
+    """Return a lower bound of the distance between a body and a world point (3,), [m]."""
+    geometry, least = body_geometry(body), np.inf
+    for link, pose in zip(body.link_names, body.link_poses, strict=True):
+        if link in geometry:
+            box = bounds(geometry[link])
+            local = pose_to_se3(pose).actInv(point)
+            least = min(least, float(np.linalg.norm(np.maximum(0.0, np.maximum(box[0] - local, local - box[1])))))
+    return least
+
+
+def is_room(name: str) -> bool:
+    """Say whether a body is part of the room: what stands there in every scene."""
+    return name in ("table", "floor") or name.startswith("wall")
+
+
+def _excluded_links(model: RobotModel) -> set[frozenset[str]]:
+    """Return the pairs of links that the SRDF excludes."""
+    root = ET.parse(model.description.srdf).getroot()
+    return {frozenset((str(e.get("link1")), str(e.get("link2")))) for e in root.iterfind("disable_collisions")}

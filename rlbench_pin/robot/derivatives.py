@@ -1,0 +1,49 @@
+"""Derivatives of kinematics and dynamics with respect to configuration and velocity, analytically."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from rlbench_pin.robot.model import FrameChoice, RobotModel
+from rlbench_pin.spatial import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class DynamicsDerivatives:
+    """Partial derivatives of a torque or an acceleration (n,), each of shape (n, n)."""
+
+    by_q: FloatArray
+    by_v: FloatArray
+    by_input: FloatArray
+    """By the acceleration for inverse dynamics (the inertia), by the torque for forward dynamics (its inverse)."""
+
+
+def inverse_dynamics_derivatives(model: RobotModel, q: FloatArray, v: FloatArray, a: FloatArray) -> DynamicsDerivatives:
+    """Return the derivatives of `model.inverse_dynamics(q, v, a)`; arguments of shape (n,), [rad], [rad/s], [rad/s^2]."""
+    by_q, by_v, by_a = pin.computeRNEADerivatives(model.arm, model.data, q, v, a)
+    upper = np.triu(by_a)
+    return DynamicsDerivatives(np.array(by_q), np.array(by_v), upper + np.triu(upper, 1).T)
+
+
+def forward_dynamics_derivatives(model: RobotModel, q: FloatArray, v: FloatArray, tau: FloatArray) -> DynamicsDerivatives:
+    """Return the derivatives of `model.forward_dynamics(q, v, tau)`; arguments of shape (n,), [rad], [rad/s], [N m]."""
+    by_q, by_v, by_tau = pin.computeABADerivatives(model.arm, model.data, q, v, tau)
+    upper = np.triu(by_tau)
+    return DynamicsDerivatives(np.array(by_q), np.array(by_v), upper + np.triu(upper, 1).T)
+
+
+def jacobian_derivative(model: RobotModel, q: FloatArray, frame: FrameChoice = "world") -> FloatArray:
+    """Return dJ/dq of the tip Jacobian, shape (n, 6, n): entry k is the derivative by joint k; dJ/dt = sum_k v_k dJ/dq_k."""
+    return np.stack([model.jacobian_dot(q, axis, frame) for axis in np.eye(model.size)])
+
+
+def manipulability_gradient(model: RobotModel, q: FloatArray) -> FloatArray:
+    """Return the gradient (n,) of m = `model.manipulability(q)`: dm/dq_k = m trace((J J^T)^-1 dJ/dq_k J^T); 0 where m is 0."""
+    jacobian, manipulability = model.jacobian(q), model.manipulability(q)
+    if manipulability == 0.0:
+        return np.zeros(model.size)
+    inverse = np.linalg.solve(jacobian @ jacobian.T, jacobian)
+    return manipulability * np.einsum("kij,ij->k", jacobian_derivative(model, q), inverse)

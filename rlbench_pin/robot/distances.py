@@ -1,0 +1,146 @@
+"""How far is the arm from everything, and which way does that change? Exact for what is near, bounded for the rest.
+
+For a pair of bodies with nearest points p_a, p_b and unit normal n from a to b, the distance d = n^T (p_b - p_a) changes as
+
+    dd/dt = n^T (v_b - v_a) = [n, p x n]^T (V_b - V_a)                                        (1)
+
+where V are spatial twists, and p is either point: both lie on one line along n. A joint that carries only the farther
+body (a: +1, b: -1 the other way) contributes its column of the spatial Jacobian, so that one product gives the gradients
+of all pairs.
+
+Measuring costs; `motion_bounds` tells without it which pairs are far enough.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Collection
+
+import numpy as np
+import pinocchio as pin
+
+from rlbench_pin.robot.collision import Distance
+from rlbench_pin.robot.collision_geometry import CollisionGeometry
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.robot.motion_bounds import IndexArray, MotionBounds, cross
+from rlbench_pin.scene.snapshot import WorldSnapshot
+from rlbench_pin.spatial import FloatArray
+
+
+class DistanceModel:
+    """Distances of one arm, and of what it holds, in a world. A pair of shapes is named by its index. Not thread-safe."""
+
+    def __init__(self, model: RobotModel) -> None:
+        """Start in an empty world, at home."""
+        self.model = model
+        self._data = model.full.createData()
+        self._columns = model.full_index[: model.size]
+        self._layout: object = None
+        fingers = np.full(len(model.description.gripper_joints), model.description.gripper_open)
+        self.update(WorldSnapshot((), model.home, fingers))
+
+    def update(self, snapshot: WorldSnapshot, allowed: Collection[str] = ()) -> None:
+        """Take over the world; pairs with bodies named in `allowed` do not count until the next update."""
+        self._q = self.model.full_configuration(snapshot.arm, snapshot.fingers)
+        bodies = [body for body in snapshot.bodies if body.collides and not (body.fixed and body.name in snapshot.attached)]
+        layout = (snapshot.attached, tuple(body.layout for body in bodies))
+        same = layout == self._layout
+        if not same:
+            self._geometry = CollisionGeometry(self.model, bodies, snapshot.attached)
+            self._layout = layout
+            _forget_guesses(self._geometry.data)
+            self._results = list(self._geometry.data.distanceResults)  # views, which later queries renew
+        pin.forwardKinematics(self.model.full, self._data, self._q)
+        self._geometry.place(bodies, self._data.oMi[self._geometry.hand_joint])
+        if same and not snapshot.attached:
+            self.motion.place_fixed(list(self._geometry.model.geometryObjects))
+        else:
+            self._index_motion()
+        self._index_pairs(allowed)
+        self.place(snapshot.arm)
+
+    def _index_motion(self) -> None:
+        """Prepare what is known of each pair as long as the hand holds the same."""
+        geometry = self._geometry
+        self.motion = MotionBounds(self.model, list(geometry.model.geometryObjects), geometry.pairs)
+        """How bodies move against each other."""
+        self.crosses = np.array([geometry.crosses[pair] for pair in geometry.pairs], dtype=bool)
+        """Which pairs are with the world, shape (pairs,); the others are within the arm."""
+
+    def _index_pairs(self, allowed: Collection[str]) -> None:
+        """Prepare which pairs count."""
+        geometry, pairs = self._geometry, self._geometry.pairs
+        self.counts = np.array([not {geometry.owners[i].body for i in pair} & set(allowed) for pair in pairs], dtype=bool)
+        """Which pairs count, shape (pairs,)."""
+
+    # Moving -------------------------------------------------------------------------------------------------------
+
+    def place(self, q: FloatArray) -> None:
+        """Put the arm at `q` (n,) [rad]."""
+        self.visit(q)
+        jacobian = pin.computeJointJacobians(self.model.full, self._data, self._q)
+        self._jacobian = np.ascontiguousarray(jacobian[:, self._columns])
+        self.bounds = self.motion.place(self._data, self._jacobian)
+        """Lower bound of each pair's distance where `place` put the arm, shape (pairs,), [m]; exact where measured."""
+        self._measured = np.zeros(len(self.bounds), dtype=bool)
+
+    def visit(self, q: FloatArray) -> None:
+        """Put the arm at `q` for `probe` only: what `place` and `measure` told stays."""
+        self._q[self._columns] = q
+        pin.updateGeometryPlacements(self.model.full, self._data, self._geometry.model, self._geometry.data, self._q)
+
+    # Measuring ----------------------------------------------------------------------------------------------------
+
+    def measure(self, which: IndexArray) -> FloatArray:
+        """Return the distances [m] of pairs `which` where `place` put the arm; their bounds are exact then."""
+        new = which[~self._measured[which]]
+        if len(new):
+            self.bounds[new], self._measured[new] = self.probe(new), True
+        return self.bounds[which]
+
+    def probe(self, which: IndexArray) -> FloatArray:
+        """Return the distances [m] of pairs `which` where the arm was put last, and remember nothing."""
+        geometry, data = self._geometry.model, self._geometry.data
+        compute = pin.computeDistance
+        return np.array([compute(geometry, data, k).min_distance for k in which.tolist()])
+
+    def gradients(self, which: IndexArray) -> FloatArray:
+        """Return the gradients of distances by the joint angles, equation (1), shape (len(which), n), [m/rad].
+
+        The pairs have to be measured where `place` put the arm, with no `visit` in between.
+        """
+        points, normals = self._nearest_points(which)
+        wrenches = np.concatenate([normals, cross(points, normals)], axis=1)
+        return (wrenches @ self._jacobian) * self.motion.sign[which]
+
+    def _nearest_points(self, which: IndexArray) -> tuple[FloatArray, FloatArray]:
+        """Return nearest points on the first bodies of pairs, and normals, each (len(which), 3)."""
+        found = [self._results[k] for k in which.tolist()]
+        points = np.array([result.getNearestPoint1() for result in found]).reshape(-1, 3)
+        return points, np.array([result.normal for result in found]).reshape(-1, 3)
+
+    def names(self, k: int) -> tuple[str, str]:
+        """Return the names of pair `k`: a link of the arm or a held body, and what it is near to."""
+        i, j = self._geometry.pairs[k]
+        owners = self._geometry.owners
+        return owners[i].label, owners[j].label
+
+    def nearest(self, q: FloatArray, count: int = 1) -> list[Distance]:
+        """Return the `count` smallest distances of pairs that count, at `q` (n,) [rad], nearest first."""
+        self.place(q)
+        self.measure(np.flatnonzero(self.counts))
+        order = np.argsort(np.where(self.counts, self.bounds, np.inf), kind="stable")[:count]
+        return [self._record(k) for k in order.tolist() if self.counts[k]]
+
+    def _record(self, k: int) -> Distance:
+        points, normals = self._nearest_points(np.array([k]))
+        distance = float(self.bounds[k])
+        return Distance(*self.names(k), distance, points[0], points[0] + distance * normals[0], normals[0])
+
+
+def _forget_guesses(data: pin.GeometryData) -> None:
+    """Let every query start afresh, so that a distance depends on poses alone, not on the query before, to the last bit."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # Coal's new name for this setting leaves the old one switched on
+        for request in data.distanceRequests:
+            request.enable_cached_gjk_guess = False

@@ -1,0 +1,223 @@
+"""Shapes of URDF files as Coal geometry, and the analytic questions sensors and fingers ask of them.
+
+Meshes become their convex hulls, as PyBullet treats them. Mesh paths are relative to the URDF file.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from types import MappingProxyType
+from typing import Literal
+
+import coal
+import numpy as np
+import pinocchio as pin
+
+from rlbench_pin.errors import AssetInvalid, AssetNotFound
+from rlbench_pin.scene.snapshot import Shape
+from rlbench_pin.spatial import FloatArray, PoseLike
+
+Part = tuple[coal.CollisionGeometry, pin.SE3]
+"""A shape and its placement T_link_shape."""
+VolumeShape = Literal["box", "cylinder", "sphere"]
+
+
+@cache
+def link_geometry(urdf: Path, scale: float = 1.0) -> Mapping[str, tuple[Part, ...]]:
+    """Return the collision shapes of every link of a URDF file, in file order; links without shapes are left out."""
+    return _read(urdf, scale, "collision")
+
+
+@cache
+def visual_geometry(urdf: Path, scale: float = 1.0) -> Mapping[str, tuple[Part, ...]]:
+    """Return what is seen of every link, as convex hulls; links without visuals are left out."""
+    return _read(urdf, scale, "visual")
+
+
+@cache
+def solid_geometry(urdf: Path, scale: float = 1.0) -> Mapping[str, tuple[Part, ...]]:
+    """Return the collision shapes of a URDF file, or the visual ones when it has none (markers)."""
+    return link_geometry(urdf, scale) or visual_geometry(urdf, scale)
+
+
+def bounds(parts: Iterable[Part]) -> FloatArray:
+    """Return the axis-aligned box [[min], [max]] (2, 3) of shapes in their link frame [m]; tight for hulls."""
+    boxes = [_part_bounds(shape, placement) for shape, placement in parts]
+    if not boxes:
+        return np.zeros((2, 3))
+    return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
+
+
+def visual_bounds(urdf: Path, link: str | None = None, scale: float = 1.0) -> FloatArray:
+    """Return the box (2, 3) of a link's visuals in the link frame [m]; None is the base link."""
+    name = base_link(urdf) if link is None else link
+    return bounds(visual_geometry(urdf, scale).get(name, ()))
+
+
+def volume(shape: VolumeShape, size: Sequence[float]) -> coal.ShapeBase:
+    """Build a sensor volume: box `x, y, z`; cylinder `diameter, length` along z; sphere `diameter` [m]."""
+    if shape == "box":
+        return coal.Box(*(float(s) for s in size))
+    if shape == "cylinder":
+        return coal.Cylinder(float(size[0]) / 2.0, float(size[1]))
+    return coal.Sphere(float(size[0]) / 2.0)
+
+
+@cache
+def primitive(shape: Shape) -> Part:
+    """Build a solid and its placement from plain numbers."""
+    size, placement = shape.size, pin.XYZQUATToSE3(np.array(shape.pose))
+    if shape.kind == "box":
+        return coal.Box(*size), placement
+    if shape.kind == "sphere":
+        return coal.Sphere(*size), placement
+    if shape.kind == "cylinder":
+        return coal.Cylinder(*size), placement
+    if shape.kind == "capsule":
+        return coal.Capsule(*size), placement
+    corners = coal.StdVec_Vec3s()
+    corners.extend(list(np.reshape(size, (-1, 3))))
+    hull = coal.Convex.convexHull(corners, True, "Qt")
+    hull.computeLocalAABB()
+    return hull, placement
+
+
+def as_shape(part: Part) -> Shape:
+    """Return a solid as plain numbers: the inverse of `primitive`."""
+    solid, placement = part
+    pose = tuple(pin.SE3ToXYZQUAT(placement).tolist())
+    if isinstance(solid, coal.Box):
+        return Shape("box", tuple((2.0 * solid.halfSide).tolist()), pose)
+    if isinstance(solid, coal.Sphere):
+        return Shape("sphere", (solid.radius,), pose)
+    if isinstance(solid, (coal.Cylinder, coal.Capsule)):
+        kind: Literal["cylinder", "capsule"] = "cylinder" if isinstance(solid, coal.Cylinder) else "capsule"
+        return Shape(kind, (solid.radius, 2.0 * solid.halfLength), pose)
+    return Shape("convex", tuple(np.ravel(solid.points()).tolist()), pose)
+
+
+def volume_contains(shape: VolumeShape, size: Sequence[float], T_world_volume: pin.SE3, point: FloatArray) -> bool:
+    """Say whether a world point (3,) lies in a sensor volume."""
+    x = T_world_volume.actInv(np.asarray(point, dtype=float))
+    if shape == "box":
+        return bool(np.all(np.abs(x) <= 0.5 * np.asarray(size)))
+    if shape == "cylinder":
+        return bool(np.hypot(x[0], x[1]) <= 0.5 * size[0] and abs(x[2]) <= 0.5 * size[1])
+    return bool(np.linalg.norm(x) <= 0.5 * size[0])
+
+
+def overlaps(shape: coal.CollisionGeometry, T_world_shape: pin.SE3, parts: Iterable[Part], T_world_link: pin.SE3) -> bool:
+    """Say whether a shape touches any of a link's shapes."""
+    request, result = coal.CollisionRequest(), coal.CollisionResult()
+    placed = to_transform(T_world_shape)
+    for part, T_link_part in parts:
+        if coal.collide(shape, placed, part, to_transform(T_world_link * T_link_part), request, result):
+            return True
+    return False
+
+
+def to_transform(placement: pin.SE3) -> coal.Transform3s:
+    """Convert a Pinocchio placement to Coal's."""
+    return coal.Transform3s(placement.rotation, placement.translation)
+
+
+def base_link(urdf: Path) -> str:
+    """Return the name of the link that is no joint's child."""
+    root = _parse(urdf)
+    children = {child.get("link") for child in root.iterfind("joint/child")}
+    return next(str(link.get("name")) for link in root.iterfind("link") if link.get("name") not in children)
+
+
+def box_corners(box: FloatArray, pose: PoseLike) -> FloatArray:
+    """Return the eight corners (8, 3) in the world of a local box (2, 3) at a pose (7,)."""
+    placement = pin.XYZQUATToSE3(np.asarray(pose, dtype=float))
+    corners = np.array([[box[i, 0], box[j, 1], box[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    return corners @ placement.rotation.T + placement.translation
+
+
+# Reading ----------------------------------------------------------------------------------------------------------
+
+
+@cache
+def _parse(urdf: Path) -> ET.Element:
+    if not urdf.is_file():
+        raise AssetNotFound(urdf, "the collision model")
+    try:
+        return ET.parse(urdf).getroot()
+    except ET.ParseError as error:
+        raise AssetInvalid(urdf, str(error)) from error
+
+
+def _read(urdf: Path, scale: float, kind: Literal["collision", "visual"]) -> Mapping[str, tuple[Part, ...]]:
+    result: dict[str, tuple[Part, ...]] = {}
+    for link in _parse(urdf).iterfind("link"):
+        parts = tuple((_shape(urdf, element, scale), _origin(element, scale)) for element in link.iterfind(kind))
+        if parts:
+            result[str(link.get("name"))] = parts
+    return MappingProxyType(result)
+
+
+def _numbers(text: str | None, default: str) -> FloatArray:
+    return np.array([float(word) for word in (text or default).split()])
+
+
+def _origin(element: ET.Element, scale: float) -> pin.SE3:
+    origin = element.find("origin")
+    if origin is None:
+        return pin.SE3.Identity()
+    rotation = pin.rpy.rpyToMatrix(_numbers(origin.get("rpy"), "0 0 0"))
+    return pin.SE3(rotation, scale * _numbers(origin.get("xyz"), "0 0 0"))
+
+
+def _shape(urdf: Path, element: ET.Element, scale: float) -> coal.CollisionGeometry:
+    geometry = element.find("geometry")
+    shape = geometry[0] if geometry is not None and len(geometry) else None
+    if shape is None:
+        raise AssetInvalid(urdf, f"a <{element.tag}> has no geometry")
+    if shape.tag == "box":
+        return coal.Box(*(scale * _numbers(shape.get("size"), "")))
+    if shape.tag == "sphere":
+        return coal.Sphere(scale * float(shape.get("radius", 0)))
+    if shape.tag in ("cylinder", "capsule"):
+        build = coal.Cylinder if shape.tag == "cylinder" else coal.Capsule
+        return build(scale * float(shape.get("radius", 0)), scale * float(shape.get("length", 0)))
+    if shape.tag == "mesh":
+        return _hull(urdf, urdf.parent / str(shape.get("filename")), scale * _numbers(shape.get("scale"), "1 1 1"))
+    raise AssetInvalid(urdf, f"geometry '{shape.tag}' is not one of box, sphere, cylinder, capsule, mesh")
+
+
+def _hull(urdf: Path, mesh: Path, scale: FloatArray) -> coal.Convex:
+    if not mesh.is_file():
+        raise AssetNotFound(mesh, urdf.name)
+    surface = coal.MeshLoader().load(str(mesh), scale)
+    try:
+        surface.buildConvexHull(True, "Qt")
+    except (RuntimeError, ValueError) as error:
+        raise AssetInvalid(mesh, f"no convex hull: {error}") from error
+    hull = surface.convex
+    hull.computeLocalAABB()
+    return hull
+
+
+def _part_bounds(shape: coal.CollisionGeometry, placement: pin.SE3) -> FloatArray:
+    """Return the box (2, 3) of one placed shape, from its support points along the axes."""
+    if isinstance(shape, coal.Convex):
+        points = np.array(shape.points()) @ placement.rotation.T + placement.translation
+        return np.stack([points.min(axis=0), points.max(axis=0)])
+    reach = _half_extent(shape, placement.rotation)
+    return np.stack([placement.translation - reach, placement.translation + reach])
+
+
+def _half_extent(shape: coal.CollisionGeometry, rotation: FloatArray) -> FloatArray:
+    """Return the half size (3,) of a primitive's box along the axes of its parent frame."""
+    if isinstance(shape, coal.Sphere):
+        return np.full(3, shape.radius)
+    if isinstance(shape, coal.Box):
+        return np.abs(rotation) @ shape.halfSide
+    along = np.abs(rotation[:, 2])
+    if isinstance(shape, coal.Capsule):
+        return along * shape.halfLength + shape.radius
+    return along * shape.halfLength + shape.radius * np.sqrt(np.maximum(0.0, 1.0 - along**2))

@@ -1,0 +1,151 @@
+"""What must hold between the tables of one scene: names, parents, assets, joints, waypoints."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from pathlib import Path
+
+from rlbench_pin.errors import AssetNotFound, SceneFileError, nearest_name
+from rlbench_pin.scene.model_files import UrdfNames, resolve_asset, urdf_names
+from rlbench_pin.scene.spec import ROOT, WORLD, BodySpec, Posed, SceneSpec, SensorSpec, WaypointSpec
+
+RESERVED = frozenset({ROOT, WORLD, "table", "floor", "robot"})
+"""Names that the world itself gives away."""
+SENSOR_SIZES = {"box": ("x", "y", "z"), "cylinder": ("diameter", "length"), "sphere": ("diameter",)}
+
+
+def check_scene(scene: SceneSpec) -> None:
+    """Check one scene as a whole.
+
+    Raises:
+        SceneFileError: Names the table and the key that are wrong.
+        AssetNotFound: A URDF, mesh or texture does not exist.
+    """
+    _check_names(scene)
+    models = {body.name: _check_assets(scene, body) for body in scene.body}
+    _check_parents(scene, models)
+    _check_cycles(scene)
+    _check_joints(scene, models)
+    for sensor in scene.sensor:
+        _check_sensor(scene, sensor)
+    _check_waypoints(scene)
+    _check_bounds(scene)
+
+
+def table_of(item: Posed) -> str:
+    """Return how the table of a record is written in the file: `[[body]]`, `[[frame]]`, ..."""
+    return f"[[{type(item).__name__.removesuffix('Spec').lower()}]]"
+
+
+def _error(scene: SceneSpec, item: Posed, key: str, problem: str, hint: str = "") -> SceneFileError:
+    return SceneFileError(scene.file, f"{table_of(item)} '{item.name}', key '{key}'", problem, hint)
+
+
+def _guess(name: str, known: Collection[str]) -> str:
+    near = nearest_name(name, known)
+    return f"Did you mean '{near}'?" if near else f"Known: {', '.join(sorted(known)) or 'none'}."
+
+
+def _check_names(scene: SceneSpec) -> None:
+    seen: dict[str, Posed] = {}
+    for item in scene.posed():
+        if item.name in RESERVED or item.name.startswith("wall_"):
+            raise _error(scene, item, "name", f"'{item.name}' is reserved for the room.", "Choose another name.")
+        if item.name in seen:
+            other = table_of(seen[item.name])
+            raise _error(scene, item, "name", f"'{item.name}' is used twice, first in {other}.", "Names are unique in a file.")
+        seen[item.name] = item
+
+
+def _check_assets(scene: SceneSpec, body: BodySpec) -> UrdfNames:
+    path = resolve_asset(scene, body.asset)
+    needed_by = f"body '{body.name}' of {Path(scene.file).name}"
+    if not path.is_file():
+        raise AssetNotFound(body.asset, needed_by)
+    names = urdf_names(path)
+    for file in names.files:
+        if not file.is_file():
+            raise AssetNotFound(file, f"{body.asset}, {needed_by}")
+    return names
+
+
+def _check_parents(scene: SceneSpec, models: dict[str, UrdfNames]) -> None:
+    names = {item.name for item in scene.posed()} | {ROOT, WORLD}
+    for item in scene.posed():
+        owner, _, link = item.parent.partition("/")
+        if owner not in names:
+            raise _error(scene, item, "parent", f"there is no '{owner}' in this scene.", _guess(owner, names))
+        if not link:
+            continue
+        if owner not in models:
+            raise _error(scene, item, "parent", f"'{owner}' is not a body, so it has no link '{link}'.")
+        if link not in models[owner].links:
+            raise _error(scene, item, "parent", f"body '{owner}' has no link '{link}'.", _guess(link, models[owner].links))
+
+
+def _check_cycles(scene: SceneSpec) -> None:
+    parents = {item.name: item.parent.partition("/")[0] for item in scene.posed()}
+    for item in scene.posed():
+        chain = [item.name]
+        while (parent := parents.get(chain[-1])) is not None:
+            if parent in chain:
+                loop = " -> ".join([*chain[chain.index(parent) :], parent])
+                raise _error(scene, item, "parent", f"the parents form a circle: {loop}.")
+            chain.append(parent)
+
+
+def _check_joints(scene: SceneSpec, models: dict[str, UrdfNames]) -> None:
+    seen: set[str] = set()
+    for joint in scene.joint:
+        where = f"[[joint]] '{joint.name}'"
+        body, _, name = joint.name.partition("/")
+        if body not in models:
+            raise SceneFileError(scene.file, where, f"there is no body '{body}'.", _guess(body, models))
+        if name not in models[body].joints:
+            hint = _guess(name, models[body].joints)
+            raise SceneFileError(scene.file, where, f"body '{body}' has no movable joint '{name}'.", hint)
+        if joint.name in seen:
+            raise SceneFileError(scene.file, where, "it is described twice.")
+        seen.add(joint.name)
+        lower, upper = models[body].joints[name]
+        if not lower - 1e-9 <= joint.position <= upper + 1e-9:
+            raise SceneFileError(scene.file, f"{where}, key 'position'", f"{joint.position} is outside [{lower}, {upper}].")
+
+
+def _check_sensor(scene: SceneSpec, sensor: SensorSpec) -> None:
+    meaning = SENSOR_SIZES[sensor.shape]
+    if len(sensor.size) != len(meaning):
+        problem = f"a {sensor.shape} has {len(meaning)} numbers ({', '.join(meaning)}), not {len(sensor.size)}."
+        raise _error(scene, sensor, "size", problem)
+
+
+def _check_waypoints(scene: SceneSpec) -> None:
+    expected = [f"waypoint{i}" for i in range(len(scene.waypoint))]
+    present = {waypoint.name for waypoint in scene.waypoint}
+    for waypoint in scene.waypoint:
+        digits = waypoint.name.removeprefix("waypoint")
+        if not waypoint.name.startswith("waypoint") or digits != str(int(digits) if digits.isdigit() else -1):
+            problem = "a waypoint is called 'waypoint' and its number."
+            raise _error(scene, waypoint, "name", problem, "Use a [[frame]] for other places.")
+    missing = [name for name in expected if name not in present]
+    if missing:
+        raise SceneFileError(scene.file, "[[waypoint]]", f"'{missing[0]}' is missing.", "Number waypoints from 0 without gaps.")
+    for waypoint in scene.waypoint:
+        _check_curve(scene, waypoint)
+
+
+def _check_curve(scene: SceneSpec, waypoint: WaypointSpec) -> None:
+    described = int(bool(waypoint.points)) + int(waypoint.arc is not None)
+    if waypoint.path == "curve" and described != 1:
+        raise _error(scene, waypoint, "path", "a curve needs either 'points' or 'arc'.")
+    if waypoint.path != "curve" and described:
+        raise _error(scene, waypoint, "path", "'points' and 'arc' belong to a curve.", 'Write path = "curve".')
+
+
+def _check_bounds(scene: SceneSpec) -> None:
+    low, high = scene.placement.yaw
+    if low > high:
+        raise SceneFileError(scene.file, "[placement], key 'yaw'", f"the lower bound {low} is above the upper bound {high}.")
+    for region in scene.region:
+        if min(region.size[:2]) <= 0.0 or region.size[2] < 0.0:
+            raise _error(scene, region, "size", f"x and y are > 0 and z is >= 0, not {list(region.size)}.")

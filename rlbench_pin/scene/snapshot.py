@@ -1,0 +1,67 @@
+"""The world at one instant, as far as planning needs it: names, model files, poses, joint values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from rlbench_pin.spatial import FloatArray
+
+NO_FILE = Path()
+"""Model file of a body that brings its own shapes."""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A solid in the frame of its body, as plain numbers."""
+
+    kind: Literal["box", "cylinder", "sphere", "capsule", "convex"]
+    size: tuple[float, ...]
+    """box: x, y, z; cylinder, capsule: radius, length along z without caps; sphere: radius; convex: x, y, z of corners [m]."""
+    pose: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class BodySnapshot:
+    """One object: its model file, or its shapes, and where each of its links is."""
+
+    name: str
+    urdf: Path
+    link_names: tuple[str, ...]
+    """Links that carry collision geometry, base first."""
+    link_poses: FloatArray
+    """Pose of each link frame (the URDF frame, not the inertial one) in the world, shape (n, 7)."""
+    scale: float = 1.0
+    collides: bool = True
+    fixed: bool = False
+    shapes: tuple[Shape, ...] = ()
+    """Shapes of the only link, instead of those of a model file."""
+
+    @property
+    def layout(self) -> tuple[object, ...]:
+        """What decides about the shapes, wherever they are: equal for bodies that differ in poses only."""
+        return self.name, self.urdf, self.scale, self.link_names, self.shapes
+
+
+@dataclass(frozen=True, eq=False)
+class WorldSnapshot:
+    """All bodies but the robot, the robot's configuration, and what the hand holds."""
+
+    bodies: tuple[BodySnapshot, ...]
+    arm: FloatArray
+    """Arm joint positions [rad], shape (n,)."""
+    fingers: FloatArray
+    """Finger joint positions [m]."""
+    attached: tuple[str, ...] = ()
+    """Names of the bodies fixed to the hand."""
+
+    def body(self, name: str) -> BodySnapshot:
+        """Return the body called `name`."""
+        return next(b for b in self.bodies if b.name == name)
+
+    def configuration(self) -> FloatArray:
+        """Return arm and finger positions as one vector."""
+        return np.concatenate([self.arm, self.fingers])

@@ -1,0 +1,174 @@
+"""Frozen `SceneSpec` -> TOML scene file. What did not change keeps its text, its order and its comments."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomlkit
+from pydantic import BaseModel, ValidationError
+from pydantic_core import PydanticUndefined
+from tomlkit.items import AoT, InlineTable, Table
+
+from rlbench_pin.scene.spec import (
+    FORMAT,
+    BodySpec,
+    FrameSpec,
+    JointSpec,
+    PlacementSpec,
+    RegionSpec,
+    SceneSpec,
+    SensorSpec,
+    Spec,
+    WaypointSpec,
+)
+
+HEADER = "lengths [m], angles [rad], pose [x, y, z] or [x, y, z, yaw] or [x, y, z, qx, qy, qz, qw]"
+_TABLES: Mapping[str, type[Spec]] = {
+    "body": BodySpec,
+    "joint": JointSpec,
+    "frame": FrameSpec,
+    "region": RegionSpec,
+    "sensor": SensorSpec,
+    "waypoint": WaypointSpec,
+}
+_POSES = frozenset({"pose", "points"})
+_DIGITS = 9
+_HEADING = re.compile(r"^(?!#)(.+)\n(\[{1,2}[a-z_]+\]{1,2} *(?:#.*)?)$", re.MULTILINE)
+"""A line that is no comment, and right below it the heading of a table."""
+
+
+def write_scene(spec: SceneSpec, path: Path | str) -> None:
+    """Write a scene to a file.
+
+    An existing file is edited in place: entries are matched by name, and only keys whose value differs are written.
+    Numbers are rounded to 1e-9.
+
+    Args:
+        spec: The scene.
+        path: The `.toml` file; its folder must exist.
+    """
+    path = Path(path)
+    document = tomlkit.parse(path.read_text(encoding="utf-8")) if path.is_file() else _new_document()
+    document["format"] = FORMAT
+    _write_placement(document, spec.placement)
+    for table, model in _TABLES.items():
+        _write_table(document, table, model, getattr(spec, table))
+    aside = path.with_name(path.name + ".part")
+    aside.write_text(_HEADING.sub(r"\1\n\n\2", tomlkit.dumps(document)), encoding="utf-8")
+    aside.replace(path)
+
+
+def _new_document() -> tomlkit.TOMLDocument:
+    document = tomlkit.document()
+    document.add("format", tomlkit.item(FORMAT).comment(HEADER))
+    return document
+
+
+def _write_placement(document: tomlkit.TOMLDocument, placement: PlacementSpec) -> None:
+    if placement == PlacementSpec() and "placement" not in document:
+        return
+    if "placement" not in document:
+        document.add(tomlkit.nl())
+        document.add("placement", tomlkit.table())
+    _update(document["placement"], placement)
+
+
+def _write_table(document: tomlkit.TOMLDocument, key: str, model: type[Spec], specs: Iterable[Any]) -> None:
+    """Make the array of tables `[[key]]` say `specs`, in their order."""
+    wanted = {spec.name: spec for spec in specs}
+    present = document.get(key)
+    if not isinstance(present, AoT):
+        if not wanted:
+            return
+        present = tomlkit.aot()
+        document.add(key, present)
+    for index in reversed(range(len(present))):
+        if present[index].get("name") not in wanted:
+            del present[index]
+    known = {entry["name"]: entry for entry in present}
+    for name, spec in wanted.items():
+        if name not in known:
+            present.append(_new_entry(after=present))
+        _update(known.get(name, present[-1]), spec)
+    if not wanted:
+        del document[key]
+
+
+def _new_entry(after: AoT) -> Table:
+    """Begin an entry, one blank line below what stands before it."""
+    entry = tomlkit.table()
+    if not after.as_string().endswith("\n\n"):
+        entry.trivia.indent = "\n"
+    return entry
+
+
+def _update(entry: Any, spec: Spec) -> None:
+    """Change the keys of one table whose value differs from `spec`; keys at their default are left out."""
+    before = _parsed(entry, type(spec))
+    for key, info in type(spec).model_fields.items():
+        value = getattr(spec, key)
+        if before is not None and key in entry and _same(getattr(before, key), value):
+            continue
+        is_default = info.default is not PydanticUndefined and _same(value, info.default)
+        if is_default or value is None:
+            entry.pop(key, None)
+        else:
+            entry[key] = _plain(key, value)
+
+
+def _parsed(entry: Any, model: type[Spec]) -> Spec | None:
+    """Read one table of the file; None when it is new or not valid."""
+    try:
+        return model.model_validate(entry.unwrap())
+    except ValidationError:
+        return None
+
+
+def _same(a: Any, b: Any) -> bool:
+    """Compare values; numbers to 1e-9."""
+    if isinstance(a, bool | str) or isinstance(b, bool | str) or a is None or b is None:
+        return type(a) is type(b) and bool(a == b)
+    if isinstance(a, int | float) and isinstance(b, int | float):
+        return abs(a - b) < 10.0**-_DIGITS
+    if isinstance(a, tuple) and isinstance(b, tuple):
+        return len(a) == len(b) and all(_same(x, y) for x, y in zip(a, b, strict=True))
+    return bool(a == b)
+
+
+def _plain(key: str, value: Any) -> Any:
+    """Turn a value into what TOML shows: short poses, round numbers, inline tables."""
+    if isinstance(value, BaseModel):
+        return _inline(value)
+    if key in _POSES and value and isinstance(value[0], tuple):
+        return [_short_pose(pose) for pose in value]
+    if key in _POSES and value:
+        return _short_pose(value)
+    if isinstance(value, tuple | list):
+        return [_plain("", item) for item in value]
+    return _rounded(value) if isinstance(value, float) else value
+
+
+def _inline(record: BaseModel) -> InlineTable:
+    table = tomlkit.inline_table()
+    for key, info in type(record).model_fields.items():
+        value = getattr(record, key)
+        if value is not None and (info.default is PydanticUndefined or not _same(value, info.default)):
+            table[key] = _plain(key, value)
+    return table
+
+
+def _short_pose(pose: tuple[float, ...]) -> list[float]:
+    """Leave out an identity rotation; write a rotation about z as its angle."""
+    numbers = [_rounded(v) for v in pose]
+    if any(numbers[3:5]):
+        return numbers
+    yaw = 2.0 * float(np.arctan2(pose[5], pose[6]))
+    return numbers[:3] if abs(yaw) < 10.0**-_DIGITS else [*numbers[:3], _rounded(yaw)]
+
+
+def _rounded(value: float) -> float:
+    return round(float(value), _DIGITS) + 0.0

@@ -1,0 +1,39 @@
+"""The simulated world: PyBullet behind plain names and arrays. Nothing else imports pybullet."""
+
+from rlbench_pin.sim.body import Body
+from rlbench_pin.sim.camera import CameraView, Pictures, look_at
+from rlbench_pin.sim.contacts import Contact
+from rlbench_pin.sim.egl import RENDERERS, EglMissing, RendererName
+from rlbench_pin.sim.frame import Frame, Region
+from rlbench_pin.sim.gripper import SimGripper
+from rlbench_pin.sim.joint import ObjectJoint
+from rlbench_pin.sim.lighting import Light, Lighting
+from rlbench_pin.sim.sensor import Sensor
+from rlbench_pin.sim.shadows import ShadowMap
+from rlbench_pin.sim.sim_robot import SimRobot
+from rlbench_pin.sim.state import WorldState
+from rlbench_pin.sim.texture import read_texture
+from rlbench_pin.sim.world import World
+
+__all__ = [
+    "RENDERERS",
+    "Body",
+    "CameraView",
+    "Contact",
+    "EglMissing",
+    "Frame",
+    "Light",
+    "Lighting",
+    "ObjectJoint",
+    "Pictures",
+    "Region",
+    "RendererName",
+    "Sensor",
+    "ShadowMap",
+    "SimGripper",
+    "SimRobot",
+    "World",
+    "WorldState",
+    "look_at",
+    "read_texture",
+]  # fmt: skip

@@ -1,0 +1,135 @@
+"""Cameras as pure geometry, and what they deliver."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rlbench_pin.errors import CameraError
+from rlbench_pin.spatial import FloatArray, matrix_to_pose, pose_to_matrix
+
+
+@dataclass(frozen=True, eq=False)
+class CameraView:
+    """Where a camera stands and what it sees. The camera frame has z forward, x to the left, y up."""
+
+    pose: FloatArray
+    """Pose (7,) in the world."""
+    fov: float
+    """Field of view of the longer side [rad]."""
+    size: tuple[int, int]
+    """Width and height [px]."""
+    near: float
+    """Nearest distance along z that is seen [m]."""
+    far: float
+    """Farthest distance along z that is seen [m]."""
+
+    def __post_init__(self) -> None:
+        if not (0.0 < self.fov < np.pi and 0.0 < self.near < self.far):
+            raise CameraError(f"A camera needs 0 < fov < pi and 0 < near < far, not {self.fov}, {self.near}, {self.far}.")
+        if min(self.size) < 1:
+            raise CameraError(f"A picture has at least one pixel, not {self.size}.")
+
+    def intrinsics(self) -> FloatArray:
+        """Matrix (3, 3) with negative focal lengths [px]: picture u grows to the camera's -x, v to -y.
+
+        f = -longer side / (2 tan(fov / 2)); the principal point is half the resolution.
+        """
+        return self._intrinsics.copy()
+
+    @cached_property
+    def key(self) -> tuple[object, ...]:
+        """All that makes the view, to compare."""
+        return (np.asarray(self.pose, dtype=float).tobytes(), self.fov, tuple(self.size), self.near, self.far)
+
+    def extrinsics(self) -> FloatArray:
+        """Matrix (4, 4) from camera to world coordinates."""
+        return self._extrinsics.copy()
+
+    @cached_property
+    def _intrinsics(self) -> FloatArray:
+        width, height = self.size
+        focal = -max(width, height) / (2.0 * np.tan(self.fov / 2.0))
+        return np.array([[focal, 0.0, width / 2.0], [0.0, focal, height / 2.0], [0.0, 0.0, 1.0]])
+
+    @cached_property
+    def _extrinsics(self) -> FloatArray:
+        return pose_to_matrix(self.pose)
+
+    @cached_property
+    def rays(self) -> NDArray[np.float32]:
+        """Direction (h * w, 3) in the world of every pixel's ray, of depth 1; read-only."""
+        width, height = self.size
+        columns, rows = pixel_rays(self)
+        local = np.empty((height, width, 3), dtype=np.float32)
+        local[..., 0], local[..., 1], local[..., 2] = columns, rows[:, None], 1.0
+        world = local.reshape(-1, 3) @ self._extrinsics[:3, :3].T.astype(np.float32)
+        world.setflags(write=False)
+        return world
+
+    @cached_property
+    def gl_view(self) -> list[float]:
+        """World to OpenGL camera (x right, y up, z backward), column by column."""
+        turn = np.diag([-1.0, 1.0, -1.0, 1.0])
+        return np.linalg.inv(self._extrinsics @ turn).T.ravel().tolist()
+
+
+@dataclass(frozen=True, eq=False)
+class Pictures:
+    """What a camera delivered, top row first; None where it was not asked for."""
+
+    rgb: NDArray[np.uint8] | None
+    """(h, w, 3)."""
+    depth: NDArray[np.float32] | None
+    """Distance along the optical axis [m], (h, w)."""
+    mask: NDArray[np.int32] | None
+    """Ids of `World.masks`, 0 where nothing is seen, (h, w)."""
+
+
+def look_at(eye: Sequence[float] | FloatArray, target: Sequence[float] | FloatArray) -> FloatArray:
+    """Pose (7,) of a camera at `eye` [m] that looks at `target` [m]: z forward, x left, y up.
+
+    Raises:
+        CameraError: Both are the same point.
+    """
+    forward = np.subtract(target, eye).astype(float)
+    if not np.linalg.norm(forward) > 1e-9:
+        raise CameraError(f"A camera cannot look from {tuple(eye)} at {tuple(target)}: choose two different points.")
+    forward = forward / np.linalg.norm(forward)
+    up = np.array([0.0, 0.0, 1.0]) if abs(forward[2]) < 0.999 else np.array([1.0, 0.0, 0.0])
+    up = up - up.dot(forward) * forward
+    up = up / np.linalg.norm(up)
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.column_stack([np.cross(up, forward), up, forward])
+    matrix[:3, 3] = eye
+    return matrix_to_pose(matrix)
+
+
+def pixel_rays(view: CameraView) -> tuple[FloatArray, FloatArray]:
+    """Camera x (w,) of each column and y (h,) of each row at depth 1."""
+    width, height = view.size
+    k = view.intrinsics()
+    return (np.arange(width) - k[0, 2]) / k[0, 0], (np.arange(height) - k[1, 2]) / k[1, 1]
+
+
+def projection_matrix(view: CameraView, hardware: bool = False) -> list[float]:
+    """OpenGL projection, column by column, whose pixel (u, v) looks along the ray that `intrinsics` gives it.
+
+    TinyRenderer draws what belongs to row v in row v - 1; OpenGL samples in the middle of its pixels.
+    """
+    width, height = view.size
+    focal = -view.intrinsics()[0, 0]
+    near, far = view.near, view.far
+    matrix = np.zeros((4, 4))
+    matrix[0, 0], matrix[1, 1] = 2.0 * focal / width, 2.0 * focal / height
+    if hardware:
+        matrix[0, 2], matrix[1, 2] = -1.0 / width, 1.0 / height
+    else:
+        matrix[1, 2] = 2.0 / height
+    matrix[2, 2], matrix[2, 3] = -(far + near) / (far - near), -2.0 * far * near / (far - near)
+    matrix[3, 2] = -1.0
+    return matrix.T.ravel().tolist()

@@ -1,0 +1,31 @@
+"""World -> WorldSnapshot: what planning needs to know of this instant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from rlbench_pin.scene.snapshot import BodySnapshot, WorldSnapshot
+from rlbench_pin.sim.body import Body
+from rlbench_pin.sim.gripper import SimGripper
+from rlbench_pin.sim.sim_robot import SimRobot
+
+
+def capture(bodies: Iterable[Body], robot: SimRobot, gripper: SimGripper) -> WorldSnapshot:
+    """Return names, model files, link poses and joint values as they are now.
+
+    Args:
+        bodies: Everything but the robot; bodies without collision geometry are left out.
+        robot: Its arm and fingers.
+        gripper: What it holds.
+    """
+    seen = (capture_body(body) for body in bodies)
+    return WorldSnapshot(tuple(b for b in seen if b.link_names), robot.joint_positions, robot.fingers, gripper.grasped)
+
+
+def capture_body(body: Body) -> BodySnapshot:
+    """Return where the colliding links of one body are now."""
+    links = body.model.collision_links()
+    poses = np.array([body.link_pose(link) for link in links]).reshape(-1, 7)
+    return BodySnapshot(body.name, body.model.urdf, links, poses, body.model.scale, body.collides, body.fixed)

@@ -1,0 +1,171 @@
+"""The one place that imports pybullet, and the client that owns one physics server."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+
+from rlbench_pin.errors import AssetInvalid, AssetNotFound, EnvironmentClosed, UnknownName
+from rlbench_pin.sim.egl import RENDERERS, EglMissing, RendererName, plugin_file
+from rlbench_pin.sim.urdf import check_urdf
+from rlbench_pin.spatial import FloatArray
+
+
+@dataclass
+class Captured:
+    """What the C library printed."""
+
+    text: str = ""
+
+
+@contextmanager
+def captured_output() -> Iterator[Captured]:
+    """Catch what C code writes to stdout and stderr, which Python's own redirection does not see."""
+    captured = Captured()
+    _flush()
+    with tempfile.TemporaryFile() as sink:
+        saved = {fd: os.dup(fd) for fd in (1, 2)}
+        try:
+            for fd in saved:
+                os.dup2(sink.fileno(), fd)
+            yield captured
+        finally:
+            _flush()
+            for fd, copy in saved.items():
+                os.dup2(copy, fd)
+                os.close(copy)
+            sink.seek(0)
+            captured.text = sink.read().decode(errors="replace")
+
+
+def _flush() -> None:
+    sys.stdout.flush()
+    sys.stderr.flush()
+    if os.name == "posix":
+        ctypes.CDLL(None).fflush(None)
+
+
+with captured_output():  # pybullet greets when it is imported
+    import pybullet as bullet
+
+__all__ = ["Captured", "PhysicsClient", "bullet", "captured_output", "open_client"]
+
+_SOLVER_ITERATIONS = 50
+_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
+
+
+class PhysicsClient:
+    """One physics server in this process; every call passes its `id`.
+
+    Args:
+        timestep: Length of one physics step [s].
+        hardware: Draw with OpenGL through EGL.
+
+    Raises:
+        EglMissing: There is no EGL here.
+    """
+
+    def __init__(self, timestep: float, hardware: bool = False) -> None:
+        self.hardware = hardware
+        self._id: int | None = bullet.connect(bullet.DIRECT)
+        if hardware:
+            self._plugin = self._load_egl()
+        bullet.setTimeStep(timestep, physicsClientId=self.id)
+        bullet.setGravity(*_GRAVITY, physicsClientId=self.id)
+        bullet.setPhysicsEngineParameter(
+            numSolverIterations=_SOLVER_ITERATIONS,
+            deterministicOverlappingPairs=1,
+            enableFileCaching=0,
+            physicsClientId=self.id,
+        )
+
+    def _load_egl(self) -> int:
+        try:
+            file = plugin_file()
+            with captured_output() as captured:
+                plugin = int(bullet.loadPlugin(file, "_eglRendererPlugin", physicsClientId=self.id))
+            if plugin < 0:
+                raise EglMissing(_tidy(captured.text) or "the plugin found no device")
+        except EglMissing:
+            self.close()
+            raise
+        return plugin
+
+    @property
+    def id(self) -> int:
+        """Number of the connection; raises EnvironmentClosed after `close`."""
+        if self._id is None:
+            raise EnvironmentClosed("This world is closed. Build a new one.")
+        return self._id
+
+    @property
+    def closed(self) -> bool:
+        """True after `close`."""
+        return self._id is None
+
+    def close(self) -> None:
+        """Free the physics server; may be called again."""
+        if self._id is not None:
+            identifier, self._id = self._id, None
+            with captured_output() if self.hardware else nullcontext():
+                bullet.disconnect(physicsClientId=identifier)
+
+    def load(self, urdf: Path, needed_by: str, pose: FloatArray, fixed: bool, scale: float = 1.0) -> int:
+        """Load a URDF with its base link at `pose` (7,) and return its number.
+
+        Raises:
+            AssetNotFound: There is no such file.
+            AssetInvalid: PyBullet cannot read it; carries what it printed.
+        """
+        if not urdf.is_file():
+            raise AssetNotFound(urdf, needed_by)
+        check_urdf(urdf)
+        with captured_output() as captured:
+            try:
+                return bullet.loadURDF(
+                    str(urdf),
+                    pose[:3].tolist(),
+                    pose[3:].tolist(),
+                    useFixedBase=fixed,
+                    globalScaling=scale,
+                    flags=bullet.URDF_USE_INERTIA_FROM_FILE,
+                    physicsClientId=self.id,
+                )
+            except bullet.error as error:
+                problem = str(error)
+        raise AssetInvalid(urdf, f"{problem} {_tidy(captured.text)}".strip())
+
+
+def open_client(timestep: float, renderer: RendererName) -> PhysicsClient:
+    """Start a physics server that draws as asked.
+
+    Args:
+        timestep: Length of one physics step [s].
+        renderer: `cpu`, `egl`, or `auto`: EGL where there is one, else the CPU.
+
+    Raises:
+        EglMissing: EGL was asked for and there is none.
+        UnknownName: There is no such renderer.
+    """
+    if renderer not in RENDERERS:
+        raise UnknownName("renderer", str(renderer), RENDERERS)
+    if renderer == "cpu":
+        return PhysicsClient(timestep)
+    try:
+        return PhysicsClient(timestep, hardware=True)
+    except EglMissing:
+        if renderer == "egl":
+            raise
+        return PhysicsClient(timestep)
+
+
+def _tidy(text: str) -> str:
+    """Keep the lines of a C message that carry news."""
+    lines = (line.strip() for line in text.splitlines())
+    return "; ".join(line for line in lines if line and not line.startswith("b3"))[:500]

@@ -1,0 +1,187 @@
+"""A world as plain arrays that another process can continue from."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.scene.spec import BodySpec
+from rlbench_pin.sim.client import bullet
+from rlbench_pin.sim.grasp import Attachment
+from rlbench_pin.sim.gripper import FingerControl
+from rlbench_pin.sim.sim_robot import ArmControl
+from rlbench_pin.sim.state import BodyMarks, Marks, read_marks, restore, save, separate_bodies, write_marks
+
+if TYPE_CHECKING:
+    from rlbench_pin.sim.world import World
+
+_FORMAT = 1
+_KEYS = {"meta", "frame_poses", "arm_control", "finger_control", "finger_limits", "attachment_poses"}
+_MEASURED = {"body_poses", "body_velocities", "joint_states", "robot_joints"}
+"""What stands in for `physics` where it is missing."""
+
+
+def to_arrays(world: World, exact: bool = True) -> dict[str, np.ndarray]:
+    """Return this instant as arrays of numbers; `meta` is JSON text and `physics` a compressed PyBullet state, both as bytes.
+
+    Everything but `physics` can be read without this package and has the same bytes whenever the world is the same; `physics`
+    adds what a bit-exact continuation needs (contacts), and holds memory addresses, so that its bytes differ between runs.
+
+    Args:
+        world: The world to describe.
+        exact: Include `physics`.
+    """
+    arrays = _readable(world, read_marks(world))
+    if exact:
+        physics = _physics(world)
+        _restore_physics(world, physics)  # as the other process will, so that both go on alike
+        arrays["physics"] = _bytes(zlib.compress(physics))
+    return arrays
+
+
+def _readable(world: World, marks: Marks) -> dict[str, np.ndarray]:
+    bodies = list(marks.bodies)
+    return {
+        "meta": _bytes(json.dumps(_meta(world, marks)).encode()),
+        "body_poses": np.array([world.body(n).pose for n in bodies]).reshape(-1, 7),
+        "body_velocities": np.array([world.body(n).velocity for n in bodies]).reshape(-1, 6),
+        "joint_states": np.array([j.state() for n in bodies for j in world.body(n).joints.values()]).reshape(-1, 2),
+        "robot_joints": world.robot.joint_states(),
+        "frame_poses": np.array([local for _, local in marks.frames.values()]).reshape(-1, 7),
+        "arm_control": np.stack([marks.arm.target, marks.arm.reference]),
+        "finger_control": np.stack([marks.fingers.target, marks.fingers.reference, marks.fingers.last]),
+        "finger_limits": np.array([marks.fingers.speed, marks.fingers.force]),
+        "attachment_poses": np.array([a.T_hand_body for a in marks.attachments]).reshape(-1, 7),
+    }
+
+
+def _meta(world: World, marks: Marks) -> dict[str, Any]:
+    return {
+        "format": _FORMAT,
+        "robot": world.robot.description.name,
+        "ticks": marks.ticks,
+        "arm_mode": marks.arm.mode,
+        "bodies": {
+            name: {
+                "colors": {str(k): v for k, v in m.colors.items()},
+                "collides": m.collides,
+                "graspable": m.graspable,
+                "locks": m.locks,
+            }
+            for name, m in marks.bodies.items()
+        },
+        "frames": {name: parent for name, (parent, _) in marks.frames.items()},
+        "attachments": [a.body for a in marks.attachments],
+        "spawned": [spec.model_dump(mode="json") for spec in marks.spawned.values()],
+    }
+
+
+def from_arrays(world: World, arrays: Mapping[str, np.ndarray]) -> None:
+    """Continue from `to_arrays` of a world with the same scene and robot.
+
+    Raises:
+        RlbenchPinError: The arrays are incomplete or damaged, or belong to another scene, robot or version of this format.
+    """
+    missing = (_KEYS if "physics" in arrays else _KEYS | _MEASURED) - set(arrays)
+    if missing:
+        raise RlbenchPinError(
+            f"The arrays are incomplete: {', '.join(sorted(missing))} is missing. `World.arrays()` gives them all."
+        )
+    before = save(world)
+    try:
+        _continue_from(world, arrays)
+    except RlbenchPinError:
+        restore(world, before)
+        raise
+
+
+def _continue_from(world: World, arrays: Mapping[str, np.ndarray]) -> None:
+    meta = json.loads(np.asarray(arrays["meta"], dtype=np.uint8).tobytes())
+    marks = _marks(meta, arrays)
+    _check(world, meta, marks)
+    if "physics" not in arrays:
+        _set_measured(world, arrays, list(marks.bodies))
+        write_marks(world, marks)
+        return
+    try:
+        physics = zlib.decompress(np.asarray(arrays["physics"], dtype=np.uint8).tobytes())
+    except zlib.error as error:
+        raise RlbenchPinError(f"The array 'physics' is damaged: {error}.") from error
+    write_marks(world, marks)
+    _restore_physics(world, physics)
+
+
+def _set_measured(world: World, arrays: Mapping[str, np.ndarray], names: list[str]) -> None:
+    """Put bodies and joints where the arrays say, with the velocities they say."""
+    joints = np.asarray(arrays["robot_joints"], dtype=float)
+    world.robot.set_joint_states(joints[0], joints[1])
+    states = iter(np.asarray(arrays["joint_states"], dtype=float).reshape(-1, 2))
+    for name, pose, velocity in zip(names, arrays["body_poses"], arrays["body_velocities"], strict=True):
+        body = world.body(name)
+        body.place(pose)
+        if not body.fixed:
+            body.set_velocity(velocity)
+        for joint in body.joints.values():
+            joint.set_state(*next(states))
+
+
+def _marks(meta: dict[str, Any], arrays: Mapping[str, np.ndarray]) -> Marks:
+    arm, fingers, limits = (np.array(arrays[k], dtype=float) for k in ("arm_control", "finger_control", "finger_limits"))
+    frames = np.array(arrays["frame_poses"], dtype=float).reshape(-1, 7)
+    held = np.array(arrays["attachment_poses"], dtype=float).reshape(-1, 7)
+    specs = [BodySpec.model_validate(s) for s in meta["spawned"]]
+    return Marks(
+        ticks=meta["ticks"],
+        arm=ArmControl(meta["arm_mode"], arm[0], arm[1]),
+        fingers=FingerControl(fingers[0], fingers[1], float(limits[0]), float(limits[1]), fingers[2]),
+        attachments=tuple(Attachment(n, pose) for n, pose in zip(meta["attachments"], held, strict=True)),
+        frames={n: (parent, local) for (n, parent), local in zip(meta["frames"].items(), frames, strict=True)},
+        bodies={name: _body_marks(entry) for name, entry in meta["bodies"].items()},
+        spawned={spec.name: spec for spec in specs},
+    )
+
+
+def _body_marks(entry: dict[str, Any]) -> BodyMarks:
+    colors = {int(k): tuple(v) for k, v in entry["colors"].items()}
+    return BodyMarks(colors, entry["collides"], entry["graspable"], entry["locks"])
+
+
+def _check(world: World, meta: dict[str, Any], marks: Marks) -> None:
+    if meta["format"] != _FORMAT:
+        raise RlbenchPinError(f"The arrays have format {meta['format']}; this version reads {_FORMAT}.")
+    if meta["robot"] != world.robot.description.name:
+        raise RlbenchPinError(f"The arrays belong to the robot '{meta['robot']}', not '{world.robot.description.name}'.")
+    here = {*world.room, *(n for n in world.bodies if n not in world.spawned)}
+    there = {n for n in marks.bodies if n not in marks.spawned}
+    if here != there or set(marks.frames) != set(world.frames):
+        odd = sorted((here ^ there) | (set(marks.frames) ^ set(world.frames)))
+        raise RlbenchPinError(f"The arrays belong to another scene; only one of the two has {', '.join(odd[:6])}.")
+
+
+def _physics(world: World) -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "state.bullet"
+        bullet.saveBullet(str(file), physicsClientId=world.client.id)
+        return file.read_bytes()
+
+
+def _restore_physics(world: World, physics: bytes) -> None:
+    separate_bodies(world)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "state.bullet"
+        file.write_bytes(physics)
+        try:
+            bullet.restoreState(fileName=str(file), physicsClientId=world.client.id)
+        except bullet.error as error:
+            raise RlbenchPinError("The array 'physics' does not fit this world; it holds other bodies or is damaged.") from error
+
+
+def _bytes(data: bytes) -> np.ndarray:
+    return np.frombuffer(data, dtype=np.uint8).copy()

@@ -1,0 +1,103 @@
+"""The room as flat rectangles, read from its URDF and OBJ files."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from rlbench_pin.errors import AssetInvalid
+from rlbench_pin.spatial import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Quad:
+    """A parallelogram that is seen from the side where its edges turn counter-clockwise."""
+
+    corner: FloatArray
+    """(3,) [m], in the frame of its body."""
+    edges: FloatArray
+    """The two edges that leave the corner, (2, 3) [m]."""
+    color: tuple[float, float, float]
+    """Colour, or tint of the texture."""
+    texture: Path | None = None
+    """Picture on it."""
+    uv: FloatArray | None = None
+    """Texture coordinates of the corner and their growth along both edges, (3, 2)."""
+
+
+@lru_cache(maxsize=32)
+def read_quads(urdf: Path) -> tuple[Quad, ...]:
+    """Return the rectangles of a body with one link, whose meshes are made of pairs of triangles.
+
+    Raises:
+        AssetInvalid: Two consecutive triangles of a mesh are not the halves of a parallelogram.
+    """
+    quads: list[Quad] = []
+    for visual in ET.parse(urdf).getroot().iter("visual"):
+        mesh, color = visual.find("geometry/mesh"), visual.find("material/color")
+        assert mesh is not None
+        rgba = (1.0, 1.0, 1.0, 1.0) if color is None else tuple(float(c) for c in color.get("rgba", "1 1 1 1").split())
+        quads += _mesh_quads(urdf, urdf.parent / mesh.get("filename", ""), (rgba[0], rgba[1], rgba[2]))
+    return tuple(quads)
+
+
+def _mesh_quads(urdf: Path, obj: Path, color: tuple[float, float, float]) -> list[Quad]:
+    vertices, coordinates, faces, texture = _read_obj(obj)
+    if len(faces) % 2:
+        raise AssetInvalid(urdf, f"{obj.name} has an odd number of triangles; the room is made of rectangles")
+    return [_quad(urdf, vertices, coordinates, a, b, color, texture) for a, b in zip(faces[0::2], faces[1::2])]
+
+
+_Face = list[tuple[int, int]]
+
+
+def _quad(
+    urdf: Path,
+    vertices: FloatArray,
+    uv: FloatArray,
+    first: _Face,
+    second: _Face,
+    color: tuple[float, float, float],
+    texture: Path | None,
+) -> Quad:
+    """Join triangles (a, b, c) and (a, c, d) to the parallelogram with corner a and edges b - a, d - a."""
+    (a, b, c), d = first, second[2]
+    points = vertices[[a[0], b[0], c[0], d[0]]]
+    if second[0][0] != a[0] or second[1][0] != c[0] or np.abs(points[1] + points[3] - points[0] - points[2]).max() > 1e-6:
+        raise AssetInvalid(urdf, "two consecutive triangles are not the halves of a rectangle, as the room needs them")
+    edges = np.stack([points[1] - points[0], points[3] - points[0]])
+    if texture is None:
+        return Quad(points[0], edges, color)
+    t = uv[[a[1], b[1], d[1]]]
+    return Quad(points[0], edges, color, texture, np.stack([t[0], t[1] - t[0], t[2] - t[0]]))
+
+
+def _read_obj(obj: Path) -> tuple[FloatArray, FloatArray, list[_Face], Path | None]:
+    vertices, uv, faces, texture = [], [], [], None
+    for line in obj.read_text(encoding="utf-8").splitlines():
+        word, *rest = line.split() or [""]
+        if word == "v":
+            vertices.append([float(x) for x in rest])
+        elif word == "vt":
+            uv.append([float(x) for x in rest[:2]])
+        elif word == "f":
+            faces.append([_corner(text) for text in rest])
+        elif word == "mtllib":
+            texture = _texture_of(obj.parent / rest[0])
+    return np.array(vertices), np.array(uv), faces, texture
+
+
+def _corner(text: str) -> tuple[int, int]:
+    parts = text.split("/")
+    return int(parts[0]) - 1, int(parts[1]) - 1 if len(parts) > 1 and parts[1] else 0
+
+
+def _texture_of(mtl: Path) -> Path | None:
+    for line in mtl.read_text(encoding="utf-8").splitlines():
+        if line.startswith("map_Kd "):
+            return mtl.parent / line.split(maxsplit=1)[1].strip()
+    return None

@@ -1,0 +1,65 @@
+"""Volumes that detect bodies, by Coal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Literal
+
+import numpy as np
+
+from rlbench_pin.robot import geometry
+from rlbench_pin.sim.body import Body
+from rlbench_pin.sim.checks import finite_vector
+from rlbench_pin.sim.frame import Frame, Places
+from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3
+
+Shape = Literal["box", "cylinder", "sphere"]
+
+
+class Sensor(Frame):
+    """A box, cylinder or sphere that says which bodies reach into it; touching suffices.
+
+    Args:
+        shape: Kind of volume.
+        size: box: x, y, z; cylinder: diameter, length along z; sphere: diameter [m].
+        find: Looks a body up by name.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        parent: str,
+        local: PoseLike,
+        places: Places,
+        *,
+        shape: Shape,
+        size: Sequence[float],
+        find: Callable[[str], Body],
+    ) -> None:
+        super().__init__(name, parent, local, places)
+        self.shape: Shape = shape
+        self.size = tuple(float(s) for s in size)
+        self._volume = geometry.volume(shape, self.size)
+        self._find = find
+
+    def detects(self, body: str) -> bool:
+        """Say whether any solid part of a body lies in the volume; a body that is only seen counts with its visuals.
+
+        Args:
+            body: Name of the body.
+        """
+        return volume_meets(self._volume, self.placement(), self._find(body))
+
+    def contains(self, point: Sequence[float] | FloatArray) -> bool:
+        """Say whether a world point (3,) [m] lies in the volume."""
+        x = finite_vector(point, 3, "point")
+        return geometry.volume_contains(self.shape, self.size, self.placement(), np.asarray(x))
+
+
+def volume_meets(volume: object, T_world_volume: object, body: Body) -> bool:
+    """Say whether a Coal shape at a placement touches any solid part of a body."""
+    model = body.model
+    parts = geometry.solid_geometry(model.urdf, model.scale)
+    return any(
+        geometry.overlaps(volume, T_world_volume, parts[link], pose_to_se3(body.link_pose(link))) for link in model.solid_links()
+    )

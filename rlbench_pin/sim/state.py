@@ -1,0 +1,164 @@
+"""Saving and restoring a world in memory, exactly.
+
+PyBullet's own state holds positions, velocities and contacts. What it leaves out is kept beside it: motor commands, attachments,
+collision filters, colours, locks, frames and the bodies added at run time.
+"""
+
+from __future__ import annotations
+
+import weakref
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.scene.spec import BodySpec
+from rlbench_pin.sim.body import Body, Color
+from rlbench_pin.sim.client import PhysicsClient, bullet
+from rlbench_pin.sim.grasp import Attachment
+from rlbench_pin.sim.gripper import FingerControl
+from rlbench_pin.sim.sim_robot import ArmControl
+from rlbench_pin.spatial import FloatArray
+
+if TYPE_CHECKING:
+    from rlbench_pin.sim.world import World
+
+_FAR, _APART = 1000.0, 20.0  # [m]
+_DETECTIONS = 10
+
+
+@dataclass(frozen=True, eq=False)
+class BodyMarks:
+    """What PyBullet's state does not say of one body."""
+
+    colors: dict[int, Color]
+    collides: bool
+    graspable: bool
+    locks: dict[str, float | None]
+
+
+@dataclass(frozen=True, eq=False)
+class Marks:
+    """What PyBullet's state does not say of a world."""
+
+    ticks: int
+    arm: ArmControl
+    fingers: FingerControl
+    attachments: tuple[Attachment, ...]
+    frames: dict[str, tuple[str, FloatArray]]
+    """Parent and local pose of each frame."""
+    bodies: dict[str, BodyMarks]
+    spawned: dict[str, BodySpec]
+
+
+@dataclass(frozen=True, eq=False)
+class WorldState:
+    """One instant of one world; only that world can restore it."""
+
+    client: PhysicsClient
+    physics: int
+    """PyBullet's number of the state."""
+    marks: Marks
+
+
+def save(world: World) -> WorldState:
+    """Remember this instant; the physics server frees it when the returned object is gone."""
+    client = world.client
+    saved = WorldState(client, bullet.saveState(physicsClientId=client.id), read_marks(world))
+    weakref.finalize(saved, _forget, client, saved.physics)
+    _restore_physics(world, saved)
+    return saved
+
+
+def _forget(client: PhysicsClient, physics: int) -> None:
+    if not client.closed:
+        bullet.removeState(physics, physicsClientId=client.id)
+
+
+def restore(world: World, saved: WorldState) -> None:
+    """Go back to a remembered instant.
+
+    Raises:
+        RlbenchPinError: The state belongs to another world.
+    """
+    if saved.client is not world.client:
+        raise RlbenchPinError("This state was saved by another world. Use arrays() and set_arrays() between worlds.")
+    write_marks(world, saved.marks)
+    _restore_physics(world, saved)
+
+
+def _restore_physics(world: World, saved: WorldState) -> None:
+    separate_bodies(world)
+    bullet.restoreState(saved.physics, physicsClientId=world.client.id)
+
+
+def separate_bodies(world: World) -> None:
+    """Take all bodies far apart, so that PyBullet forgets every contact.
+
+    It restores only one set of contact points per pair of links. Where links are made of several convex parts the other sets
+    would be left over from what happened before; after this they are computed afresh from the restored poses. Saving restores
+    as well, so that going on after a save and after a restore is the same to the last bit.
+    """
+    identifier = world.client.id
+    models = (world.robot.model, *(body.model for body in (*world.room.values(), *world.bodies.values())))
+    for number, model in enumerate(models):
+        bullet.resetBasePositionAndOrientation(
+            model.uid, [_FAR + _APART * number, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], physicsClientId=identifier
+        )
+    for _ in range(_DETECTIONS):  # each call drops about a tenth of the pairs that no longer overlap
+        bullet.performCollisionDetection(physicsClientId=identifier)
+
+
+def read_marks(world: World) -> Marks:
+    """Collect what PyBullet's state leaves out."""
+    return Marks(
+        world.ticks,
+        world.robot.control,
+        world.gripper.control,
+        world.gripper.attachments(),
+        {name: frame.state() for name, frame in world.frames.items()},
+        {name: _read_body(body) for name, body in (*world.bodies.items(), *world.room.items())},
+        dict(world.spawned),
+    )
+
+
+def _read_body(body: Body) -> BodyMarks:
+    return BodyMarks(
+        body.colors, body.collides, body.graspable, {name: joint.lock_position for name, joint in body.joints.items()}
+    )
+
+
+def write_marks(world: World, marks: Marks) -> None:
+    """Bring about what PyBullet's state leaves out; only differences cost time."""
+    _match_spawned(world, marks.spawned)
+    world.gripper.set_attachments(marks.attachments)
+    for name, body_marks in marks.bodies.items():
+        _write_body(world.body(name), body_marks)
+    for name, (parent, local) in marks.frames.items():
+        world.frames[name].set_state(parent, local)
+    world.robot.set_control(marks.arm)
+    world.gripper.set_control(marks.fingers)
+    world.set_ticks(marks.ticks)
+
+
+def _write_body(body: Body, marks: BodyMarks) -> None:
+    body.set_colors(marks.colors)
+    body.set_collides(marks.collides)
+    body.graspable = marks.graspable
+    for name, lock in marks.locks.items():
+        body.joints[name].set_lock(lock)
+
+
+def _match_spawned(world: World, wanted: dict[str, BodySpec]) -> None:
+    """Keep the run-time bodies that both have from the first on, remove the rest, and add what is missing, in order.
+
+    PyBullet restores bodies by their order, so a gap is closed by rebuilding everything behind it.
+    """
+    present = list(world.spawned.items())
+    target = list(wanted.items())
+    same = 0
+    while same < min(len(present), len(target)) and present[same] == target[same]:
+        same += 1
+    for name, _ in reversed(present[same:]):
+        world.remove_body(name)
+    for name, spec in target[same:]:
+        world.add_body(name, spec)

@@ -1,0 +1,85 @@
+"""Small pictures as textures: read, made square, and halved level by level so that far surfaces do not flicker."""
+
+from __future__ import annotations
+
+import copy
+from functools import cached_property, lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, UnidentifiedImageError
+
+from rlbench_pin.errors import CameraError
+
+_LARGEST = 512  # [px]
+
+
+class Texture:
+    """A square picture that repeats, with all its halvings in one row of texels.
+
+    Args:
+        pixels: uint8 (h, w, 3); resampled to a power of two up to 512.
+
+    Attributes:
+        size: Side of the finest level [px].
+        texels: float32 (n, 3) in 0..1, finest level first.
+    """
+
+    def __init__(self, pixels: NDArray[np.uint8]) -> None:
+        side = min(_LARGEST, 1 << int(np.ceil(np.log2(max(pixels.shape[:2])))))
+        if pixels.shape[:2] != (side, side):
+            pixels = np.asarray(Image.fromarray(pixels).resize((side, side), Image.Resampling.BILINEAR))
+        level = pixels.astype(np.float32) / 255.0
+        levels = [level]
+        while level.shape[0] > 1:
+            level = (level[0::2, 0::2] + level[1::2, 0::2] + level[0::2, 1::2] + level[1::2, 1::2]) / 4.0
+            levels.append(level)
+        self.size = side
+        self.texels: NDArray[np.float32] = np.concatenate([level.reshape(-1, 3) for level in levels])
+        self._sides = np.array([level.shape[0] for level in levels], dtype=np.int32)
+        self._starts = np.concatenate([[0], np.cumsum(self._sides**2)[:-1]]).astype(np.int32)
+
+    @cached_property
+    def gray(self) -> Texture:
+        """The same pattern without colour, between dim and bright, to shade a colour with."""
+        shades = self.texels.mean(axis=1, keepdims=True)
+        low, high = float(shades.min()), float(shades.max())
+        twin = copy.copy(self)
+        twin.__dict__.pop("gray", None)
+        twin.texels = np.repeat(0.7 + 0.3 * (shades - low) / max(high - low, 1e-3), 3, axis=1).astype(np.float32)
+        return twin
+
+    @property
+    def mean(self) -> NDArray[np.float32]:
+        """Mean colour (3,)."""
+        return self.texels[-1]
+
+    def indices(self, u: NDArray, v: NDArray, texels_per_pixel: NDArray) -> NDArray[np.int32]:
+        """Rows of `texels` for texture coordinates; v grows upwards, the picture's top row is v = 1.
+
+        Args:
+            u: Horizontal coordinate (n,), repeating with period 1.
+            v: Vertical coordinate (n,).
+            texels_per_pixel: Texels of the finest level that one pixel covers (n,); picks the level.
+        """
+        level = np.log2(np.maximum(texels_per_pixel, 1.0)).astype(np.int32)
+        np.minimum(level, len(self._sides) - 1, out=level)
+        sides = self._sides[level]
+        column = np.floor(u * sides).astype(np.int32) & (sides - 1)
+        row = np.floor(-v * sides).astype(np.int32) & (sides - 1)
+        return self._starts[level] + row * sides + column
+
+
+@lru_cache(maxsize=64)
+def read_texture(path: Path) -> Texture:
+    """Read a picture file.
+
+    Raises:
+        CameraError: It is missing or no picture.
+    """
+    try:
+        with Image.open(path) as image:
+            return Texture(np.asarray(image.convert("RGB")))
+    except (OSError, UnidentifiedImageError, ValueError) as error:
+        raise CameraError(f"The texture '{path}' cannot be read as a picture: {error}") from error

@@ -1,0 +1,56 @@
+"""Changing masses, friction, damping and gains, and taking the changes back exactly."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rlbench_pin.sim.client import bullet
+from rlbench_pin.sim.model import LoadedModel
+from rlbench_pin.sim.sim_robot import POSITION_GAIN, SimRobot
+
+
+class Tuning:
+    """Scales the physics of bodies.
+
+    Args:
+        robot: The arm, whose motors can be made stiffer or softer.
+    """
+
+    def __init__(self, robot: SimRobot) -> None:
+        self._robot = robot
+        self._originals: dict[tuple[int, int], dict[str, Any]] = {}
+
+    def scale(self, model: LoadedModel, *, mass: float = 1.0, friction: float = 1.0, damping: float = 1.0) -> None:
+        """Multiply masses (with their inertia), friction coefficients and joint damping of all links of a body."""
+        for link in model.links.values():
+            original = self._original(model, link)
+            changed = {
+                "mass": original["mass"] * mass,
+                "localInertiaDiagonal": [i * mass for i in original["localInertiaDiagonal"]],
+                "lateralFriction": original["lateralFriction"] * friction,
+            }
+            if "jointDamping" in original:
+                changed["jointDamping"] = original["jointDamping"] * damping
+            bullet.changeDynamics(model.uid, link, physicsClientId=model.client.id, **changed)
+
+    def scale_gains(self, factor: float) -> None:
+        """Multiply the position gain of the arm's motors."""
+        self._robot.position_gain = POSITION_GAIN * factor
+
+    def reset(self) -> None:
+        """Take all changes back."""
+        self._robot.position_gain = POSITION_GAIN
+        identifier = self._robot.model.client.id
+        for (uid, link), original in self._originals.items():
+            bullet.changeDynamics(uid, link, physicsClientId=identifier, **original)
+        self._originals.clear()
+
+    def _original(self, model: LoadedModel, link: int) -> dict[str, Any]:
+        key = (model.uid, link)
+        if key not in self._originals:
+            info = bullet.getDynamicsInfo(model.uid, link, physicsClientId=model.client.id)
+            values: dict[str, Any] = {"mass": info[0], "localInertiaDiagonal": info[2], "lateralFriction": info[1]}
+            if link >= 0:
+                values["jointDamping"] = bullet.getJointInfo(model.uid, link, physicsClientId=model.client.id)[6]
+            self._originals[key] = values
+        return self._originals[key]

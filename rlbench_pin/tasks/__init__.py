@@ -1,0 +1,76 @@
+"""Tasks: what a task file needs, and the classes of the library by name.
+
+`from rlbench_pin.tasks import ReachTarget` imports that one task and no other.
+"""
+
+from __future__ import annotations
+
+from rlbench_pin.errors import BoundaryError
+from rlbench_pin.scene.spec import BodySpec
+from rlbench_pin.tasks.conditions import (
+    AllOf,
+    AnyOf,
+    Condition,
+    Detected,
+    DetectedSeveral,
+    FollowPath,
+    Grasped,
+    HasColor,
+    InOrder,
+    JointMoved,
+    ListEmpty,
+    NothingGrasped,
+    TipInside,
+)
+from rlbench_pin.tasks.palette import BUTTON_COLORS, COLORS, Color, distractor_colors
+from rlbench_pin.tasks.placement import NO_ROTATION, WORKSPACE, SpawnBoundary, place_task, swap_places
+from rlbench_pin.tasks.registry import LIBRARY, camel_case, load_task_file, task_class, task_names, task_scene
+from rlbench_pin.tasks.task import Task, TaskState
+from rlbench_pin.tasks.waypoints import Waypoint
+
+__all__ = [
+    "BUTTON_COLORS",
+    "COLORS",
+    "LIBRARY",
+    "NO_ROTATION",
+    "WORKSPACE",
+    "AllOf",
+    "AnyOf",
+    "BodySpec",
+    "BoundaryError",
+    "Color",
+    "Condition",
+    "Detected",
+    "DetectedSeveral",
+    "FollowPath",
+    "Grasped",
+    "HasColor",
+    "InOrder",
+    "JointMoved",
+    "ListEmpty",
+    "NothingGrasped",
+    "SpawnBoundary",
+    "Task",
+    "TaskState",
+    "TipInside",
+    "Waypoint",
+    "camel_case",
+    "distractor_colors",
+    "load_task_file",
+    "place_task",
+    "swap_places",
+    "task_class",
+    "task_names",
+    "task_scene",
+]
+
+
+def __getattr__(name: str) -> type[Task]:
+    """Import the class of a library task on first use."""
+    if name[:1].isupper() and name in map(camel_case, task_names()):
+        return task_class(name)
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, *map(camel_case, task_names())])

@@ -1,0 +1,43 @@
+"""Oriented boxes: the little geometry that placement needs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from rlbench_pin.spatial import FloatArray, pose_to_se3
+
+_CORNERS: FloatArray = np.array(list(product((-1.0, 1.0), repeat=3)))
+
+
+@dataclass(frozen=True, eq=False)
+class OrientedBox:
+    """A box in the world.
+
+    `center` (3,) [m], `axes` (3, 3) with the directions of the edges as columns, `half` (3,) half edge lengths [m].
+    """
+
+    center: FloatArray
+    axes: FloatArray
+    half: FloatArray
+
+    @classmethod
+    def of(cls, bounds: FloatArray, pose: FloatArray) -> OrientedBox:
+        """Put a local box with lowest and highest corner `bounds` (2, 3) [m] at a world pose (7,)."""
+        low, high = np.asarray(bounds, dtype=float)
+        transform = pose_to_se3(pose)
+        return cls(transform.act((low + high) / 2.0), np.array(transform.rotation), (high - low) / 2.0)
+
+    def corners(self) -> FloatArray:
+        """Return the corners, shape (8, 3) [m]."""
+        return self.center + (_CORNERS * self.half) @ self.axes.T
+
+    def overlaps(self, other: OrientedBox) -> bool:
+        """Return whether two boxes share a point: no axis separates them."""
+        crossed = np.cross(self.axes.T[:, None, :], other.axes.T[None, :, :]).reshape(9, 3)
+        axes = np.concatenate([self.axes.T, other.axes.T, crossed[np.linalg.norm(crossed, axis=1) > 1e-9]])
+        reach = np.abs(axes @ self.axes) @ self.half + np.abs(axes @ other.axes) @ other.half
+        gap = np.abs(axes @ (other.center - self.center))
+        return bool(np.all(gap <= reach))

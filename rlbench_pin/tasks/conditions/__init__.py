@@ -1,0 +1,28 @@
+"""The vocabulary of success: every condition a task may register."""
+
+from __future__ import annotations
+
+from rlbench_pin.tasks.conditions.combined import AllOf, AnyOf, InOrder
+from rlbench_pin.tasks.conditions.condition import Condition
+from rlbench_pin.tasks.conditions.detected import Detected, DetectedSeveral, TipInside
+from rlbench_pin.tasks.conditions.follow_path import FollowPath
+from rlbench_pin.tasks.conditions.grasped import Grasped, NothingGrasped
+from rlbench_pin.tasks.conditions.has_color import HasColor
+from rlbench_pin.tasks.conditions.joint_moved import JointMoved
+from rlbench_pin.tasks.conditions.list_empty import ListEmpty
+
+__all__ = [
+    "AllOf",
+    "AnyOf",
+    "Condition",
+    "Detected",
+    "DetectedSeveral",
+    "FollowPath",
+    "Grasped",
+    "HasColor",
+    "InOrder",
+    "JointMoved",
+    "ListEmpty",
+    "NothingGrasped",
+    "TipInside",
+]

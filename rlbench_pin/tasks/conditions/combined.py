@@ -1,0 +1,76 @@
+"""Conditions made of conditions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import cast
+
+from rlbench_pin.errors import TaskError
+from rlbench_pin.tasks.conditions.condition import Condition
+
+
+class _Combined(Condition):
+    """Has members; passes reset and state on to them."""
+
+    def __init__(self, members: Sequence[Condition]) -> None:
+        if not members:
+            raise TaskError(f"{type(self).__name__} needs at least one condition.")
+        self.members = tuple(members)
+
+    def _asked(self) -> list[bool]:
+        """Ask every member, so that those which keep count see every instant."""
+        return [member.met() for member in self.members]
+
+    def reset(self) -> None:
+        for member in self.members:
+            member.reset()
+
+    def state(self) -> tuple[object, ...]:
+        return tuple(member.state() for member in self.members)
+
+    def set_state(self, state: object) -> None:
+        for member, value in zip(self.members, cast(tuple[object, ...], state), strict=True):
+            member.set_state(value)
+
+
+class AllOf(_Combined):
+    """Holds while every member holds at the same instant."""
+
+    def met(self) -> bool:
+        return all(self._asked())
+
+
+class AnyOf(_Combined):
+    """Holds while at least one member holds."""
+
+    def met(self) -> bool:
+        return any(self._asked())
+
+
+class InOrder(_Combined):
+    """Holds once every member has held in turn, and from then on until reset.
+
+    Each evaluation passes as many consecutive members as hold right now and stops at the first that does not. What was
+    passed stays passed, so members need not hold together.
+    """
+
+    def __init__(self, members: Sequence[Condition]) -> None:
+        super().__init__(members)
+        self.passed = 0
+
+    def met(self) -> bool:
+        while self.passed < len(self.members) and self.members[self.passed].met():
+            self.passed += 1
+        return self.passed == len(self.members)
+
+    def reset(self) -> None:
+        super().reset()
+        self.passed = 0
+
+    def state(self) -> tuple[object, ...]:
+        return (self.passed, *super().state())
+
+    def set_state(self, state: object) -> None:
+        passed, *members = cast(tuple[object, ...], state)
+        self.passed = cast(int, passed)
+        super().set_state(tuple(members))

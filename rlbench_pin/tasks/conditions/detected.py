@@ -1,0 +1,57 @@
+"""Something is inside a sensor."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rlbench_pin.errors import TaskError
+from rlbench_pin.tasks.conditions.condition import Condition
+
+if TYPE_CHECKING:
+    from rlbench_pin.sim import Body, Frame, Sensor, SimRobot
+
+
+def is_detected(thing: Body | Frame, sensor: Sensor) -> bool:
+    """Return whether any part of a body touches the volume, or whether the origin of a frame lies in it."""
+    if hasattr(thing, "move_to"):  # a frame: only bodies have geometry
+        return sensor.contains(thing.position)
+    return sensor.detects(thing.name)
+
+
+class Detected(Condition):
+    """Holds while any part of a body touches the volume of a sensor; for a frame its origin must be inside.
+
+    Args:
+        thing: A body or a frame.
+        sensor: The volume.
+        negated: Turn the answer round.
+    """
+
+    def __init__(self, thing: Body | Frame, sensor: Sensor, negated: bool = False) -> None:
+        self.thing, self.sensor, self.negated = thing, sensor, negated
+
+    def met(self) -> bool:
+        return is_detected(self.thing, self.sensor) != self.negated
+
+
+class DetectedSeveral(Condition):
+    """Holds while at least `count` of the things are detected; which ones does not matter."""
+
+    def __init__(self, things: Sequence[Body | Frame], sensor: Sensor, count: int) -> None:
+        if not 0 < count <= len(things):
+            raise TaskError(f"DetectedSeveral asks for {count} of {len(things)} things; choose 1 to {len(things)}.")
+        self.things, self.sensor, self.count = tuple(things), sensor, count
+
+    def met(self) -> bool:
+        return sum(is_detected(thing, self.sensor) for thing in self.things) >= self.count
+
+
+class TipInside(Condition):
+    """Holds while the gripper tip point is inside the volume of a sensor."""
+
+    def __init__(self, robot: SimRobot, sensor: Sensor) -> None:
+        self.robot, self.sensor = robot, sensor
+
+    def met(self) -> bool:
+        return self.sensor.contains(self.robot.tip_pose()[:3])

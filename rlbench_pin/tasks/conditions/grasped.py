@@ -1,0 +1,30 @@
+"""What the hand holds. Holding means being attached to the hand, not being touched."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rlbench_pin.tasks.conditions.condition import Condition
+
+if TYPE_CHECKING:
+    from rlbench_pin.sim import Body, SimGripper
+
+
+class Grasped(Condition):
+    """Holds while `body` is attached to the hand."""
+
+    def __init__(self, gripper: SimGripper, body: Body) -> None:
+        self.gripper, self.body = gripper, body
+
+    def met(self) -> bool:
+        return self.body.name in self.gripper.grasped
+
+
+class NothingGrasped(Condition):
+    """Holds while nothing is attached to the hand."""
+
+    def __init__(self, gripper: SimGripper) -> None:
+        self.gripper = gripper
+
+    def met(self) -> bool:
+        return not self.gripper.grasped

@@ -1,0 +1,17 @@
+"""A to-do list is done."""
+
+from __future__ import annotations
+
+from collections.abc import Sized
+
+from rlbench_pin.tasks.conditions.condition import Condition
+
+
+class ListEmpty(Condition):
+    """Holds while a bookkeeping list that the task keeps has no entries left."""
+
+    def __init__(self, items: Sized) -> None:
+        self.items = items
+
+    def met(self) -> bool:
+        return len(self.items) == 0

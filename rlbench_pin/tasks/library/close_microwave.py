@@ -1,0 +1,24 @@
+"""Shut the door of a microwave."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import JointMoved, Task
+
+
+class CloseMicrowave(Task):
+    """The door stands wide open and must swing by 40 degrees."""
+
+    def init_task(self) -> None:
+        self.register_success_conditions([JointMoved(self.scene.joint("microwave/door"), np.deg2rad(40.0))])
+
+    def variation_count(self) -> int:
+        return 1
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        return [
+            "Push the door of the microwave until it is shut.",
+            "Shut the microwave oven.",
+            "The microwave is open, please close it.",
+        ]

@@ -1,0 +1,26 @@
+"""Hang a framed picture on a hook in the wall."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, Task
+
+
+class HangFrameOnHanger(Task):
+    """The bar behind the frame must be on the hook and the frame let go."""
+
+    def init_task(self) -> None:
+        hangs = Detected(self.scene.frame("bar_middle"), self.scene.sensor("hook"))
+        self.register_graspable_objects(["frame"])
+        self.register_success_conditions([hangs, NothingGrasped(self.gripper)])
+
+    def variation_count(self) -> int:
+        return 1
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        return [
+            "Mount the picture on the wall hook.",
+            "Hook the framed photo onto the peg.",
+            "The picture should hang on the wall, please put it there.",
+        ]

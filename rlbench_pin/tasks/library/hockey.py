@@ -1,0 +1,26 @@
+"""Strike a ball into a goal with a hockey stick."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, Grasped, Task
+
+
+class Hockey(Task):
+    """The ball must lie behind the goal line while the stick is held."""
+
+    def init_task(self) -> None:
+        stick, ball = self.scene.body("stick"), self.scene.body("ball")
+        self.register_graspable_objects(["stick"])
+        self.register_success_conditions([Detected(ball, self.scene.sensor("behind_line")), Grasped(self.gripper, stick)])
+
+    def variation_count(self) -> int:
+        return 1
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        return [
+            "Hit the ball into the goal with the hockey stick.",
+            "Pick up the stick and score.",
+            "Shoot the orange ball between the posts with the stick.",
+        ]

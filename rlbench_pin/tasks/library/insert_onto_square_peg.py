@@ -1,0 +1,40 @@
+"""Put a square ring over the pillar of the asked colour."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import COLORS, Detected, SpawnBoundary, Task, distractor_colors
+
+
+class InsertOntoSquarePeg(Task):
+    """The ring must lie around the foot of one of three pillars, the one of the asked colour.
+
+    Which pillar that is, the colours of the other two and the place of the ring vary.
+    """
+
+    def init_task(self) -> None:
+        self.ring = self.scene.body("ring")
+        self.pillars = [self.scene.body(f"pillar{i}") for i in range(3)]
+        self.boundary = SpawnBoundary([self.scene.region("patch")])
+        self.register_graspable_objects(["ring"])
+        sides = [Detected(self.ring, self.scene.sensor(f"side{i}")) for i in range(4)]
+        self.register_success_conditions(sides)
+
+    def variation_count(self) -> int:
+        return len(COLORS)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        name, rgb = COLORS[variation]
+        goal, *others = (self.pillars[i] for i in rng.permutation(3))
+        goal.set_color(rgb)
+        for pillar, color in zip(others, distractor_colors(rng, variation, 2), strict=True):
+            pillar.set_color(color.rgb)
+        self.scene.frame("goal").move_to(goal.name)
+        self.boundary.clear()
+        self.boundary.sample(self.ring, rng)
+        return [
+            f"Thread the square ring over the {name} post.",
+            f"Lower the ring onto the peg that is {name}.",
+            f"Fit the ring around the {name} pillar.",
+        ]

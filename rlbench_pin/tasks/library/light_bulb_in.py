@@ -1,0 +1,50 @@
+"""Fit the bulb from the holder of the asked colour into a lamp."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import COLORS, Detected, NothingGrasped, SpawnBoundary, Task, distractor_colors
+
+LIT, UNLIT = (1.0, 1.0, 0.0), (1.0, 1.0, 1.0)
+
+
+class LightBulbIn(Task):
+    """The bulb of the asked holder must stand in the socket of the lamp, let go; there it glows yellow.
+
+    The colour of the asked holder varies, and the places and the colour of the two holders. Each has a bulb in it.
+    """
+
+    def init_task(self) -> None:
+        self.holders = [self.scene.body(f"holder{i}") for i in range(2)]
+        self.bulbs = [self.scene.body(f"bulb{i}") for i in range(2)]
+        self.boundary = SpawnBoundary([self.scene.region("patch")])
+        self.register_graspable_objects(bulb.name for bulb in self.bulbs)
+
+    def variation_count(self) -> int:
+        return len(COLORS)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        goal = variation % 2
+        name, rgb = COLORS[variation]
+        self.holders[goal].set_color(rgb)
+        self.holders[1 - goal].set_color(distractor_colors(rng, variation, 1)[0].rgb)
+        self.boundary.clear()
+        for holder in self.holders:
+            self.boundary.sample(holder, rng, min_distance=0.01)
+        self.bulb = self.bulbs[goal]
+        self.scene.frame("waypoint1").set_parent(self.bulb.name, keep_in_place=False)
+        self.in_socket = Detected(self.bulb, self.scene.sensor("socket"))
+        self.register_success_conditions([self.in_socket, NothingGrasped(self.gripper)])
+        return [
+            f"Fit the lamp with a bulb; use the one kept in the {name} holder.",
+            f"Take the bulb standing in the {name} base and mount it in the lamp.",
+            f"The lamp needs a bulb, use the {name} one.",
+        ]
+
+    def step(self) -> None:
+        self.bulb.set_color(LIT if self.in_socket.met() else UNLIT, "glass")
+
+    def cleanup(self) -> None:
+        for bulb in self.bulbs:
+            bulb.set_color(UNLIT, "glass")

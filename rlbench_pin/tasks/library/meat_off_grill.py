@@ -1,0 +1,30 @@
+"""Take one of two pieces of meat off a grill."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, Task
+
+
+class MeatOffGrill(Task):
+    """The asked meat must lie on the table beside the grill, and be let go."""
+
+    meats = ("chicken", "steak")
+
+    def init_task(self) -> None:
+        self.register_graspable_objects(self.meats)
+
+    def variation_count(self) -> int:
+        return len(self.meats)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        meat = self.scene.body(self.meats[variation])
+        grasp = self.scene.frame("waypoint1")
+        grasp.set_position([*meat.position[:2], grasp.position[2]])
+        self.register_success_conditions([NothingGrasped(self.gripper), Detected(meat, self.scene.sensor("side"))])
+        return [
+            f"The {meat.name} is done, move it beside the barbecue.",
+            f"Lay the {meat.name} next to the grill.",
+            f"Get the {meat.name} away from the heat.",
+        ]

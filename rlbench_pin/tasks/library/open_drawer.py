@@ -1,0 +1,29 @@
+"""Pull out one drawer of a chest."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import JointMoved, Task
+
+
+class OpenDrawer(Task):
+    """The asked one of three drawers must come out by 15 cm."""
+
+    drawers = ("bottom", "middle", "top")
+
+    def init_task(self) -> None:
+        pass
+
+    def variation_count(self) -> int:
+        return len(self.drawers)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        drawer = self.drawers[variation]
+        self.scene.frame("waypoint1").move_to(f"handle_{drawer}")
+        self.register_success_conditions([JointMoved(self.scene.joint(f"chest/drawer_{drawer}"), 0.15)])
+        return [
+            f"Pull out the {drawer} drawer.",
+            f"Draw the {drawer} compartment out by its handle.",
+            f"I need something from the {drawer} drawer, open it for me.",
+        ]

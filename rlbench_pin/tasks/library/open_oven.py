@@ -1,0 +1,25 @@
+"""Fold down the door of an oven."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, Task
+
+
+class OpenOven(Task):
+    """The door must lie flat in front of the oven, and the hand must hold nothing."""
+
+    def init_task(self) -> None:
+        door_is_down = Detected(self.scene.body("oven"), self.scene.sensor("door_down"))
+        self.register_success_conditions([door_is_down, NothingGrasped(self.gripper)])
+
+    def variation_count(self) -> int:
+        return 1
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        return [
+            "Fold the oven's door down.",
+            "Grab the bar on the oven and lower the door.",
+            "The dish has to go in soon, open up the oven.",
+        ]

@@ -1,0 +1,36 @@
+"""Unscrew the cap of a wine bottle and take it off."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, JointMoved, Task
+
+LOOSE = np.deg2rad(150.0)
+"""Turn that frees the cap [rad]."""
+HELD = ("lift", "shift_x", "shift_y", "roll", "pitch")
+"""Joints of the cap that the thread holds."""
+
+
+class OpenWineBottle(Task):
+    """The cap must leave the neck; the thread holds it until it has been turned by 150 degrees."""
+
+    def init_task(self) -> None:
+        self.held = [self.scene.joint(f"cap/{name}") for name in HELD]
+        self.loosened = JointMoved(self.scene.joint("cap/turn"), LOOSE)
+        self.register_success_conditions([Detected(self.scene.body("cap"), self.scene.sensor("neck"), negated=True)])
+
+    def variation_count(self) -> int:
+        return 1
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        return [
+            "Unscrew the wine and take its cap away.",
+            "Twist off the top of the bottle.",
+            "I would like a glass of wine, get the bottle open.",
+        ]
+
+    def step(self) -> None:
+        if self.held[0].locked and self.loosened.met():
+            for joint in self.held:
+                joint.unlock()

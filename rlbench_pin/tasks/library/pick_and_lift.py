@@ -1,0 +1,38 @@
+"""Lift one of three blocks to a floating marker."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import COLORS, NO_ROTATION, Detected, Grasped, SpawnBoundary, Task, distractor_colors
+
+
+class PickAndLift(Task):
+    """The block of the asked colour must be held at the marker. Blocks and marker stand anywhere in a rectangle."""
+
+    def init_task(self) -> None:
+        self.block, self.marker = self.scene.body("block"), self.scene.body("marker")
+        self.distractors = [self.scene.body("distractor0"), self.scene.body("distractor1")]
+        self.boundary = SpawnBoundary([self.scene.region("boundary")])
+        self.register_graspable_objects(["block"])
+        self.register_success_conditions([Grasped(self.gripper, self.block), Detected(self.block, self.scene.sensor("goal"))])
+
+    def variation_count(self) -> int:
+        return len(COLORS)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        name, rgb = COLORS[variation]
+        others = distractor_colors(rng, variation, len(self.distractors))
+        self.boundary.clear()
+        self.boundary.sample(self.marker, rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION)
+        for block, color in zip([self.block, *self.distractors], [rgb, *(c.rgb for c in others)], strict=True):
+            block.set_color(color)
+            self.boundary.sample(block, rng, min_distance=0.1)
+        return [
+            f"Carry the {name} cube to the floating ball.",
+            f"Hold the {name} cube at the marker.",
+            f"Raise the {name} block to where the marker is.",
+        ]
+
+    def get_low_dim_state(self) -> np.ndarray:
+        return np.concatenate([self.block.position, self.marker.position])

@@ -1,0 +1,44 @@
+"""Hang mugs on a mug tree."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import AnyOf, Detected, NothingGrasped, SpawnBoundary, Task, Waypoint
+
+NUMBER = ("one mug", "two mugs", "three mugs")
+
+
+class PlaceCups(Task):
+    """The first one, two or three mugs must hang on any of three spokes by their handles."""
+
+    def init_task(self) -> None:
+        self.mugs = [self.scene.body(f"mug{i}") for i in range(3)]
+        self.sensors = [self.scene.sensor(f"under_spoke{k}") for k in range(3)]
+        self.boundary = SpawnBoundary([self.scene.region("patch")])
+        self.register_graspable_objects(f"mug{i}" for i in range(3))
+        self.register_waypoint_ability_start(0, self._aim_at_next_mug)
+        self.register_waypoints_should_repeat(lambda: self.next < self.wanted)
+
+    def variation_count(self) -> int:
+        return len(NUMBER)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        self.next, self.wanted = 0, variation + 1
+        self.boundary.clear()
+        for mug in self.mugs:
+            self.boundary.sample(mug, rng, min_distance=0.1)
+        hung = [AnyOf([Detected(mug, sensor) for sensor in self.sensors]) for mug in self.mugs[: self.wanted]]
+        self.register_success_conditions([*hung, NothingGrasped(self.gripper)])
+        number = NUMBER[variation]
+        return [
+            f"Hang {number} on the tree.",
+            f"Put {number} onto the wooden spokes by the handle.",
+            f"I want {number} hanging on the stand.",
+        ]
+
+    def _aim_at_next_mug(self, waypoint: Waypoint) -> None:
+        """Go for the next mug, with the same grip, and for the next spoke."""
+        self.scene.frame("waypoint1").set_parent(f"mug{self.next}", keep_in_place=False)
+        self.scene.frame("waypoint4").set_parent(f"spoke{self.next}", keep_in_place=False)
+        self.next += 1

@@ -1,0 +1,31 @@
+"""Pull the loose brick out of a tower."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, Task
+
+BRICKS = 13
+"""Bricks that must stay."""
+
+
+class PlayJenga(Task):
+    """The brick that sticks out must leave the tower and be let go; all others must stay."""
+
+    def init_task(self) -> None:
+        tower = self.scene.sensor("tower")
+        stays = [Detected(self.scene.body(f"brick{i}"), tower) for i in range(BRICKS)]
+        gone = Detected(self.scene.body("target"), tower, negated=True)
+        self.register_graspable_objects(["target"])
+        self.register_success_conditions([*stays, gone, NothingGrasped(self.gripper)])
+
+    def variation_count(self) -> int:
+        return 1
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        return [
+            "Pull the loose brick without knocking down the tower.",
+            "Remove the brick that sticks out; the rest must stay up.",
+            "Make a safe move in the tower game.",
+        ]

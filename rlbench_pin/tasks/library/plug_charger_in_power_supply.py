@@ -1,0 +1,33 @@
+"""Plug a charger into a socket in the wall."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task
+
+
+class PlugChargerInPowerSupply(Task):
+    """Each pin must reach the bottom of its own hole, and the charger must be let go.
+
+    The place of the charger on the table varies; it lies on a little stand.
+    """
+
+    def init_task(self) -> None:
+        self.stand = self.scene.body("stand")
+        self.boundary = SpawnBoundary([self.scene.region("patch")])
+        self.register_graspable_objects(["charger"])
+        pins = [Detected(self.scene.frame(f"{side}_pin"), self.scene.sensor(f"{side}_hole")) for side in ("right", "left")]
+        self.register_success_conditions([*pins, NothingGrasped(self.gripper)])
+
+    def variation_count(self) -> int:
+        return 1
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        self.boundary.clear()
+        self.boundary.sample(self.stand, rng)
+        return [
+            "Plug the power adapter into the wall.",
+            "Connect the charger to the socket.",
+            "Stick the adapter's pins into the outlet.",
+        ]

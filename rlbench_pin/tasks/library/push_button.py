@@ -1,0 +1,37 @@
+"""Press a button."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import BUTTON_COLORS, InOrder, JointMoved, Task
+
+RED, GREEN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+
+
+class PushButton(Task):
+    """The base has the asked colour; the red cap must go down 3 mm once, and turns green when it does."""
+
+    def init_task(self) -> None:
+        self.button = self.scene.body("button")
+        self.pressed = InOrder([JointMoved(self.scene.joint("button/cap_joint"), 0.003)])
+        self.register_success_conditions([self.pressed])
+
+    def variation_count(self) -> int:
+        return len(BUTTON_COLORS)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        name, rgb = BUTTON_COLORS[variation]
+        self.is_green = False
+        self.button.set_color(rgb, link="base")
+        self.button.set_color(RED, link="cap")
+        return [
+            f"Press down on the {name} button.",
+            f"Hit the button that has a {name} base.",
+            f"Click the {name} push button.",
+        ]
+
+    def step(self) -> None:
+        if not self.is_green and self.pressed.met():
+            self.is_green = True
+            self.button.set_color(GREEN, link="cap")

@@ -1,0 +1,30 @@
+"""Throw the crumpled paper into the bin."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, Task, swap_places
+
+
+class PutRubbishInBin(Task):
+    """The paper must lie at the bottom of the bin. It stands in any of three places; tomatoes stand in the others."""
+
+    def init_task(self) -> None:
+        self.rubbish = self.scene.body("rubbish")
+        self.tomatoes = [self.scene.body("tomato0"), self.scene.body("tomato1")]
+        self.register_graspable_objects(["rubbish"])
+        self.register_success_conditions([Detected(self.rubbish, self.scene.sensor("bottom"))])
+
+    def variation_count(self) -> int:
+        return 1
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        choice = int(rng.integers(3))
+        if choice > 0:
+            swap_places(self.rubbish, self.tomatoes[choice - 1])
+        return [
+            "Bin the crumpled paper.",
+            "Throw out the trash but keep the tomatoes.",
+            "Dispose of the litter on the table.",
+        ]

@@ -1,0 +1,41 @@
+"""Bring the gripper tip to one of three floating balls."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import COLORS, NO_ROTATION, SpawnBoundary, Task, TipInside, distractor_colors
+
+
+class ReachTarget(Task):
+    """The ball of the asked colour is the goal; the tip has to be inside it. All three balls hang anywhere in a box."""
+
+    solved_by_chance = True
+
+    def init_task(self) -> None:
+        self.target = self.scene.body("target")
+        self.distractors = [self.scene.body("distractor0"), self.scene.body("distractor1")]
+        self.boundary = SpawnBoundary([self.scene.region("boundary")])
+        self.register_success_conditions([TipInside(self.robot, self.scene.sensor("goal"))])
+
+    def variation_count(self) -> int:
+        return len(COLORS)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        name, rgb = COLORS[variation]
+        others = distractor_colors(rng, variation, len(self.distractors))
+        self.boundary.clear()
+        for ball, color in zip([self.target, *self.distractors], [rgb, *(c.rgb for c in others)], strict=True):
+            ball.set_color(color)
+            self.boundary.sample(ball, rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION, min_distance=0.2)
+        return [
+            f"Move the hand to the {name} ball.",
+            f"Go to the {name} sphere with the fingertips.",
+            f"Which ball is {name}? Touch it.",
+        ]
+
+    def reward(self) -> float:
+        return -float(np.linalg.norm(self.robot.tip_pose()[:3] - self.target.position))
+
+    def get_low_dim_state(self) -> np.ndarray:
+        return np.array(self.target.position)

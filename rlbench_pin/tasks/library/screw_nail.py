@@ -1,0 +1,27 @@
+"""Turn a screw with a screwdriver."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Grasped, InOrder, JointMoved, Task
+
+
+class ScrewNail(Task):
+    """The screwdriver must have been taken in hand, then the screw must turn by more than 1.4 rad."""
+
+    def init_task(self) -> None:
+        self.register_graspable_objects(["screwdriver"])
+        held = Grasped(self.gripper, self.scene.body("screwdriver"))
+        turned = JointMoved(self.scene.joint("block/screw"), 1.4)
+        self.register_success_conditions([InOrder([held, turned])])
+
+    def variation_count(self) -> int:
+        return 1
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        return [
+            "Drive the screw in with the screwdriver.",
+            "Give the screw a quarter turn using the driver.",
+            "Tighten the screw in the block.",
+        ]

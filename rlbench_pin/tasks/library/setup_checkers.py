@@ -1,0 +1,54 @@
+"""Put the missing draughtsmen back on the board."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, Task, Waypoint
+
+FIRST, STEP = (-0.095, 0.319), 0.045
+"""Place of the first loose piece beside the board, and the way to each next one along x [m]."""
+
+
+class SetupCheckers(Task):
+    """All 24 pieces must lie on their own squares, let go.
+
+    One to three of them lie in a row beside the board; which ones varies.
+    """
+
+    def init_task(self) -> None:
+        self.missing: list[int] = []
+        self.placed = 0
+        self.pieces = [self.scene.body(f"piece{i}") for i in range(24)]
+        self.register_graspable_objects(piece.name for piece in self.pieces)
+        on_squares = [Detected(piece, self.scene.sensor(f"square{i}")) for i, piece in enumerate(self.pieces)]
+        self.register_success_conditions([NothingGrasped(self.gripper), *on_squares])
+        self.register_waypoint_ability_start(0, self._aim_at_next_piece)
+        self.register_waypoints_should_repeat(self._next_round)
+
+    def variation_count(self) -> int:
+        return 3
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        count = variation + 1
+        self.missing, self.placed = sorted(int(i) for i in rng.choice(24, count, replace=False)), 0
+        place = self.scene.frame("beside")
+        for k, index in enumerate(self.missing):
+            place.set_local([FIRST[0] + k * STEP, FIRST[1], 0.006, 0.0, 0.0, 0.0, 1.0])
+            self.pieces[index].set_pose(place.pose)
+        self._aim_at_next_piece()
+        pieces, discs = ("piece", "disc") if count == 1 else ("pieces", "discs")
+        return [
+            f"Complete the draughts board, {count} {pieces} missing.",
+            f"Put the {count} loose {discs} back on the starting squares.",
+            f"Get the draughts set ready to play: {count} to go.",
+        ]
+
+    def _aim_at_next_piece(self, waypoint: Waypoint | None = None) -> None:
+        index = self.missing[self.placed]
+        self.scene.frame("waypoint1").set_parent(f"piece{index}", keep_in_place=False)
+        self.scene.frame("waypoint4").set_parent(f"square{index}", keep_in_place=False)
+
+    def _next_round(self) -> bool:
+        self.placed += 1
+        return self.placed < len(self.missing)

@@ -1,0 +1,34 @@
+"""Push a block along the table onto a square."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, Task
+
+
+class SlideBlockToTarget(Task):
+    """The red block must reach the middle of the green square. It cannot be grasped."""
+
+    def init_task(self) -> None:
+        self.block = self.scene.body("block")
+        self.square = self.scene.body("square")
+        self.register_success_conditions([Detected(self.block, self.scene.sensor("target"))])
+
+    def variation_count(self) -> int:
+        return 1
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        return [
+            "Shove the red block onto the green square.",
+            "Nudge the cube along until it covers the green field.",
+            "Without lifting it, move the block to the mark.",
+        ]
+
+    def reward(self) -> float:
+        to_block = np.linalg.norm(self.robot.tip_pose()[:3] - self.block.position)
+        to_target = np.linalg.norm(self.block.position - self.square.position)
+        return -float(to_block) - float(to_target)
+
+    def get_low_dim_state(self) -> np.ndarray:
+        return np.concatenate([self.block.position, self.square.position])

@@ -1,0 +1,64 @@
+"""Build a tower of blocks of one colour."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import COLORS, DetectedSeveral, NothingGrasped, SpawnBoundary, Task, Waypoint, distractor_colors
+
+CUBE = 0.05
+"""Side of a block [m]."""
+CLEARANCE = 0.08
+"""Height of the hand over the tower before it puts a block down [m]."""
+
+
+class StackBlocks(Task):
+    """Two to four of the four blocks of the asked colour must stand on the green square, one on another, and be let go.
+
+    Four more blocks share another colour. All eight lie anywhere in four patches around the square.
+    """
+
+    def init_task(self) -> None:
+        self.blocks = [self.scene.body(f"block{i}") for i in range(4)]
+        self.distractors = [self.scene.body(f"distractor{i}") for i in range(4)]
+        self.boundary = SpawnBoundary([self.scene.region(f"patch{i}") for i in range(4)])
+        self.register_graspable_objects(body.name for body in (*self.blocks, *self.distractors))
+        self.register_waypoint_ability_start(0, self._aim_at_next_block)
+        self.register_waypoint_ability_start(3, self._rise_over_tower)
+        self.register_waypoint_ability_start(5, self._stay_after_last_block)
+        self.register_waypoints_should_repeat(self._next_round)
+
+    def variation_count(self) -> int:
+        return 3 * len(COLORS)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        color, self.height = variation // 3, 2 + variation % 3
+        self.placed = 0
+        name, rgb = COLORS[color]
+        other = distractor_colors(rng, color, 1)[0].rgb
+        self.boundary.clear()
+        for bodies, body_color in ((self.blocks, rgb), (self.distractors, other)):
+            for body in bodies:
+                body.set_color(body_color)
+                self.boundary.sample(body, rng, min_distance=0.1)
+        tower = DetectedSeveral(self.blocks, self.scene.sensor("column"), self.height)
+        self.register_success_conditions([tower, NothingGrasped(self.gripper)])
+        return [
+            f"Make a tower of {self.height} {name} cubes on the green square.",
+            f"Pile {self.height} {name} blocks one over another.",
+            f"I want a {name} tower, {self.height} high.",
+        ]
+
+    def _aim_at_next_block(self, waypoint: Waypoint) -> None:
+        self.scene.frame("waypoint1").set_parent(f"block{self.placed}", keep_in_place=False)
+
+    def _rise_over_tower(self, waypoint: Waypoint) -> None:
+        x, y, z = self.scene.body("square").position
+        waypoint.frame.set_position([x, y, z + CLEARANCE + CUBE * self.placed])
+
+    def _stay_after_last_block(self, waypoint: Waypoint) -> None:
+        waypoint.skip = self.placed == self.height - 1
+
+    def _next_round(self) -> bool:
+        self.placed += 1
+        return self.placed < self.height

@@ -1,0 +1,26 @@
+"""Pull a rope straight."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, Task
+
+
+class StraightenRope(Task):
+    """Both ends of the rope must lie on their marks, which are nearly the length of the rope apart."""
+
+    def init_task(self) -> None:
+        head = Detected(self.scene.frame("head"), self.scene.sensor("at_head_mark"))
+        tail = Detected(self.scene.frame("tail"), self.scene.sensor("at_tail_mark"))
+        self.register_success_conditions([head, tail])
+
+    def variation_count(self) -> int:
+        return 1
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        return [
+            "Pull the rope straight.",
+            "Lay both ends of the rope on the green rings.",
+            "Take the bends out of this piece of rope.",
+        ]

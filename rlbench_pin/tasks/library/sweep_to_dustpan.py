@@ -1,0 +1,28 @@
+"""Sweep crumbs into a dustpan with a broom."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, Task
+
+CRUMBS = 5
+
+
+class SweepToDustpan(Task):
+    """All five crumbs must lie in the dustpan."""
+
+    def init_task(self) -> None:
+        self.register_graspable_objects(["broom"])
+        pan = self.scene.sensor("pan")
+        self.register_success_conditions([Detected(self.scene.body(f"crumb{i}"), pan) for i in range(CRUMBS)])
+
+    def variation_count(self) -> int:
+        return 1
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        return [
+            "Sweep the crumbs into the dustpan.",
+            "Take the broom and brush all five crumbs onto the pan.",
+            "There is dirt on the table, get it into the dustpan with the broom.",
+        ]

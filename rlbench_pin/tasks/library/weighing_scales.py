@@ -1,0 +1,46 @@
+"""Weigh the pepper of the asked colour."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task
+
+NEEDLE_TURN = 120.0
+"""Turn of the needle for the drop of the tray [rad/m]."""
+
+
+class WeighingScales(Task):
+    """The asked one of three peppers must lie on the tray, let go, with the needle at the weight of one pepper.
+
+    Which pepper is asked for varies, and where the three lie on the table.
+    """
+
+    colors = ("green", "red", "yellow")
+
+    def init_task(self) -> None:
+        self.tray, self.needle = self.scene.joint("scales/tray"), self.scene.joint("scales/needle")
+        self.unloaded, self.zero = self.tray.position, self.needle.position
+        self.peppers = [self.scene.body(f"pepper_{color}") for color in self.colors]
+        self.boundary = SpawnBoundary([self.scene.region("patch")])
+        self.register_graspable_objects(pepper.name for pepper in self.peppers)
+
+    def variation_count(self) -> int:
+        return len(self.colors)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        color, pepper = self.colors[variation], self.peppers[variation]
+        self.boundary.clear()
+        for body in self.peppers:
+            self.boundary.sample(body, rng, min_distance=0.12)
+        self.scene.frame("waypoint0").set_parent(pepper.name, keep_in_place=False)
+        weighed = Detected(self.scene.frame("needle_end"), self.scene.sensor("needle_zone"))
+        self.register_success_conditions([NothingGrasped(self.gripper), weighed, Detected(pepper, self.scene.sensor("tray"))])
+        return [
+            f"How heavy is the {color} pepper? Weigh it.",
+            f"The {color} vegetable goes on the scale.",
+            f"Load the scale with the {color} pepper.",
+        ]
+
+    def step(self) -> None:
+        self.needle.set_position(self.zero - NEEDLE_TURN * (self.tray.position - self.unloaded))

@@ -1,0 +1,50 @@
+"""Wipe the stains off the table with a sponge."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import NO_ROTATION, BodySpec, ListEmpty, SpawnBoundary, Task
+
+STAINS = 50
+WIPING = 0.02
+"""The sponge wipes while its middle is less than this above where it lies on the table [m]."""
+
+
+class WipeDesk(Task):
+    """Fifty stains in a patch of the table must all have been under the sponge, which takes them away."""
+
+    def init_task(self) -> None:
+        self.wiper, self.boundary = self.scene.sensor("under_sponge"), SpawnBoundary([self.scene.region("patch")])
+        self.stains: list[str] = []
+        self.register_graspable_objects(["sponge"])
+        self.register_success_conditions([ListEmpty(self.stains)])
+
+    def variation_count(self) -> int:
+        return 1
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        self.boundary.clear()
+        self.stains[:] = [f"stain{i}" for i in range(STAINS)]
+        place = tuple(self.scene.region("patch").local)
+        for name in self.stains:
+            spec = BodySpec(name=name, asset="objects/stain/stain.urdf", pose=place, fixed=True, collides=False)
+            stain = self.scene.add_body(name, spec)
+            self.boundary.sample(stain, rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION, min_distance=0.0)
+        return [
+            "Wipe the brown stains off the table.",
+            "Take the sponge and rub the dirty patch until it is clean.",
+            "The desk is filthy, sponge every spot away.",
+        ]
+
+    def step(self) -> None:
+        if self.wiper.position[2] > self.scene.root.position[2] + WIPING:
+            return
+        for name in [name for name in self.stains if self.wiper.detects(name)]:
+            self.stains.remove(name)
+            self.scene.remove_body(name)
+
+    def cleanup(self) -> None:
+        for name in self.stains:
+            self.scene.remove_body(name)
+        self.stains.clear()

@@ -1,0 +1,54 @@
+"""The named colours that variations are made of."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rlbench_pin.errors import TaskError
+
+Rgb = tuple[float, float, float]
+
+
+class Color(NamedTuple):
+    """A colour with the word that instructions use; unpacks to `name, rgb`."""
+
+    name: str
+    rgb: Rgb
+
+
+COLORS: tuple[Color, ...] = (
+    Color("red", (1.0, 0.0, 0.0)),
+    Color("maroon", (0.5, 0.0, 0.0)),
+    Color("lime", (0.0, 1.0, 0.0)),
+    Color("green", (0.0, 0.5, 0.0)),
+    Color("blue", (0.0, 0.0, 1.0)),
+    Color("navy", (0.0, 0.0, 0.5)),
+    Color("yellow", (1.0, 1.0, 0.0)),
+    Color("cyan", (0.0, 1.0, 1.0)),
+    Color("magenta", (1.0, 0.0, 1.0)),
+    Color("silver", (0.75, 0.75, 0.75)),
+    Color("gray", (0.5, 0.5, 0.5)),
+    Color("orange", (1.0, 0.5, 0.0)),
+    Color("olive", (0.5, 0.5, 0.0)),
+    Color("purple", (0.5, 0.0, 0.5)),
+    Color("teal", (0.0, 0.5, 0.5)),
+    Color("azure", (0.0, 0.5, 1.0)),
+    Color("violet", (0.5, 0.0, 1.0)),
+    Color("rose", (1.0, 0.0, 0.5)),
+    Color("black", (0.0, 0.0, 0.0)),
+    Color("white", (1.0, 1.0, 1.0)),
+)
+"""The 20 colours; the place in the tuple is the variation."""
+
+BUTTON_COLORS: tuple[Color, ...] = tuple(color for color in COLORS if color.name not in ("red", "lime"))
+"""The 18 colours of button bases: all but those a button cap has before and after it is pressed."""
+
+
+def distractor_colors(rng: np.random.Generator, goal: int, count: int) -> tuple[Color, ...]:
+    """Draw `count` different colours, none of them `COLORS[goal]`."""
+    if not 0 <= goal < len(COLORS):
+        raise TaskError(f"There is no colour {goal}; the palette has 0 to {len(COLORS) - 1}.")
+    others = [i for i in range(len(COLORS)) if i != goal]
+    return tuple(COLORS[i] for i in rng.choice(others, size=count, replace=False))

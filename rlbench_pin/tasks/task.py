@@ -1,0 +1,294 @@
+"""What every task is: a goal over one scene, set up once and started anew for every episode."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from rlbench_pin.errors import TaskError
+from rlbench_pin.spatial import FloatArray
+from rlbench_pin.tasks.conditions import Condition
+from rlbench_pin.tasks.low_dim import LowDimState
+from rlbench_pin.tasks.waypoints import Waypoint, WaypointHook
+
+if TYPE_CHECKING:
+    from rlbench_pin.observation import Observation
+    from rlbench_pin.sim import World
+
+RotationBounds = tuple[tuple[float, float, float], tuple[float, float, float]]
+"""Lowest and highest roll, pitch, yaw [rad]."""
+
+
+@dataclass(frozen=True)
+class TaskState:
+    """What a task remembers at one instant; valid for the task object it came from."""
+
+    attributes: dict[str, tuple[Any, Any]]
+    """Name -> the value itself and a copy of what it contained."""
+    conditions: tuple[object, ...]
+    skips: tuple[bool, ...]
+
+
+class Task:
+    """Base class of all tasks. Override `init_task`, `init_episode` and `variation_count`; the rest is optional.
+
+    What varies from episode to episode is drawn from the generator that `init_episode` is given and from nothing else.
+    Attributes that change during an episode must be plain values or lists, dicts and sets of them: they are saved and
+    restored with the world.
+
+    Args:
+        world: The world that was built from the scene file of this task.
+
+    Attributes:
+        scene: The world: `body`, `joint`, `frame`, `region`, `sensor` by name.
+        robot: The arm.
+        gripper: The hand.
+    """
+
+    solved_by_chance: ClassVar[bool] = False
+    """Whether a flailing arm may reach the goal now and then, as with a ball in the air; otherwise that is a fault."""
+
+    def __init__(self, world: World) -> None:
+        self.scene, self.robot, self.gripper = world, world.robot, world.gripper
+        self._success: tuple[Condition, ...] = ()
+        self._fail: tuple[Condition, ...] = ()
+        self._graspable: tuple[str, ...] = ()
+        self._start_hooks: dict[int, WaypointHook] = {}
+        self._end_hooks: dict[int, WaypointHook] = {}
+        self._repeat: Callable[[], bool] | None = None
+        self._stop_at: int | None = None
+        self._started = False
+        self._waypoints = _waypoints(world)
+        self._low_dim = LowDimState(world)
+
+    # What a task file overrides ---------------------------------------------------------------------------------------
+
+    def init_task(self) -> None:
+        """Look things up and register what never changes; called once."""
+        raise NotImplementedError
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Lay out one episode of one variation.
+
+        Args:
+            variation: 0 to `variation_count() - 1`.
+            rng: The only source of chance.
+
+        Returns:
+            Sentences that all ask for the goal.
+        """
+        raise NotImplementedError
+
+    def variation_count(self) -> int:
+        """Return how many variations there are."""
+        raise NotImplementedError
+
+    def step(self) -> None:
+        """Run after every control tick."""
+
+    def cleanup(self) -> None:
+        """Run after an episode, before the world is put back."""
+
+    def reward(self) -> float | None:
+        """Return the shaped reward of this instant, or None when the task has none."""
+        return None
+
+    def get_low_dim_state(self) -> FloatArray:
+        """Return the state of the objects; by default the poses of all bodies by name, then all joint values."""
+        return self._low_dim.read()
+
+    def decorate_observation(self, observation: Observation) -> Observation:
+        """Return the observation, perhaps with more in it."""
+        return observation
+
+    def is_static_workspace(self) -> bool:
+        """Return whether the scene stays at its nominal place in every episode."""
+        return self.scene.scene.placement.static
+
+    def base_rotation_bounds(self) -> RotationBounds:
+        """Return the bounds of the random rotation of the scene."""
+        low, high = self.scene.scene.placement.yaw
+        return (0.0, 0.0, low), (0.0, 0.0, high)
+
+    # What a task file calls ---------------------------------------------------------------------------------------------
+
+    def register_success_conditions(self, conditions: Sequence[Condition]) -> None:
+        """Success is all of these at the same instant. Replaces what was registered before."""
+        self._success = tuple(conditions)
+
+    def register_fail_conditions(self, conditions: Sequence[Condition]) -> None:
+        """All of these at the same instant end the episode without success. Replaces what was registered before."""
+        self._fail = tuple(conditions)
+
+    def register_graspable_objects(self, names: Iterable[str]) -> None:
+        """Allow the hand to hold these bodies. Replaces what was registered before."""
+        wanted = tuple(names)
+        bodies = [self.scene.body(name) for name in wanted]
+        for name in self._graspable:
+            self.scene.body(name).graspable = False
+        for body in bodies:
+            body.graspable = True
+        self._graspable = wanted
+
+    def register_waypoint_ability_start(self, index: int, hook: WaypointHook) -> None:
+        """Call `hook(waypoint)` before the leg to a waypoint is planned."""
+        self._start_hooks[self._checked(index)] = hook
+        self._waypoints[index].set_hooks(hook, self._end_hooks.get(index))
+
+    def register_waypoint_ability_end(self, index: int, hook: WaypointHook) -> None:
+        """Call `hook(waypoint)` after the leg to a waypoint was run."""
+        self._end_hooks[self._checked(index)] = hook
+        self._waypoints[index].set_hooks(self._start_hooks.get(index), hook)
+
+    def register_waypoints_should_repeat(self, repeat: Callable[[], bool]) -> None:
+        """Ask `repeat` after the last waypoint whether to play the list again; it may also advance a counter."""
+        self._repeat = repeat
+
+    def register_stop_at_waypoint(self, index: int) -> None:
+        """Leave out waypoint `index` and all later ones."""
+        self._stop_at = self._checked(index)
+
+    # What the environment calls -------------------------------------------------------------------------------------
+
+    @classmethod
+    def get_name(cls) -> str:
+        """Return the name of the task in snake case."""
+        return snake_case(cls.__name__)
+
+    @classmethod
+    def scene_file(cls) -> Path:
+        """Return the scene file: the neighbour of the task file with the same stem."""
+        return Path(inspect.getfile(cls)).with_suffix(".toml")
+
+    def begin_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Lay out one episode in a clean world and return its instructions.
+
+        Raises:
+            TaskError: The variation does not exist, or the task does not return a list of different sentences.
+        """
+        count = self.variation_count()
+        if not 0 <= variation < count:
+            raise TaskError(f"Task '{self.get_name()}' has no variation {variation}; it has 0 to {count - 1}.")
+        self._started = True
+        for waypoint in self._waypoints:
+            waypoint.skip = False
+        instructions = self.init_episode(variation, rng)
+        self._check_instructions(instructions)
+        self.reset_conditions()
+        return instructions
+
+    def end_episode(self) -> None:
+        """Clean up after an episode, if one was begun."""
+        if self._started:
+            self._started = False
+            self.cleanup()
+
+    def reset_conditions(self) -> None:
+        """Let every condition start from the present instant."""
+        for condition in (*self._success, *self._fail):
+            condition.reset()
+
+    def success(self) -> tuple[bool, bool]:
+        """Return whether the goal is reached, and whether the episode is over.
+
+        Every condition is asked on every call, so that those which keep count see every instant.
+
+        Raises:
+            TaskError: No success condition is registered.
+        """
+        if not self._success:
+            raise TaskError(f"Task '{self.get_name()}' registers no success condition; call register_success_conditions.")
+        failed = [condition.met() for condition in self._fail]
+        if failed and all(failed):
+            return False, True
+        met = [condition.met() for condition in self._success]
+        return all(met), all(met)
+
+    def get_graspable_objects(self) -> tuple[str, ...]:
+        """Return the names of the bodies that the hand may hold."""
+        return self._graspable
+
+    def get_waypoints(self) -> list[Waypoint]:
+        """Return the waypoints in order, up to the stop index."""
+        return self._waypoints[: self._stop_at]
+
+    def should_repeat_waypoints(self) -> bool:
+        """Return whether the waypoint list is to be played again; asked once after the last waypoint."""
+        return self._repeat is not None and bool(self._repeat())
+
+    def state(self) -> TaskState:
+        """Return everything that changes during an episode."""
+        attributes = {name: (value, _copied(value)) for name, value in vars(self).items() if name not in _FIXED}
+        conditions = tuple(condition.state() for condition in (*self._success, *self._fail))
+        return TaskState(attributes, conditions, tuple(waypoint.skip for waypoint in self._waypoints))
+
+    def set_state(self, state: TaskState) -> None:
+        """Go back to a state of this task object."""
+        for name in [name for name in vars(self) if name not in _FIXED and name not in state.attributes]:
+            delattr(self, name)
+        for name, (value, contents) in state.attributes.items():
+            setattr(self, name, _refilled(value, contents))
+        for condition, value in zip((*self._success, *self._fail), state.conditions, strict=True):
+            condition.set_state(value)
+        for waypoint, skip in zip(self._waypoints, state.skips, strict=True):
+            waypoint.skip = skip
+            waypoint.set_hooks(self._start_hooks.get(waypoint.index), self._end_hooks.get(waypoint.index))
+        self.register_graspable_objects(self._graspable)
+
+    def _checked(self, index: int) -> int:
+        if not 0 <= index < len(self._waypoints):
+            raise TaskError(f"Task '{self.get_name()}' has no waypoint {index}; its scene has {len(self._waypoints)}.")
+        return index
+
+    def _check_instructions(self, instructions: object) -> None:
+        given = instructions if isinstance(instructions, list) else []
+        sentences = {s for s in given if isinstance(s, str) and s.strip()}
+        if not sentences or len(sentences) < len(given):
+            raise TaskError(
+                f"init_episode of task '{self.get_name()}' must return a list of different sentences, not {instructions!r}."
+            )
+
+
+_FIXED = frozenset({"scene", "robot", "gripper", "_waypoints", "_low_dim"})
+"""Attributes that are the same throughout the life of a task."""
+
+
+def snake_case(name: str) -> str:
+    """Turn `ReachTarget` into `reach_target`."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
+
+
+def _waypoints(world: World) -> list[Waypoint]:
+    specs = sorted(world.scene.waypoint, key=lambda spec: int(spec.name.removeprefix("waypoint")))
+    result: list[Waypoint] = []
+    for index, spec in enumerate(specs):
+        before = result[-1].gripper_amount if result else 1.0
+        result.append(Waypoint(index, world.frame(spec.name), spec, before))
+    return result
+
+
+def _copied(value: Any) -> Any:
+    """Copy containers and arrays; keep everything else, such as handles and conditions, as it is."""
+    if isinstance(value, dict):
+        return {key: _copied(item) for key, item in value.items()}
+    if isinstance(value, list | set):
+        return type(value)(_copied(item) for item in value)
+    return value.copy() if isinstance(value, np.ndarray) else value
+
+
+def _refilled(value: Any, contents: Any) -> Any:
+    """Give a container its old contents back; conditions that share it see them too."""
+    if isinstance(value, list):
+        value[:] = _copied(contents)
+    elif isinstance(value, dict | set):
+        value.clear()
+        value.update(_copied(contents))
+    elif isinstance(value, np.ndarray):
+        value[...] = contents
+    return value

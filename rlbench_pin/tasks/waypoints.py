@@ -1,0 +1,119 @@
+"""Waypoints: the poses that the gripper tip visits in a demonstration, with their extras."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from rlbench_pin.scene.spec import WaypointSpec
+from rlbench_pin.spatial import FloatArray, compose, relative
+
+if TYPE_CHECKING:
+    from rlbench_pin.sim import Frame
+
+ARC_STEP = 0.05
+"""Angle between two poses of a sweep [rad]."""
+
+WaypointHook = Callable[["Waypoint"], None]
+
+
+class Waypoint:
+    """One stop of a demonstration.
+
+    Args:
+        index: Number of the waypoint.
+        frame: Where it is; follows its parent.
+        spec: What the scene file says about it.
+        amount_before: Opening fraction that the waypoints before it leave behind.
+
+    Attributes:
+        skip: Leave this waypoint out; a start hook may set it. False again in every episode.
+        gripper_amount: Opening fraction of the hand after this waypoint.
+    """
+
+    def __init__(self, index: int, frame: Frame, spec: WaypointSpec, amount_before: float = 1.0) -> None:
+        self.index, self.frame, self.spec = index, frame, spec
+        self.skip = False
+        self.gripper_amount = _amount(spec.gripper, amount_before)
+        self._opens = self.gripper_amount > amount_before
+        self._start: WaypointHook | None = None
+        self._end: WaypointHook | None = None
+
+    @property
+    def pose(self) -> FloatArray:
+        """Tip pose in the world now, shape (7,); for a curve of points its last one."""
+        if self.spec.points:
+            return compose(self.frame.pose, self.spec.points[-1])
+        return np.array(self.frame.pose)
+
+    @property
+    def path(self) -> Literal["plan", "straight", "curve"]:
+        """How to get there."""
+        return self.spec.path
+
+    @property
+    def ignore_collisions(self) -> bool:
+        """Plan without looking at collisions."""
+        return self.spec.ignore_collisions
+
+    @property
+    def gripper(self) -> Literal["open", "close"] | float | None:
+        """What the hand does on arrival; None leaves it alone."""
+        return self.spec.gripper
+
+    @property
+    def releases(self) -> bool:
+        """Whether the hand opens on arrival and so lets go of what it holds."""
+        if isinstance(self.spec.gripper, float):
+            return self._opens
+        return self.spec.gripper == "open"
+
+    @property
+    def symmetry(self) -> int:
+        """The hand may arrive turned about its z by any multiple of 2 pi / symmetry."""
+        return self.spec.symmetry
+
+    def curve_poses(self, previous: FloatArray) -> list[FloatArray]:
+        """Return the tip poses (7,) of a curve, in the world.
+
+        Args:
+            previous: Tip pose where the curve begins, shape (7,); an arc sweeps it, points replace it.
+        """
+        if self.spec.arc is None:
+            return [compose(self.frame.pose, point) for point in self.spec.points]
+        angle = self.spec.arc.angle
+        count = max(2, int(np.ceil(abs(angle) / ARC_STEP)))
+        return [self._swept(previous, angle * k / count) for k in range(1, count + 1)]
+
+    def _swept(self, previous: FloatArray, angle: float) -> FloatArray:
+        """Rotate a world pose by `angle` [rad] about the axis of the arc."""
+        arc = self.spec.arc
+        assert arc is not None
+        axis = np.array(arc.axis) / np.linalg.norm(arc.axis)
+        turn = np.concatenate([np.zeros(3), np.sin(angle / 2.0) * axis, [np.cos(angle / 2.0)]])
+        swept = compose(self.frame.pose, turn, relative(previous, self.frame.pose))
+        return swept if arc.twist else np.concatenate([swept[:3], previous[3:]])
+
+    def set_hooks(self, start: WaypointHook | None, end: WaypointHook | None) -> None:
+        """Register what runs before the leg is planned and after it was run."""
+        self._start, self._end = start, end
+
+    def run_start_hook(self) -> None:
+        """Call the start hook, if there is one."""
+        if self._start is not None:
+            self._start(self)
+
+    def run_end_hook(self) -> None:
+        """Call the end hook, if there is one."""
+        if self._end is not None:
+            self._end(self)
+
+
+def _amount(gripper: Literal["open", "close"] | float | None, before: float) -> float:
+    if gripper is None:
+        return before
+    if isinstance(gripper, float):
+        return gripper
+    return 1.0 if gripper == "open" else 0.0

@@ -1,0 +1,145 @@
+"""A dishwasher with a door that folds down and a rack that slides out, and a plate for it."""
+
+from __future__ import annotations
+
+from assets_lib.mesh import Mesh, box, lathe, merge, rod
+from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, cylinder_shape, mesh_shape
+
+DEPTH, WIDTH, HEIGHT, WALL = 0.36, 0.40, 0.42, 0.015
+FLOOR, CEILING = 0.10, 0.345
+"""Height of the floor and of the ceiling inside [m]."""
+DOOR = (0.02, 0.36, 0.26)
+HINGE = (-DEPTH / 2.0 - 0.0015, 0.0, 0.09)
+HANDLE = (-DOOR[0] - 0.052, 0.0, 0.235)
+"""Centre of the handle bar in the door frame [m]."""
+BAR_RADIUS, BAR_LENGTH = 0.006, 0.24
+RACK = (0.32, 0.32)
+RACK_FLOOR, RIM, TRAVEL = 0.115, 0.18, 0.24
+"""Heights of the rack's base and of its rim when it is in, and how far it slides out [m]."""
+PLATE_X, CRADLE = -0.065, 0.045
+"""Middle of the place for the plate in the rack, and half the distance of the rods that carry it [m]."""
+PLATE_RADIUS, PLATE_HEIGHT = 0.08, 0.015
+STEEL, DARK, WIRE, SILVER = (0.86, 0.87, 0.88), (0.16, 0.17, 0.19), (0.30, 0.45, 0.70), (0.70, 0.71, 0.74)
+HALF_PI = 1.57079633
+
+Box = tuple[tuple[float, float, float], tuple[float, float, float]]
+
+
+def _merged(boxes: tuple[Box, ...]) -> Mesh:
+    return merge(box(size, center) for size, center in boxes)
+
+
+def _body() -> tuple[Box, ...]:
+    """Return the boxes (size, centre) of the shell around the hollow."""
+    side, inner, middle = (WIDTH - WALL) / 2.0, CEILING - FLOOR, (CEILING + FLOOR) / 2.0
+    return (
+        ((DEPTH, WIDTH, FLOOR), (0.0, 0.0, FLOOR / 2.0)),
+        ((DEPTH, WIDTH, HEIGHT - CEILING), (0.0, 0.0, (HEIGHT + CEILING) / 2.0)),
+        ((DEPTH, WALL, inner), (0.0, side, middle)),
+        ((DEPTH, WALL, inner), (0.0, -side, middle)),
+        ((WALL, WIDTH - 2 * WALL, inner), ((DEPTH - WALL) / 2.0, 0.0, middle)),
+    )
+
+
+def _lining() -> Mesh:
+    """Return thin sheets that make the inside grey."""
+    t, half, mid, tall = 0.001, WIDTH / 2.0 - WALL, (FLOOR + CEILING) / 2.0, CEILING - FLOOR
+    sheets = [box((DEPTH - WALL, t, tall), (-WALL / 2.0, side * (half - t / 2.0), mid)) for side in (-1, 1)]
+    sheets += [box((DEPTH - WALL, 2 * half, t), (-WALL / 2.0, 0.0, z)) for z in (FLOOR + t / 2.0, CEILING - t / 2.0)]
+    return merge([*sheets, box((t, 2 * half, tall), (DEPTH / 2.0 - WALL - t / 2.0, 0.0, mid))])
+
+
+def _body_link() -> Link:
+    front = -DEPTH / 2.0
+    lamps = merge(box((0.002, 0.012, 0.006), (front - 0.003, 0.13 - 0.025 * k, 0.388)) for k in range(3))
+    visuals = (
+        Visual(mesh_shape("shell", _merged(_body())), STEEL),
+        Visual(mesh_shape("lining", _lining()), (0.55, 0.57, 0.60)),
+        Visual(mesh_shape("panel", box((0.002, WIDTH, HEIGHT - 0.356), (front - 0.001, 0.0, (HEIGHT + 0.356) / 2.0))), DARK),
+        Visual(mesh_shape("lamps", lamps), (0.3, 0.9, 0.4)),
+        Visual(mesh_shape("display", box((0.002, 0.08, 0.03), (front - 0.002, -0.10, 0.388))), (0.25, 0.65, 0.95)),
+        Visual(mesh_shape("kick", box((0.002, WIDTH, 0.06), (front - 0.001, 0.0, 0.03))), DARK),
+    )
+    return Link("dishwasher", 15.0, visuals, tuple(box_shape(size, center) for size, center in _body()))
+
+
+def _door_link() -> Link:
+    t, w, h = DOOR
+    x, _, z = HANDLE
+    posts = tuple(rod((x, side * 0.10, z), (-t, side * 0.10, z), 0.005, 8) for side in (-1, 1))
+    bar = rod((x, -BAR_LENGTH / 2.0, z), (x, BAR_LENGTH / 2.0, z), BAR_RADIUS, 12)
+    visuals = (
+        Visual(mesh_shape("door", box(DOOR, (-t / 2.0, 0.0, h / 2.0))), STEEL),
+        Visual(mesh_shape("door_inside", box((0.001, w - 0.03, h - 0.03), (0.0003, 0.0, h / 2.0))), (0.55, 0.57, 0.60)),
+        Visual(mesh_shape("badge", box((0.001, 0.06, 0.014), (-t - 0.0005, 0.0, 0.06))), (0.20, 0.35, 0.60)),
+        Visual(mesh_shape("handle", merge([bar, *posts])), SILVER),
+    )
+    length = -x - t - BAR_RADIUS + 0.002
+    stays = tuple(box_shape((length, 0.009, 0.009), (-t - length / 2.0, side * 0.10, z)) for side in (-1, 1))
+    grip = cylinder_shape(BAR_RADIUS, BAR_LENGTH, HANDLE, (HALF_PI, 0.0, 0.0))
+    return Link("door_link", 1.0, visuals, (box_shape(DOOR, (-t / 2.0, 0.0, h / 2.0)), grip, *stays))
+
+
+def _rack_solids() -> tuple[Box, ...]:
+    """Return base, rim, corner posts, cradle and pins of the rack; its origin is the middle of its base."""
+    lx, ly = RACK
+    rise = RIM - RACK_FLOOR
+    rims = [((0.008, ly, 0.008), (s * (lx - 0.008) / 2.0, 0.0, rise)) for s in (-1, 1)]
+    rims += [((lx, 0.006, 0.006), (0.0, s * (ly - 0.006) / 2.0, rise)) for s in (-1, 1)]
+    posts = [
+        ((0.006, 0.006, rise), (sx * (lx - 0.006) / 2.0, sy * (ly - 0.006) / 2.0, rise / 2.0)) for sx in (-1, 1) for sy in (-1, 1)
+    ]
+    cradle = [((0.006, 0.05, 0.012), (PLATE_X + s * CRADLE, 0.0, 0.009)) for s in (-1, 1)]
+    pins = [((0.004, 0.004, 0.055), (PLATE_X + sx * 0.05, sy * 0.011, 0.0305)) for sx in (-1, 1) for sy in (-1, 1)]
+    return (((lx, ly, 0.006), (0.0, 0.0, 0.0)), *rims, *posts, *cradle, *pins)
+
+
+def _rack_mesh() -> Mesh:
+    """Return the rack as wires."""
+    lx, ly = RACK
+    wires = [box((lx, 0.004, 0.005), (0.0, -ly / 2.0 + ly * k / 10.0, 0.0)) for k in range(11)]
+    wires += [box((0.004, ly, 0.005), (-lx / 2.0 + lx * k / 6.0, 0.0, 0.0)) for k in range(7)]
+    rows = [box((0.004, 0.004, 0.04), (x, y, 0.02)) for x in (-0.11, -0.02, 0.08) for y in (-0.12, -0.08, 0.08, 0.12)]
+    return merge([*wires, *rows, _merged(_rack_solids()[1:])])
+
+
+def _rack_link() -> Link:
+    wheels = merge(rod((x, y - 0.004, -0.006), (x, y + 0.004, -0.006), 0.006, 10) for x in (-0.1, 0.1) for y in (-0.15, 0.15))
+    visuals = (Visual(mesh_shape("rack", _rack_mesh()), WIRE), Visual(mesh_shape("wheels", wheels), SILVER))
+    return Link("rack_link", 0.5, visuals, tuple(box_shape(size, center) for size, center in _rack_solids()))
+
+
+def _plate() -> Model:
+    """Return a plate that lies in the plane z = 0; its upper side faces z."""
+    h, r = PLATE_HEIGHT / 2.0, PLATE_RADIUS
+    outline = [(0.0, -h), (0.045, -h), (r, h - 0.004), (r, h), (r - 0.003, h), (0.045, -h + 0.006), (0.0, -h + 0.006)]
+    ring = lathe([(0.060, 0.0022), (0.0601, 0.0016), (0.066, 0.0036), (0.0658, 0.0044), (0.060, 0.0022)], 32)
+    visuals = (
+        Visual(mesh_shape("china", lathe(outline, 32)), (0.96, 0.96, 0.94)),
+        Visual(mesh_shape("ring", ring), (0.80, 0.15, 0.15)),
+    )
+    link = Link("plate", 0.15, visuals, (cylinder_shape(r, PLATE_HEIGHT),), friction=0.8)
+    notes = (f"diameter {2 * r}, {PLATE_HEIGHT} high; one solid disc to what touches it",)
+    return Model("dinner_plate", "objects/dinner_plate", "centre", (link,), notes=notes)
+
+
+def models() -> tuple[Model, ...]:
+    """Return the models of this family."""
+    door = Joint("door", "revolute", "dishwasher", "door_link", HINGE, (0.0, -1.0, 0.0), 0.0, 1.57, damping=0.05)
+    place = (0.0, 0.0, RACK_FLOOR)
+    rack = Joint("rack", "prismatic", "dishwasher", "rack_link", place, (-1.0, 0.0, 0.0), 0.0, TRAVEL, damping=2.0)
+    rest = PLATE_REST - RACK_FLOOR
+    notes = (
+        "front faces -x; the door folds down towards -x about its lower edge, as that of the oven",
+        f"link `door_link` has its origin on the hinge {HINGE}; handle bar along y, diameter {2 * BAR_RADIUS}, length {BAR_LENGTH}, "
+        f"centre {HANDLE} in `door_link`",
+        f"link `rack_link` has its origin in the middle of its base, z = {RACK_FLOOR}; front rim along y at x = {-(RACK[0] - 0.008) / 2.0}, "
+        f"z = {RIM - RACK_FLOOR:.3f} there, 0.008 thick",
+        f"a plate on edge, facing y, stands at ({PLATE_X}, 0, {rest:.4f}) in `rack_link`",
+    )
+    links = (_body_link(), _door_link(), _rack_link())
+    return Model("dishwasher", "objects/dishwasher", "bottom centre", links, (door, rack), notes), _plate()
+
+
+PLATE_REST = RACK_FLOOR + 0.015 + (PLATE_RADIUS**2 - (CRADLE - 0.003) ** 2) ** 0.5
+"""Height of the middle of the plate on edge, on the inner edges of the two rods [m]."""

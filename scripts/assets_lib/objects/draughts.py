@@ -1,0 +1,66 @@
+"""A chequered board and draughtsmen of two colours."""
+
+from __future__ import annotations
+
+from assets_lib.mesh import Mesh, box, lathe, merge
+from assets_lib.prisms import bevelled_box
+from assets_lib.urdf import Link, Model, Visual, box_shape, cylinder_shape, mesh_shape
+
+BOARD = (0.40, 0.40, 0.015)
+SQUARE = 0.046
+INLAY = 0.0004
+"""How far the squares stand out, for the eye only [m]."""
+RADIUS, THICKNESS = 0.0175, 0.012
+FRAME, DARK, LIGHT = (0.33, 0.19, 0.10), (0.36, 0.24, 0.16), (0.93, 0.85, 0.68)
+COLORS = {"light": ((0.95, 0.91, 0.80), (0.78, 0.70, 0.54)), "dark": ((0.10, 0.09, 0.09), (0.30, 0.27, 0.25))}
+
+
+def _squares(odd: int) -> Mesh:
+    """Return the squares whose row and column add up to an even or an odd number."""
+    places = [(r, c) for r in range(8) for c in range(8) if (r + c) % 2 == odd]
+    size = (SQUARE, SQUARE, 2.0 * INLAY)
+    return merge(box(size, ((r - 3.5) * SQUARE, (c - 3.5) * SQUARE, BOARD[2])) for r, c in places)
+
+
+def _board() -> Model:
+    visuals = (
+        Visual(mesh_shape("frame", bevelled_box(BOARD, 0.003)), FRAME),
+        Visual(mesh_shape("dark_squares", _squares(0)), DARK),
+        Visual(mesh_shape("light_squares", _squares(1)), LIGHT),
+    )
+    link = Link("chequered_board", 1.0, visuals, (box_shape(BOARD, (0.0, 0.0, BOARD[2] / 2.0)),))
+    notes = (
+        f"8 x 8 squares of {SQUARE}; (row, column), both from 0, is at ((row - 3.5) {SQUARE}, (column - 3.5) {SQUARE})",
+        f"dark where row + column is even; upper side at z = {BOARD[2]}",
+    )
+    return Model("chequered_board", "objects/chequered_board", "bottom centre", (link,), notes=notes)
+
+
+def _disc() -> tuple[Mesh, Mesh]:
+    """Return the disc with a raised rim, and the ring in its hollow."""
+    h, r = THICKNESS / 2.0, RADIUS
+    outline = [
+        (0.0, -h),
+        (r - 0.001, -h),
+        (r, -h + 0.001),
+        (r, h - 0.001),
+        (r - 0.001, h),
+        (r - 0.004, h),
+        (r - 0.005, h - 0.002),
+    ]
+    ring = [(0.0045, h - 0.002), (0.0085, h - 0.002), (0.0085, h - 0.0005), (0.0045, h - 0.0005), (0.0045, h - 0.002)]
+    return lathe([*outline, (0.0, h - 0.002)], 24), lathe(ring, 24)
+
+
+def _piece(color: str) -> Model:
+    body, ring = _disc()
+    plain, accent = COLORS[color]
+    visuals = (Visual(mesh_shape("disc", body), plain, crease=0.5), Visual(mesh_shape("ring", ring), accent, crease=0.5))
+    link = Link(f"draught_{color}", 0.02, visuals, (cylinder_shape(RADIUS, THICKNESS),), friction=0.9)
+    notes = (f"diameter {2 * RADIUS}, {THICKNESS} thick; rests with its origin at {THICKNESS / 2.0} m",)
+    return Model(f"draught_{color}", f"objects/draught_{color}", "centre", (link,), notes=notes)
+
+
+def models() -> tuple[Model, ...]:
+    """Return the models of this family."""
+    return (_board(), *(_piece(color) for color in COLORS))

@@ -1,0 +1,103 @@
+"""A toy door in its frame, with a lever handle on both sides."""
+
+from __future__ import annotations
+
+from assets_lib.mesh import Mesh, box, cylinder, merge, rod
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
+
+OPENING = (0.34, 0.50)
+"""Width and height of the opening of the frame [m]."""
+POST = (0.06, 0.04)
+"""Depth and width of posts and lintel [m]."""
+LEAF = (0.025, 0.33, 0.49)
+FOOT = (0.22, 0.06, 0.02)
+HINGE = (LEAF[0] / 2.0, LEAF[1] / 2.0, 0.25)
+"""On the back edge of the leaf at half its height [m]."""
+PIVOT = (-LEAF[0] / 2.0, -LEAF[1] + 0.05, 0.0)
+"""Of the lever, in the leaf's frame [m]."""
+REACH, STANDOFF, RADIUS = 0.10, 0.05, 0.007
+"""Length of a lever, distance of its middle line from the leaf, radius [m]."""
+FRAME_COLOR, LEAF_COLOR, PANEL = (0.93, 0.92, 0.88), (0.16, 0.42, 0.52), (0.22, 0.53, 0.63)
+BRASS, DARK = (0.85, 0.68, 0.25), (0.2, 0.2, 0.2)
+
+Box = tuple[tuple[float, float, float], tuple[float, float, float]]
+
+
+def _frame() -> tuple[Box, ...]:
+    """Return the boxes (size, centre) of posts, lintel and feet."""
+    width, height = OPENING
+    y = (width + POST[1]) / 2.0
+    posts = [((POST[0], POST[1], height), (0.0, side * y, height / 2.0)) for side in (-1, 1)]
+    feet = [(FOOT, (0.0, side * (y + 0.01), FOOT[2] / 2.0)) for side in (-1, 1)]
+    return (*posts, *feet, ((POST[0], width + 2 * POST[1], POST[1]), (0.0, 0.0, height + POST[1] / 2.0)))
+
+
+def _merged(boxes: tuple[Box, ...]) -> Mesh:
+    return merge(box(size, center) for size, center in boxes)
+
+
+def _panels() -> Mesh:
+    """Return two fields on each side of the leaf; the leaf's origin is on the hinge."""
+    x, y = -LEAF[0] / 2.0, -LEAF[1] / 2.0
+    return merge(box((LEAF[0] + 0.003, 0.17, h), (x, y + 0.01, z)) for z, h in ((0.125, 0.17), (-0.105, 0.21)))
+
+
+def _plates() -> Mesh:
+    """Return the plates behind the levers, with keyholes left to the eye."""
+    return merge([box((LEAF[0] + 0.004, 0.032, 0.11), (-LEAF[0] / 2.0, PIVOT[1], -0.015))])
+
+
+def _hinges() -> Mesh:
+    return merge(cylinder(0.006, 0.05, 10).moved((0.0, 0.0, z)) for z in (-0.17, 0.17))
+
+
+def _lever_mesh() -> Mesh:
+    """Return both levers; the origin is on the pivot at half the thickness of the leaf."""
+    x = LEAF[0] / 2.0 + STANDOFF
+    spindle = rod((-x - RADIUS, 0.0, 0.0), (x + RADIUS, 0.0, 0.0), 0.008, 12)
+    return merge([spindle, *(rod((side * x, 0.0, 0.0), (side * x, REACH, 0.0), RADIUS, 12) for side in (-1, 1))])
+
+
+def _lever_shapes() -> tuple[Shape, ...]:
+    x, half_pi = LEAF[0] / 2.0 + STANDOFF, 1.57079633
+    bars = tuple(
+        cylinder_shape(RADIUS, REACH + RADIUS, (s * x, (REACH - RADIUS) / 2.0, 0.0), (half_pi, 0.0, 0.0)) for s in (-1, 1)
+    )
+    length = STANDOFF - 0.003
+    middle = LEAF[0] / 2.0 + 0.003 + length / 2.0
+    posts = tuple(cylinder_shape(0.008, length, (s * middle, 0.0, 0.0), (0.0, half_pi, 0.0)) for s in (-1, 1))
+    return (*bars, *posts)
+
+
+def models() -> tuple[Model, ...]:
+    """Return the models of this family."""
+    boxes = _frame()
+    frame = Link(
+        "frame", 8.0, (Visual(mesh_shape("frame", _merged(boxes)), FRAME_COLOR),), tuple(box_shape(s, c) for s, c in boxes)
+    )
+    middle = (-LEAF[0] / 2.0, -LEAF[1] / 2.0, 0.0)
+    visuals = (
+        Visual(mesh_shape("leaf", box(LEAF, middle)), LEAF_COLOR),
+        Visual(mesh_shape("panels", _panels()), PANEL),
+        Visual(mesh_shape("plates", _plates()), BRASS),
+        Visual(mesh_shape("hinges", _hinges()), DARK),
+    )
+    leaf = Link("leaf", 1.2, visuals, (box_shape(LEAF, middle),))
+    lever = Link(
+        "lever_link", 0.1, (Visual(mesh_shape("lever", _lever_mesh()), (0.95, 0.80, 0.35)),), _lever_shapes(), friction=1.0
+    )
+    swing = Joint("leaf_hinge", "revolute", "frame", "leaf", HINGE, (0.0, 0.0, 1.0), 0.0, 1.2, damping=0.05)
+    turn = Joint("lever", "revolute", "leaf", "lever_link", PIVOT, (-1.0, 0.0, 0.0), 0.0, 0.8, damping=0.01)
+    notes = (
+        f"stands across x; opening {OPENING[0]} wide, {OPENING[1]} high; the leaf hangs at +y and opens towards +x, away from -x",
+        f"link `leaf` has its origin on the hinge at half height {tuple(round(v, 4) for v in HINGE)}; shut, it spans "
+        f"x -{LEAF[0]}..0, y -{LEAF[1]}..0, z -0.245..0.245 there",
+        f"link `lever_link` has its origin on the pivot inside the leaf, {tuple(round(v, 4) for v in PIVOT)} in `leaf`; "
+        f"the levers are bars of diameter {2 * RADIUS} from y 0 to {REACH} at x = -+{LEAF[0] / 2.0 + STANDOFF:.4f}; "
+        f"{STANDOFF - RADIUS:.3f} m free behind them; the joint `lever` grows when they go down",
+    )
+    return (
+        Model(
+            "lever_door", "objects/lever_door", "bottom centre of the leaf's opening", (frame, leaf, lever), (swing, turn), notes
+        ),
+    )

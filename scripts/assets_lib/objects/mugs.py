@@ -1,0 +1,106 @@
+"""A mug with a handle and a tree to hang mugs on."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from assets_lib.mesh import Mesh, cylinder, icosphere, lathe, merge, rod
+from assets_lib.objects.cups import leaning_walls
+from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
+
+RADIUS, HEIGHT, WALL, FLOOR = 0.0325, 0.08, 0.004, 0.006
+HOLE = (0.03, 0.04)
+"""Free width beside the mug and height inside the handle [m]."""
+BAR = 0.008
+HOLE_HEIGHT = 0.042
+"""Height of the middle of the hole [m]."""
+FOOT, STEM, STEM_RADIUS = (0.07, 0.016), 0.28, 0.008
+SPOKES, SPOKE, SPOKE_RADIUS, SLANT, SPOKE_HEIGHT = 4, 0.08, 0.006, 0.5, 0.215
+"""Number, length, radius, slope [rad] of the spokes, and the height at which their axes leave the stem [m]."""
+
+
+def _handle_shapes() -> tuple[Shape, ...]:
+    """Return three bars around the hole, and where the upper and lower one meet the wall."""
+    start = RADIUS - 0.003
+    length = RADIUS + HOLE[0] + BAR - start
+    levels = [HOLE_HEIGHT + s * (HOLE[1] + BAR) / 2.0 for s in (-1.0, 1.0)]
+    bars = tuple(box_shape((length, BAR, BAR), (start + length / 2.0, 0.0, z)) for z in levels)
+    return (*bars, box_shape((BAR, BAR, HOLE[1]), (RADIUS + HOLE[0] + BAR / 2.0, 0.0, HOLE_HEIGHT)))
+
+
+def _handle() -> Mesh:
+    """Return an ear with round corners."""
+    out, half, cut = RADIUS + HOLE[0] + BAR / 2.0, (HOLE[1] + BAR) / 2.0, 0.010
+    points = [(RADIUS - 0.003, -half), (out - cut, -half), (out, -half + cut), (out, half - cut), (out - cut, half)]
+    points.append((RADIUS - 0.003, half))
+    places = [(x, 0.0, HOLE_HEIGHT + z) for x, z in points]
+    rods = [rod(a, b, BAR / 2.0, 10) for a, b in zip(places[:-1], places[1:], strict=True)]
+    return merge([*rods, *(icosphere(BAR / 2.0, 1).moved(p) for p in places[1:-1])])
+
+
+def _mug() -> Model:
+    lip = WALL / 2.0
+    outer = [(0.0, 0.0), (RADIUS - 0.003, 0.0), (RADIUS, 0.003), (RADIUS, HEIGHT - lip), (RADIUS - lip, HEIGHT)]
+    inner = [(RADIUS - WALL, HEIGHT - lip), (RADIUS - WALL, FLOOR), (0.0, FLOOR)]
+    band = lathe([(RADIUS, 0.014), (RADIUS + 0.0006, 0.014), (RADIUS + 0.0006, 0.024), (RADIUS, 0.024)], 28)
+    visuals = (
+        Visual(mesh_shape("mug", lathe([*outer, *inner], 28)), (0.25, 0.48, 0.72)),
+        Visual(mesh_shape("handle", _handle()), (0.25, 0.48, 0.72)),
+        Visual(mesh_shape("band", band), (0.95, 0.93, 0.86)),
+    )
+    foot = cylinder_shape(RADIUS * float(np.cos(np.pi / 12)), FLOOR, (0.0, 0.0, FLOOR / 2.0))
+    shapes = (foot, *leaning_walls(RADIUS, RADIUS, HEIGHT, WALL, FLOOR), *_handle_shapes())
+    link = Link("mug", 0.15, visuals, shapes, friction=0.5, center=(0.0, 0.0, 0.02))
+    notes = (
+        f"hollow, open above; outer radius {RADIUS}, rim at z = {HEIGHT}, heavy below",
+        f"handle towards +x; its hole, {HOLE[0]} wide and {HOLE[1]} high, leads along y; middle at "
+        f"({RADIUS + HOLE[0] / 2.0:.4f}, 0, {HOLE_HEIGHT})",
+    )
+    return Model("mug", "objects/mug", "bottom centre", (link,), notes=notes)
+
+
+def spoke_tip(number: int) -> tuple[float, float, float]:
+    """Return the outer end of a spoke."""
+    a = 2.0 * float(np.pi) * number / SPOKES
+    out = STEM_RADIUS + SPOKE * float(np.cos(SLANT))
+    return (out * float(np.cos(a)), out * float(np.sin(a)), SPOKE_HEIGHT + out * float(np.tan(SLANT)))
+
+
+def _tree() -> Model:
+    radius, tall = FOOT
+    spokes = [rod((0.0, 0.0, SPOKE_HEIGHT), spoke_tip(i), SPOKE_RADIUS, 10) for i in range(SPOKES)]
+    knobs = [icosphere(SPOKE_RADIUS, 1).moved(spoke_tip(i)) for i in range(SPOKES)]
+    stem = cylinder(STEM_RADIUS, STEM - tall, 14).moved((0.0, 0.0, (STEM + tall) / 2.0))
+    top = icosphere(0.012, 2).moved((0.0, 0.0, STEM + 0.006))
+    visuals = (
+        Visual(mesh_shape("foot", cylinder(radius, tall, 28, bevel=0.005).moved((0.0, 0.0, tall / 2.0))), (0.50, 0.31, 0.16)),
+        Visual(mesh_shape("stem", merge([stem, top])), (0.66, 0.44, 0.24)),
+        Visual(mesh_shape("spokes", merge([*spokes, *knobs])), (0.80, 0.60, 0.36)),
+    )
+    length = SPOKE + STEM_RADIUS / float(np.cos(SLANT))
+    arms = []
+    for i in range(SPOKES):
+        x, y, z = spoke_tip(i)
+        place = (x / 2.0, y / 2.0, (SPOKE_HEIGHT + z) / 2.0)
+        arms.append(
+            cylinder_shape(SPOKE_RADIUS, length, place, (0.0, float(np.pi / 2.0) - SLANT, 2.0 * float(np.pi) * i / SPOKES))
+        )
+    shapes = (
+        cylinder_shape(radius, tall, (0.0, 0.0, tall / 2.0)),
+        cylinder_shape(STEM_RADIUS, STEM - tall, (0.0, 0.0, (STEM + tall) / 2.0)),
+        *arms,
+    )
+    tip = spoke_tip(0)
+    notes = (
+        f"{SPOKES} spokes towards +x, +y, -x, -y, {2 * SPOKE_RADIUS} thick, rising by {SLANT} rad",
+        f"their axes leave the middle of the stem at z = {SPOKE_HEIGHT}",
+        f"outer end of the first spoke at ({tip[0]:.4f}, 0, {tip[2]:.4f})",
+    )
+    return Model(
+        "mug_tree", "objects/mug_tree", "bottom centre", (Link("mug_tree", 1.5, visuals, shapes, friction=0.4),), notes=notes
+    )
+
+
+def models() -> tuple[Model, ...]:
+    """Return the models of this family."""
+    return (_mug(), _tree())

@@ -1,0 +1,156 @@
+"""A cooker: four plates on top, six knobs, an oven with a grid behind a door that folds down."""
+
+from __future__ import annotations
+
+from assets_lib.mesh import Mesh, box, cylinder, merge, rod
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
+
+DEPTH, WIDTH, HEIGHT, WALL = 0.36, 0.44, 0.42, 0.015
+FLOOR, CEILING = 0.10, 0.345
+"""Height of the floor and of the ceiling of the oven [m]."""
+DOOR = (0.02, 0.40, 0.26)
+GAP = 0.0015
+HINGE = (-DEPTH / 2.0 - GAP, 0.0, 0.09)
+"""Middle of the inner lower edge of the door [m]."""
+HANDLE = (-DOOR[0] - 0.052, 0.0, 0.235)
+"""Centre of the handle bar in the door frame [m]."""
+BAR_RADIUS, BAR_LENGTH = 0.006, 0.28
+GRID = 0.16
+"""Height of the upper side of the grid [m]."""
+KNOB_Z, KNOB_STEP = 0.387, 0.068
+STEEL, DARK, GLASS, SILVER = (0.72, 0.73, 0.75), (0.12, 0.12, 0.13), (0.30, 0.22, 0.16), (0.88, 0.89, 0.91)
+HALF_PI = 1.57079633
+
+Box = tuple[tuple[float, float, float], tuple[float, float, float]]
+
+
+def _body() -> tuple[Box, ...]:
+    """Return the boxes (size, centre) of the shell around the hollow."""
+    side = (WIDTH - WALL) / 2.0
+    inner, middle = CEILING - FLOOR, (CEILING + FLOOR) / 2.0
+    return (
+        ((DEPTH, WIDTH, FLOOR - 0.01), (0.0, 0.0, (FLOOR + 0.01) / 2.0)),
+        ((DEPTH, WIDTH, HEIGHT - CEILING), (0.0, 0.0, (HEIGHT + CEILING) / 2.0)),
+        ((DEPTH, WALL, inner), (0.0, side, middle)),
+        ((DEPTH, WALL, inner), (0.0, -side, middle)),
+        ((WALL, WIDTH - 2 * WALL, inner), ((DEPTH - WALL) / 2.0, 0.0, middle)),
+    )
+
+
+def _feet() -> tuple[Box, ...]:
+    return tuple(((0.04, 0.04, 0.01), (x, y, 0.005)) for x in (-0.14, 0.14) for y in (-0.18, 0.18))
+
+
+def _grid_box() -> Box:
+    return ((DEPTH - WALL - 0.02, WIDTH - 2 * WALL, 0.006), (-WALL / 2.0, 0.0, GRID - 0.003))
+
+
+def _merged(boxes: tuple[Box, ...]) -> Mesh:
+    return merge(box(size, center) for size, center in boxes)
+
+
+def _grid() -> Mesh:
+    """Return the rods of the grid."""
+    (depth, width, _), (x, _, z) = _grid_box()
+    rods = [box((depth, 0.005, 0.006), (x, -width / 2.0 + width * (i + 0.5) / 11.0, z)) for i in range(11)]
+    return merge([*rods, *(box((0.006, width, 0.006), (x + side * (depth / 2.0 - 0.01), 0.0, z)) for side in (-1, 1))])
+
+
+def _lining() -> Mesh:
+    """Return thin sheets that make the inside dark."""
+    t, half, mid, tall = 0.001, WIDTH / 2.0 - WALL, (FLOOR + CEILING) / 2.0, CEILING - FLOOR
+    sheets = [box((DEPTH - WALL, t, tall), (-WALL / 2.0, side * (half - t / 2.0), mid)) for side in (-1, 1)]
+    sheets += [box((DEPTH - WALL, 2 * half, t), (-WALL / 2.0, 0.0, z)) for z in (FLOOR + t / 2.0, CEILING - t / 2.0)]
+    return merge([*sheets, box((t, 2 * half, tall), (DEPTH / 2.0 - WALL - t / 2.0, 0.0, mid))])
+
+
+def _plates() -> Mesh:
+    """Return the four cooking plates."""
+    places = ((-0.085, 0.105, 0.07), (0.085, 0.105, 0.055), (-0.085, -0.105, 0.055), (0.085, -0.105, 0.07))
+    return merge(cylinder(r, 0.006, 24, bevel=0.002).moved((x, y, HEIGHT + 0.003)) for x, y, r in places)
+
+
+def _knob_mesh() -> Mesh:
+    """Return a knob; the origin is on the panel, -x points out of it, the raised bar is upright."""
+    disc = cylinder(0.0225, 0.012, 20, bevel=0.002).moved((-0.006, 0.0, 0.0), (0.0, HALF_PI, 0.0))
+    return merge([disc, box((0.018, 0.012, 0.042), (-0.021, 0.0, 0.0))])
+
+
+def _knob_shapes(y: float = 0.0, x: float = 0.0, z: float = 0.0) -> tuple[Shape, ...]:
+    disc = cylinder_shape(0.0225, 0.012, (x - 0.006, y, z), (0.0, HALF_PI, 0.0))
+    return (disc, box_shape((0.018, 0.012, 0.042), (x - 0.021, y, z)))
+
+
+def _knob_places() -> tuple[float, ...]:
+    """Return y of the five fixed knobs, left to right."""
+    return tuple(KNOB_STEP * k for k in (1.5, 0.5, -0.5, -1.5, -2.5))
+
+
+def _pointers(places: tuple[float, ...], x: float, z: float) -> Mesh:
+    """Return the marks on the bars of knobs."""
+    return merge(box((0.001, 0.004, 0.016), (x - 0.0305, y, z + 0.011)) for y in places)
+
+
+def _body_link() -> Link:
+    front = -DEPTH / 2.0
+    panel = box((0.002, WIDTH, HEIGHT - 0.356), (front - 0.001, 0.0, (HEIGHT + 0.356) / 2.0))
+    ticks = merge(box((0.001, 0.003, 0.006), (front - 0.0025, KNOB_STEP * (2.5 - k), KNOB_Z + 0.0275)) for k in range(6))
+    places = _knob_places()
+    knobs = merge(_knob_mesh().moved((front - 0.002, y, KNOB_Z)) for y in places)
+    visuals = (
+        Visual(mesh_shape("shell", _merged(_body())), STEEL),
+        Visual(mesh_shape("lining", _lining()), (0.20, 0.19, 0.19)),
+        Visual(mesh_shape("panel", panel), DARK),
+        Visual(mesh_shape("ticks", ticks), (1.0, 1.0, 1.0)),
+        Visual(mesh_shape("hob", box((DEPTH - 0.02, WIDTH - 0.02, 0.002), (0.0, 0.0, HEIGHT + 0.001))), DARK),
+        Visual(mesh_shape("plates", _plates()), (0.33, 0.33, 0.35)),
+        Visual(mesh_shape("knobs", knobs), SILVER),
+        Visual(mesh_shape("pointers", _pointers(places, front - 0.002, KNOB_Z)), (0.75, 0.1, 0.1)),
+        Visual(mesh_shape("grid", _grid()), (0.60, 0.61, 0.63)),
+        Visual(mesh_shape("feet", _merged(_feet())), DARK),
+    )
+    shapes = tuple(box_shape(size, center) for size, center in (*_body(), *_feet(), _grid_box()))
+    fixed = tuple(shape for y in places for shape in _knob_shapes(y, front - 0.002, KNOB_Z))
+    return Link("oven", 15.0, visuals, (*shapes, *fixed))
+
+
+def _door_link() -> Link:
+    t, w, h = DOOR
+    x, y, z = HANDLE
+    posts = tuple(rod((x, side * 0.11, z), (-t, side * 0.11, z), 0.005, 8) for side in (-1, 1))
+    bar = rod((x, -BAR_LENGTH / 2.0, z), (x, BAR_LENGTH / 2.0, z), BAR_RADIUS, 12)
+    visuals = (
+        Visual(mesh_shape("door", box(DOOR, (-t / 2.0, 0.0, h / 2.0))), (0.80, 0.81, 0.83)),
+        Visual(mesh_shape("window", box((t + 0.002, w - 0.10, h - 0.12), (-t / 2.0, 0.0, h / 2.0 - 0.015))), GLASS),
+        Visual(mesh_shape("handle", merge([bar, *posts])), SILVER),
+    )
+    length = -x - t - BAR_RADIUS + 0.002
+    stays = tuple(box_shape((length, 0.009, 0.009), (-t - length / 2.0, side * 0.11, z)) for side in (-1, 1))
+    grip = cylinder_shape(BAR_RADIUS, BAR_LENGTH, HANDLE, (HALF_PI, 0.0, 0.0))
+    return Link("door_link", 1.0, visuals, (box_shape(DOOR, (-t / 2.0, 0.0, h / 2.0)), grip, *stays))
+
+
+def models() -> tuple[Model, ...]:
+    """Return the models of this family."""
+    visuals = (
+        Visual(mesh_shape("knob", _knob_mesh()), SILVER),
+        Visual(mesh_shape("pointer", _pointers((0.0,), 0.0, 0.0)), (0.75, 0.1, 0.1)),
+    )
+    knob = Link("knob_link", 0.05, visuals, _knob_shapes(), friction=1.0)
+    place = (-DEPTH / 2.0 - 0.002, 2.5 * KNOB_STEP, KNOB_Z)
+    door = Joint("door", "revolute", "oven", "door_link", HINGE, (0.0, -1.0, 0.0), 0.0, 1.57, damping=0.05)
+    turn = Joint("knob", "revolute", "oven", "knob_link", place, (-1.0, 0.0, 0.0), -2.5, 2.5, damping=0.002)
+    inside = DEPTH / 2.0 - WALL
+    notes = (
+        "front faces -x; the door hangs on its lower edge and folds down towards -x",
+        f"link `door_link` has its origin on the hinge {HINGE}; shut, it "
+        f"spans x -{DOOR[0]}..0, y -+{DOOR[1] / 2.0}, z 0..{DOOR[2]} there; "
+        f"folded down, its upper side is at z = {HINGE[2]}",
+        f"handle bar along y, diameter {2 * BAR_RADIUS}, length {BAR_LENGTH}, centre {HANDLE} in `door_link`, "
+        f"{-HANDLE[0] - DOOR[0] - BAR_RADIUS:.3f} m free behind it",
+        f"inside: x -{DEPTH / 2.0}..{inside}, y -+{WIDTH / 2.0 - WALL}, floor at z = {FLOOR}, ceiling {CEILING}; "
+        f"the grid's upper side is at z = {GRID}",
+        f"link `knob_link` is the left-most of six knobs for a viewer in front, {tuple(round(v, 4) for v in place)}; "
+        "the joint `knob` grows anticlockwise for that viewer; its raised bar, 0.012 x 0.042, is upright at 0, x -0.030..-0.012",
+    )
+    return (Model("oven", "objects/oven", "bottom centre", (_body_link(), _door_link(), knob), (door, turn), notes),)

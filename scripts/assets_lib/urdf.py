@@ -1,0 +1,213 @@
+"""Objects as records, and their way into URDF and OBJ files.
+
+A `Model` has links with coloured visual parts and convex collision parts, and joints. Inertias follow from the parts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from assets_lib.files import mtl_text, number, numbers, obj_text, significant, write_text
+from assets_lib.mesh import FloatArray, Mesh, box, cylinder, icosphere, mass_properties
+
+Vec3 = tuple[float, float, float]
+ZERO: Vec3 = (0.0, 0.0, 0.0)
+SMOOTH = 0.7
+"""Default crease angle of visual meshes [rad]."""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A geometry at a place: a primitive, or a mesh that becomes `<name>.obj`."""
+
+    kind: Literal["box", "cylinder", "sphere", "mesh"]
+    size: tuple[float, ...] = ()
+    """box: x, y, z; cylinder: radius, length; sphere: radius."""
+    xyz: Vec3 = ZERO
+    rpy: Vec3 = ZERO
+    name: str = ""
+    """File name of a mesh, without ending."""
+    data: Mesh | None = None
+
+    def mesh(self) -> Mesh:
+        """Return the shape as a closed mesh in the link frame."""
+        if self.kind == "box":
+            base = box(self.size)
+        elif self.kind == "cylinder":
+            base = cylinder(self.size[0], self.size[1], 48)
+        elif self.kind == "sphere":
+            base = icosphere(self.size[0], 3)
+        else:
+            assert self.data is not None
+            base = self.data
+        return base.moved(self.xyz, self.rpy)
+
+
+def box_shape(size: Vec3, xyz: Vec3 = ZERO, rpy: Vec3 = ZERO) -> Shape:
+    """Return a box primitive."""
+    return Shape("box", size, xyz, rpy)
+
+
+def cylinder_shape(radius: float, length: float, xyz: Vec3 = ZERO, rpy: Vec3 = ZERO) -> Shape:
+    """Return a cylinder primitive along its z."""
+    return Shape("cylinder", (radius, length), xyz, rpy)
+
+
+def sphere_shape(radius: float, xyz: Vec3 = ZERO) -> Shape:
+    """Return a sphere primitive."""
+    return Shape("sphere", (radius,), xyz)
+
+
+def mesh_shape(name: str, data: Mesh, xyz: Vec3 = ZERO, rpy: Vec3 = ZERO) -> Shape:
+    """Return a mesh that is written to `<name>.obj`."""
+    return Shape("mesh", (), xyz, rpy, name, data)
+
+
+@dataclass(frozen=True)
+class Visual:
+    """A coloured part that is seen."""
+
+    shape: Shape
+    color: Vec3
+    texture: str | None = None
+    """Name of a PNG beside the URDF, without ending."""
+    crease: float = SMOOTH
+
+
+@dataclass(frozen=True)
+class Link:
+    """A rigid part."""
+
+    name: str
+    mass: float
+    visuals: tuple[Visual, ...]
+    collisions: tuple[Shape, ...] = ()
+    friction: float = 0.8
+    rolling: float = 0.0
+    """Rolling friction [m]; spinning friction is the same."""
+    center: Vec3 | None = None
+    """Centre of mass [m], where it is not that of the parts."""
+
+
+@dataclass(frozen=True)
+class Joint:
+    """How a link moves on its parent."""
+
+    name: str
+    kind: Literal["revolute", "prismatic", "fixed"]
+    parent: str
+    child: str
+    xyz: Vec3
+    axis: Vec3 = (0.0, 0.0, 1.0)
+    lower: float = 0.0
+    upper: float = 0.0
+    damping: float = 0.0
+    rpy: Vec3 = ZERO
+
+
+@dataclass(frozen=True)
+class Model:
+    """One object."""
+
+    name: str
+    folder: str
+    """Folder below `assets/`."""
+    origin: str
+    """Where the origin is, in words, for the catalogue."""
+    links: tuple[Link, ...]
+    joints: tuple[Joint, ...] = ()
+    notes: tuple[str, ...] = field(default=())
+    """Places that a scene author needs: handles, surfaces, free heights."""
+
+
+def inertia_of(link: Link) -> tuple[FloatArray, FloatArray]:
+    """Return centre [m] and inertia about it [kg m^2] of a link, its mass spread evenly over its parts.
+
+    A link without parts is a ball of 1 cm radius.
+    """
+    shapes = link.collisions or tuple(v.shape for v in link.visuals) or (sphere_shape(0.01),)
+    parts = [mass_properties(s.mesh()) for s in shapes]
+    volume = sum(p[0] for p in parts)
+    center = sum(p[0] * p[1] for p in parts) / volume
+    inertia = np.zeros((3, 3))
+    for v, c, moments in parts:
+        d = c - center
+        inertia += moments + v * (d @ d * np.eye(3) - np.outer(d, d))
+    inertia *= link.mass / volume
+    return (center if link.center is None else np.array(link.center)), inertia
+
+
+def _geometry(shape: Shape) -> str:
+    if shape.kind == "box":
+        inner = f'<box size="{numbers(shape.size)}"/>'
+    elif shape.kind == "cylinder":
+        inner = f'<cylinder radius="{number(shape.size[0])}" length="{number(shape.size[1])}"/>'
+    elif shape.kind == "sphere":
+        inner = f'<sphere radius="{number(shape.size[0])}"/>'
+    else:
+        inner = f'<mesh filename="{shape.name}.obj"/>'
+    return f"<geometry>{inner}</geometry>"
+
+
+def _origin(xyz: Sequence[float], rpy: Sequence[float]) -> str:
+    return f'<origin xyz="{numbers(xyz)}" rpy="{numbers(rpy, 8)}"/>'
+
+
+def _link_lines(link: Link) -> list[str]:
+    center, inertia = inertia_of(link)
+    names = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
+    clean = np.where(np.abs(inertia) < 1e-6 * np.max(np.abs(inertia)), 0.0, inertia)
+    moments = " ".join(f'{n}="{significant(clean[i, j])}"' for n, i, j in names)
+    lines = [f'  <link name="{link.name}">']
+    rolling = f'<rolling_friction value="{number(link.rolling)}"/><spinning_friction value="{number(link.rolling)}"/>'
+    lines.append(f'    <contact><lateral_friction value="{number(link.friction)}"/>{rolling if link.rolling else ""}</contact>')
+    lines += ["    <inertial>", f"      {_origin(center, ZERO)}"]
+    lines += [f'      <mass value="{significant(link.mass)}"/>', f"      <inertia {moments}/>", "    </inertial>"]
+    for i, visual in enumerate(link.visuals):
+        rgba = numbers((*visual.color, 1.0), 4)
+        lines += ["    <visual>", f"      {_origin(visual.shape.xyz, visual.shape.rpy)}", f"      {_geometry(visual.shape)}"]
+        lines += [f'      <material name="{link.name}_{i}"><color rgba="{rgba}"/></material>', "    </visual>"]
+    for shape in link.collisions:
+        lines += ["    <collision>", f"      {_origin(shape.xyz, shape.rpy)}", f"      {_geometry(shape)}", "    </collision>"]
+    return [*lines, "  </link>"]
+
+
+def _joint_lines(joint: Joint) -> list[str]:
+    lines = [f'  <joint name="{joint.name}" type="{joint.kind}">', f"    {_origin(joint.xyz, joint.rpy)}"]
+    lines += [f'    <parent link="{joint.parent}"/>', f'    <child link="{joint.child}"/>']
+    if joint.kind != "fixed":
+        limits = f'lower="{number(joint.lower)}" upper="{number(joint.upper)}" effort="100" velocity="10"'
+        lines += [f'    <axis xyz="{numbers(joint.axis)}"/>', f"    <limit {limits}/>"]
+        lines.append(f'    <dynamics damping="{number(joint.damping)}" friction="0"/>')
+    return [*lines, "  </joint>"]
+
+
+def urdf_text(model: Model) -> str:
+    """Return the URDF of a model."""
+    lines = ['<?xml version="1.0"?>', "<!-- made by scripts/build_assets.py -->", f'<robot name="{model.name}">']
+    for link in model.links:
+        lines += _link_lines(link)
+    for joint in model.joints:
+        lines += _joint_lines(joint)
+    return "\n".join([*lines, "</robot>"]) + "\n"
+
+
+def write_model(model: Model, assets: Path) -> None:
+    """Write the URDF and the meshes of a model below `assets`."""
+    folder = assets / model.folder
+    write_text(folder / f"{model.name}.urdf", urdf_text(model))
+    for link in model.links:
+        for visual in link.visuals:
+            if visual.shape.data is not None:
+                text = obj_text(visual.shape.data, crease=visual.crease, texture=visual.texture)
+                write_text(folder / f"{visual.shape.name}.obj", text)
+            if visual.texture is not None:
+                write_text(folder / f"{visual.texture}.mtl", mtl_text(visual.texture))
+        for shape in link.collisions:
+            if shape.data is not None:
+                write_text(folder / f"{shape.name}.obj", obj_text(shape.data, crease=None))

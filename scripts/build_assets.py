@@ -1,0 +1,97 @@
+"""Rebuild everything in `rlbench_pin/assets`: robots, room, objects, catalogue. The same input gives the same bytes.
+
+Usage: python scripts/build_assets.py [--out FOLDER] [--only objects|panda] [--family NAME ...]
+`--family` rebuilds the named families alone and leaves the catalogue as it is; run without it before committing.
+The robot needs the package fast-simplification; the objects need numpy and scipy alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from assets_lib.catalogue import write_catalogue, write_licences
+from assets_lib.families import all_models, models_of
+from assets_lib.textures import ROOM, write_room_textures, write_texture_set
+from assets_lib.urdf import write_model
+
+ASSETS = Path(__file__).parents[1] / "rlbench_pin" / "assets"
+
+
+def build_objects(out: Path) -> None:
+    """Write the objects, the room, the catalogue and the licences below `out`."""
+    models = all_models()
+    for model in models:
+        write_model(model, out)
+    write_room_textures(out)
+    write_texture_set(out)
+    write_catalogue(models, out)
+    write_licences(models, out)
+
+
+def build_robots(out: Path) -> None:
+    """Write the robots below `out`."""
+    from assets_lib.panda import build_panda
+
+    build_panda(out)
+
+
+def replace_folder(new: Path, old: Path) -> None:
+    """Make the folder `old` equal to `new`; files that are already equal are not touched."""
+    wanted = {path.relative_to(new) for path in new.rglob("*") if path.is_file()}
+    for path in sorted(old.rglob("*")) if old.is_dir() else ():
+        if path.is_file() and path.relative_to(old) not in wanted:
+            path.unlink()
+    for name in sorted(wanted):
+        data, target = (new / name).read_bytes(), old / name
+        if not target.is_file() or target.read_bytes() != data:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(data)
+
+
+def build(out: Path, only: str | None = None) -> None:
+    """Build aside, then replace the folders `objects`, `room`, `textures`, `robots` and the two texts of `out`."""
+    with tempfile.TemporaryDirectory() as name:
+        aside = Path(name)
+        if only != "panda":
+            build_objects(aside)
+        if only != "objects":
+            build_robots(aside)
+        for made in sorted(aside.iterdir()):
+            if made.is_dir():
+                replace_folder(made, out / made.name)
+            else:
+                (out / made.name).write_bytes(made.read_bytes())
+
+
+def build_families(out: Path, names: Sequence[str]) -> None:
+    """Rebuild the objects of some families, each folder replaced when it is whole."""
+    with tempfile.TemporaryDirectory() as name:
+        aside = Path(name)
+        for model in (model for family in names for model in models_of(family)):
+            write_model(model, aside)
+            if model.folder == ROOM:
+                write_room_textures(aside)
+            replace_folder(aside / model.folder, out / model.folder)
+
+
+def main() -> None:
+    """Read the command line and build."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=ASSETS)
+    parser.add_argument("--only", choices=("objects", "panda"), default=None)
+    parser.add_argument("--family", nargs="+", default=(), metavar="NAME")
+    options = parser.parse_args()
+    if options.family:
+        build_families(options.out, options.family)
+    else:
+        build(options.out, options.only)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,112 @@
+"""Write the generated tables of README.md and docs/performance.md from docs/results/; `--check` only says whether they fit.
+
+`make sweep` measures docs/results/demo_success.json; a kept run of `make bench` is docs/results/benchmarks.json.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[1]
+RESULTS = ROOT / "docs" / "results"
+
+HEAD = (
+    "| Task | Variations | First try (95 % interval) | Within {tries} tries | Replay | Rest | Flail | Length | Planning "
+    "| x real time |\n"
+    "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|"
+)
+NOTE = (
+    "{episodes} demonstrations per task, seeds {seed} to {last}, at most {max_variations} variations each. "
+    "*Replay*: the recorded joint-position actions succeed again. "
+    "*Rest*, *flail*: goals reached by doing nothing or by random motion for 200 steps (a flailing arm may hit a reach target). "
+    "*Length*, *planning*: median of a demonstration. Written by `make sweep`."
+)
+
+
+def task_table(results: dict[str, Any]) -> str:
+    """Return the table of tasks as Markdown."""
+    lines = [HEAD.format(tries=results["max_attempts"]), *(_row(name, task) for name, task in results["tasks"].items())]
+    note = NOTE.format(
+        **{k: results[k] for k in ("episodes", "seed", "max_variations")}, last=results["seed"] + results["episodes"] - 1
+    )
+    return "\n".join([*lines, "", note])
+
+
+def benchmark_table(run: dict[str, Any]) -> str:
+    """Return the table of benchmarks as Markdown, durations in [ms]."""
+    lines = ["| Benchmark | median ms | p95 ms | p99 ms | |", "|---|---:|---:|---:|---|"]
+    for r in run["results"]:
+        numbers = " | ".join(f"{1000 * r[key]:.2f}" for key in ("median", "p95", "p99"))
+        lines.append(f"| {r['name'].strip()} | {numbers} | {r['note']} |")
+    versions = ", ".join(f"{name} {version}" for name, version in run["versions"].items())
+    return "\n".join([*lines, "", f"Python {run['machine']['python']}, {run['machine']['machine']}; {versions}."])
+
+
+def _row(name: str, task: dict[str, Any]) -> str:
+    low, high = task["first_try"]["wilson_95"]
+    cells = [
+        f"`{name}`",
+        str(len(task["variations"])),
+        f"{_percent(task['first_try'])} ({100 * low:.0f} to {100 * high:.0f})",
+        _percent(task["within_tries"]),
+        _percent(task["replay"]),
+        _share(task["idle"]),
+        _share(task["random"]),
+        f"{task['median_simulated_s']:.1f} s",
+        f"{1000 * task['median_planning_s']:.0f} ms",
+        f"{task['times_real_time']:.0f}",
+    ]
+    return "| " + " | ".join(cells) + " |"
+
+
+def _percent(rate: dict[str, Any]) -> str:
+    return f"{100 * rate['rate']:.0f} %"
+
+
+def _share(rate: dict[str, Any]) -> str:
+    return f"{rate['count']}/{rate['of']}"
+
+
+def replace_part(text: str, name: str, content: str) -> str:
+    """Put `content` between the markers called `name`."""
+    begin, end = f"<!-- generated: {name} -->", f"<!-- /generated: {name} -->"
+    pattern = re.compile(re.escape(begin) + ".*?" + re.escape(end), re.DOTALL)
+    if len(pattern.findall(text)) != 1:
+        raise SystemExit(f"The document needs exactly one part between '{begin}' and '{end}'.")
+    return pattern.sub(lambda _: f"{begin}\n{content}\n{end}", text)
+
+
+# document, marker, results, table
+PARTS = (
+    ("README.md", "tasks", "demo_success.json", task_table),
+    ("docs/performance.md", "benchmarks", "benchmarks.json", benchmark_table),
+)
+
+
+def main() -> int:
+    """Update, or check."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 when a table is out of date")
+    arguments = parser.parse_args()
+    outdated = []
+    for document, marker, results, table in PARTS:
+        if not (RESULTS / results).is_file():
+            print(f"no docs/results/{results}, so {document} stays as it is", file=sys.stderr)
+            continue
+        before = (ROOT / document).read_text(encoding="utf-8")
+        after = replace_part(before, marker, table(json.loads((RESULTS / results).read_text(encoding="utf-8"))))
+        if before != after:
+            outdated.append(document)
+        if not arguments.check:
+            (ROOT / document).write_text(after, encoding="utf-8")
+    print(f"{'out of date' if arguments.check else 'updated'}: {', '.join(outdated) or 'nothing'}")
+    return int(arguments.check and bool(outdated))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,123 @@
+"""The commands as a user types them: what they print, what they write, how they end."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+from PIL import Image
+
+from rlbench_pin.cli.main import main
+from rlbench_pin.datasets import episode_files, read_demo, verify_task
+from rlbench_pin.tasks import task_names
+
+Capture = pytest.CaptureFixture[str]
+
+
+def _exit_code(*arguments: str) -> int:
+    try:
+        return main(arguments)
+    except SystemExit as stop:
+        return int(stop.code or 0)
+
+
+def test_list_names_every_task(capsys: Capture) -> None:
+    """One line per task, name first."""
+    assert _exit_code("list") == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == list(task_names())
+    assert all(len(line.split()) > 2 for line in lines)
+
+
+def test_list_for_programs(capsys: Capture) -> None:
+    """`--json` prints one object."""
+    assert _exit_code("list", "--json") == 0
+    assert list(json.loads(capsys.readouterr().out)) == list(task_names())
+
+
+@pytest.mark.parametrize("arguments", [(), ("fly",), ("demo",), ("demo", "reach_target", "--episodes", "many")])
+def test_misuse_ends_with_two(arguments: tuple[str, ...], capsys: Capture) -> None:
+    """A wrong command line is explained on stderr and exits with 2."""
+    assert _exit_code(*arguments) == 2
+    captured = capsys.readouterr()
+    assert captured.err
+
+
+@pytest.mark.parametrize("command", ["demo", "check", "view"])
+def test_an_unknown_task_is_misuse(command: str, capsys: Capture) -> None:
+    """The nearest name is proposed."""
+    assert _exit_code(command, "reach_targt") == 2
+    assert "Did you mean 'reach_target'" in capsys.readouterr().err
+
+
+def test_an_unknown_variation_is_misuse(tmp_path: Path, capsys: Capture) -> None:
+    """The possible ones are named."""
+    assert _exit_code("demo", "take_lid_off_saucepan", "--variation", "7", "--out", str(tmp_path)) == 2
+    assert "no variation 7" in capsys.readouterr().err
+
+
+def test_demo_writes_an_episode(tmp_path: Path, capsys: Capture) -> None:
+    """The episode holds pictures of the size asked for, depth, and a passing checksum; twice is once."""
+    arguments = ("demo", "reach_target", "--seed", "4", "--out", str(tmp_path), "--no-video", "--json")
+    options = ("--image-size", "24", "16", "--cameras", "front", "wrist")
+    assert _exit_code(*arguments, *options) == 0
+    (told,) = json.loads(capsys.readouterr().out)
+    assert (told["task"], told["seed"], told["video"]) == ("reach_target", 4, None)
+    assert _exit_code(*arguments, *options) == 0
+    (path,) = episode_files(tmp_path, "reach_target")
+    assert str(path) == told["episode"]
+    demo = read_demo(path)
+    assert len(demo) == told["frames"]
+    assert demo[0].front_rgb is not None
+    assert demo[0].front_rgb.shape == (16, 24, 3)
+    assert demo[0].wrist_depth is not None
+    assert demo[0].overhead_rgb is None
+    assert np.ptp(demo[-1].front_rgb) > 50
+    verify_task(tmp_path, "reach_target")
+
+
+@pytest.mark.slow
+def test_demo_films(tmp_path: Path, capsys: Capture) -> None:
+    """The film lies beside the episode, runs in real time and shows motion."""
+    assert _exit_code("demo", "take_lid_off_saucepan", "--out", str(tmp_path), "--cameras", "front") == 0
+    out = capsys.readouterr().out
+    film = tmp_path / "take_lid_off_saucepan" / "variation0" / "videos" / "episode0.mp4"
+    assert str(film) in out
+    with av.open(str(film)) as container:
+        stream = container.streams.video[0]
+        assert (stream.width, stream.height, float(stream.average_rate)) == (640, 480, 20.0)
+        pictures = [frame.to_ndarray(format="rgb24").astype(int) for frame in container.decode(stream)]
+    assert len(pictures) > 60
+    assert np.abs(pictures[0] - pictures[-1]).max() > 50
+    assert not list(tmp_path.glob(".film*"))
+
+
+@pytest.mark.slow
+def test_view_draws_a_contact_sheet(tmp_path: Path, capsys: Capture) -> None:
+    """Five cameras side by side, five moments below each other."""
+    out = tmp_path / "sheet.png"
+    assert _exit_code("view", "reach_target", "--out", str(out), "--size", "32") == 0
+    assert capsys.readouterr().out.strip() == str(out)
+    with Image.open(out) as sheet:
+        assert sheet.width > 5 * 32
+        assert sheet.height > 5 * 32
+
+
+@pytest.mark.slow
+def test_check_judges_and_writes(tmp_path: Path, capsys: Capture) -> None:
+    """A table on stdout, everything in the file; the number of workers changes nothing but speed."""
+    reports = []
+    for workers in (1, 2):
+        file = tmp_path / f"{workers}.json"
+        arguments = ("check", "reach_target", "--episodes", "11", "--no-contract", "--workers", str(workers))
+        assert _exit_code(*arguments, "--json", str(file)) == 0
+        reports.append(json.loads(file.read_text()))
+    assert "reach_target" in capsys.readouterr().out
+    for report in reports:
+        for key in ("median_planning_s", "times_real_time"):
+            del report["tasks"]["reach_target"][key]
+    assert reports[0] == reports[1]
+    assert reports[0]["tasks"]["reach_target"]["first_try"]["of"] == 11

@@ -1,0 +1,68 @@
+"""Films from the circling camera, and what the doctor says."""
+
+from __future__ import annotations
+
+import json
+
+import av
+import numpy as np
+import pytest
+
+from rlbench_pin.cli.doctor import check_picture
+from rlbench_pin.cli.grid import Reel, grid_frames, grid_size
+from rlbench_pin.cli.main import main
+from rlbench_pin.cli.orbit import Orbit
+from rlbench_pin.errors import CameraError
+
+
+def test_the_orbit_stays_inside_the_room_and_looks_at_its_centre():
+    """A whole circle stays between the walls; the centre is always in the middle of the picture."""
+    orbit = Orbit(size=(64, 48))
+    for frame in range(0, 1300, 100):
+        view = orbit.view(frame)
+        x, y, z = view.pose[:3]
+        assert -1.75 < x < 2.25 and -2.0 < y < 2.0 and 0.0 < z < 2.8
+        local = np.linalg.inv(view.extrinsics()) @ [*orbit.center, 1.0]
+        np.testing.assert_allclose(local[:2], 0.0, atol=1e-9)
+
+
+def test_a_grid_shows_all_films_until_the_longest_ends():
+    """Shorter films stand still at their end; the size is even."""
+    reels = {"a": Reel(), "b_c": Reel(), "d": Reel()}
+    for reel, (length, gray) in zip(reels.values(), ((2, 60), (4, 120), (1, 200))):
+        for _ in range(length):
+            reel.add(np.full((41, 61, 3), gray, dtype=np.uint8))
+    frames = list(grid_frames(reels, (61, 41)))
+    width, height = grid_size(3, (61, 41))
+    assert len(frames) == 4 and frames[0].shape == (height, width, 3) and width % 2 == height % 2 == 0
+    assert abs(int(frames[-1][35, 30, 0]) - 60) < 4 and abs(int(frames[-1][80, 30, 0]) - 200) < 4
+
+
+def test_video_writes_a_film_that_moves(tmp_path):
+    """`rlbench-pin video` films a task: as many pictures as it says, none black, the camera moves."""
+    assert main(["video", "reach_target", "--size", "96", "64", "--out", str(tmp_path)]) == 0
+    with av.open(str(tmp_path / "reach_target.mp4")) as film:
+        frames = [frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)]
+    assert len(frames) > 25 and frames[0].shape == (64, 96, 3)
+    assert min(frame.mean() for frame in frames) > 20
+    assert np.abs(frames[0].astype(int) - frames[-1].astype(int)).mean() > 1.0
+
+
+def test_doctor_tries_every_renderer(capsys):
+    """The CPU renderer works everywhere; EGL is reported as it is."""
+    assert main(["doctor", "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    works = {finding["what"]: finding["works"] for finding in report["findings"]}
+    assert works["renderer cpu"] and works["films"] and "renderer egl" in works
+    assert report["versions"]["pybullet"]
+
+
+@pytest.mark.parametrize("picture", [np.zeros((8, 8, 3)), np.full((8, 8, 3), 90.0)])
+def test_black_and_flat_pictures_are_rejected(picture):
+    """A renderer that gives them does not work; neither does one that draws no robot."""
+    with pytest.raises(CameraError, match="renderer"):
+        check_picture(picture.astype(np.uint8), np.ones((8, 8), dtype=bool), "egl")
+    noise = np.random.default_rng(0).integers(0, 255, (8, 8, 3)).astype(np.uint8)
+    check_picture(noise, np.ones((8, 8), dtype=bool), "egl")
+    with pytest.raises(CameraError, match="robot"):
+        check_picture(noise, np.zeros((8, 8), dtype=bool), "egl")

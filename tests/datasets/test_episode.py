@@ -1,0 +1,128 @@
+"""An episode file gives back what was put in, and says so when it cannot."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from demos_for_tests import assert_equal, make_demo
+
+from rlbench_pin.datasets import read_demo, write_demo
+from rlbench_pin.errors import DatasetError
+from rlbench_pin.observation import Demo, Observation
+
+
+@pytest.fixture
+def episode(tmp_path: Path) -> Path:
+    """One episode on disk."""
+    return write_demo(make_demo(), tmp_path / "episode0.h5")
+
+
+@pytest.mark.parametrize("compression", ["gzip", "lzf"])
+def test_everything_comes_back_bit_for_bit(tmp_path: Path, compression: str) -> None:
+    """Arrays keep type, shape and bits; numbers, texts, lists and dicts of `misc` keep type and value."""
+    demo = make_demo()
+    again = read_demo(write_demo(demo, tmp_path / "e.h5", compression))  # type: ignore[arg-type]
+    assert len(again) == len(demo)
+    for before, after in zip(demo, again):
+        assert_equal(dataclasses.asdict(before), dataclasses.asdict(after))
+    assert_equal(demo.state, again.state)
+
+
+def test_the_head_comes_back(episode: Path) -> None:
+    """Seed, attempt, variation, instructions and versions survive."""
+    demo, again = make_demo(), read_demo(episode)
+    for name in ("random_seed", "num_reset_attempts", "variation_number", "instructions", "versions", "attempt", "task_name"):
+        assert getattr(again, name) == getattr(demo, name)
+
+
+def test_a_demo_without_extras_comes_back(tmp_path: Path) -> None:
+    """Unknown seed and state stay unknown."""
+    again = read_demo(write_demo(Demo([Observation(gripper_open=1.0)], task_name="x"), tmp_path / "e.h5"))
+    assert (again.random_seed, again.num_reset_attempts, again.state, len(again)) == (None, None, None, 1)
+    assert again[0].front_rgb is None
+    assert again[0].gripper_open == 1.0
+
+
+def test_returned_arrays_belong_to_the_caller(episode: Path) -> None:
+    """Changing one frame changes no other, also where the file stores a value once for all frames."""
+    demo = read_demo(episode)
+    demo[0].misc["front_camera_intrinsics"][0, 0] = 7.0
+    assert demo[1].misc["front_camera_intrinsics"][0, 0] == -175.84
+
+
+def test_fields_can_be_left_out(episode: Path) -> None:
+    """Only the wanted fields are read."""
+    demo = read_demo(episode, fields=["joint_positions"])
+    assert demo[0].front_rgb is None
+    assert demo[0].joint_positions is not None
+
+
+def test_the_same_demo_makes_the_same_bytes(tmp_path: Path) -> None:
+    """No time stamp or chance gets into the file."""
+    a, b = (write_demo(make_demo(), tmp_path / name) for name in ("a.h5", "b.h5"))
+    assert a.read_bytes() == b.read_bytes()
+
+
+def test_pictures_are_compressed(tmp_path: Path) -> None:
+    """A plain picture takes a small part of its raw size."""
+    rgb = np.zeros((128, 128, 3), dtype=np.uint8)
+    frames = [Observation(front_rgb=rgb + i % 250, front_depth=np.full((128, 128), i, dtype=np.float32)) for i in range(20)]
+    path = write_demo(Demo(frames, task_name="x"), tmp_path / "e.h5")
+    assert path.stat().st_size < 0.1 * 20 * 128 * 128 * 7
+
+
+def test_nothing_is_left_after_a_failure(tmp_path: Path) -> None:
+    """A demo that cannot be stored leaves neither a file nor a part of one, and the error names key and type."""
+    demo = Demo([Observation(misc={"thing": object()})], task_name="x")
+    with pytest.raises(DatasetError, match="object cannot be stored"):
+        write_demo(demo, tmp_path / "e.h5")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_empty_demo_is_refused(tmp_path: Path) -> None:
+    """There is nothing to learn from no observations."""
+    with pytest.raises(DatasetError, match="without observations"):
+        write_demo(Demo([]), tmp_path / "e.h5")
+
+
+@pytest.mark.parametrize("keep", [0.0, 0.1, 0.5, 0.9])
+def test_a_truncated_file_is_named(episode: Path, keep: float) -> None:
+    """A file that was cut off is an error with its name and the remedy."""
+    data = episode.read_bytes()
+    episode.write_bytes(data[: int(keep * len(data))])
+    with pytest.raises(DatasetError, match=r"episode0\.h5.*truncated or damaged.*record it again"):
+        read_demo(episode)
+
+
+def test_a_damaged_block_is_named(episode: Path) -> None:
+    """A frame count that does not fit the content is an error, not a short demo."""
+    with h5py.File(episode, "a") as file:
+        file.attrs["frames"] = 6
+    with pytest.raises(DatasetError, match="5 values for 6 frames"):
+        read_demo(episode)
+
+
+def test_another_version_is_named(episode: Path) -> None:
+    """A file of a later format is refused with both versions."""
+    with h5py.File(episode, "a") as file:
+        file.attrs["version"] = 99
+    with pytest.raises(DatasetError, match=r"episode0\.h5.*version 99.*version 1"):
+        read_demo(episode)
+
+
+def test_another_kind_of_file_is_named(tmp_path: Path) -> None:
+    """Any other HDF5 file is refused."""
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["x"] = 1
+    with pytest.raises(DatasetError, match=r"other\.h5.*not an episode"):
+        read_demo(tmp_path / "other.h5")
+
+
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    """A path that does not exist is an error of ours."""
+    with pytest.raises(DatasetError, match=r"nowhere\.h5.*does not exist"):
+        read_demo(tmp_path / "nowhere.h5")

@@ -1,0 +1,79 @@
+"""Made-up demonstrations for the tests of datasets and of the command line."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rlbench_pin.observation import Demo, Observation
+
+
+def make_demo(frames: int = 5, seed: int = 3, variation: int = 0, task: str = "reach_target") -> Demo:
+    """Return a demo with every kind of content that the format must carry."""
+    rng = np.random.default_rng(seed)
+    return Demo(
+        [_observation(i, rng) for i in range(frames)],
+        random_seed=seed,
+        num_reset_attempts=2,
+        variation_number=variation,
+        instructions=["reach the red ball", "touch the ball that is red"],
+        state={"body/ball/pose": rng.normal(size=7), "empty": np.zeros((0, 7)), "count": np.array([4], dtype=np.int64)},
+        versions={"rlbench_pin": "0.1.0"},
+        attempt=1,
+        task_name=task,
+    )
+
+
+def _observation(index: int, rng: np.random.Generator) -> Observation:
+    return Observation(
+        front_rgb=rng.integers(0, 256, (12, 16, 3), dtype=np.uint8),
+        front_depth=rng.random((12, 16), dtype=np.float32),
+        front_mask=rng.integers(0, 90, (12, 16), dtype=np.int32),
+        wrist_point_cloud=rng.random((12, 16, 3), dtype=np.float32),
+        joint_positions=rng.normal(size=7),
+        joint_velocities=np.full(7, np.nan) if index == 2 else rng.normal(size=7),
+        gripper_open=float(index % 2),
+        gripper_pose=rng.normal(size=7),
+        gripper_matrix=np.eye(4),
+        task_low_dim_state=np.zeros(0),
+        misc=_misc(index, rng),
+    )
+
+
+def _misc(index: int, rng: np.random.Generator) -> dict[str, Any]:
+    misc: dict[str, Any] = {
+        "variation_index": 3,
+        "front_camera_intrinsics": np.diag([-175.84, -175.84, 1.0]),
+        "front_camera_near": 0.01,
+        "joint_poses": [rng.normal(size=7) for _ in range(7)],
+        "mask_names": {0: "nothing", 61: "ball"},
+        "descriptions": ["reach the red ball"],
+        "nested": {"pair": (1, 2.5), "array": np.arange(3, dtype=np.int32), "yes": True, "none": None},
+        "scalar": np.float32(index / 3),
+        "note": "naïve ✓",
+    }
+    if index:
+        misc["joint_position_action"] = rng.normal(size=8)
+    if index == 1:
+        misc["ragged"] = np.zeros(2)
+    if index == 2:
+        misc["ragged"] = np.zeros(3)
+    return misc
+
+
+def assert_equal(a: Any, b: Any) -> None:
+    """Compare values of any depth: types, shapes, bits."""
+    assert type(a) is type(b)
+    if isinstance(a, np.ndarray):
+        assert (a.shape, a.dtype, a.tobytes()) == (b.shape, b.dtype, b.tobytes())
+    elif isinstance(a, dict):
+        assert a.keys() == b.keys()
+        for key in a:
+            assert_equal(a[key], b[key])
+    elif isinstance(a, list | tuple):
+        assert len(a) == len(b)
+        for left, right in zip(a, b):
+            assert_equal(left, right)
+    else:
+        assert a == b

@@ -1,0 +1,165 @@
+"""The loop of one task: reset, step, demos, states."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rlbench_pin.environment import Discrete, Environment, JointPosition, MoveArmThenGripper, TaskEnvironment
+from rlbench_pin.errors import DatasetError, NotReset, TaskEnvironmentError, UnknownName
+from tests.environment.conftest import low_dim
+
+
+def environment(**settings: object) -> Environment:
+    return Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=low_dim(), **settings)  # type: ignore[arg-type]
+
+
+def test_step_before_reset_is_refused() -> None:
+    """The error says what to call; it is also a RuntimeError, as existing code expects."""
+    with environment() as env:
+        task = env.get_task("reach_target")
+        with pytest.raises(NotReset, match=r"`step` was called before the first reset. Call `reset\(\)` first"):
+            task.step(np.zeros(8))
+        with pytest.raises(RuntimeError):
+            task.step(np.zeros(8))
+        task.reset()
+        task.step(np.append(task.get_observation().joint_positions, 1.0))
+
+
+def test_unknown_tasks_get_the_nearest_name() -> None:
+    """A misspelt task names the right one and the command that lists all."""
+    with environment() as env, pytest.raises(UnknownName, match=r"Did you mean 'reach_target'\? `rlbench-pin list`"):
+        env.get_task("reach_taget")
+
+
+def test_unknown_robots_and_missing_datasets_are_refused() -> None:
+    """Both are found at construction."""
+    with pytest.raises(ValueError, match="No robot is called 'pandda'. Did you mean 'panda'"):
+        environment(robot_setup="pandda")
+    with pytest.raises(RuntimeError, match="does not exist"):
+        environment(dataset_root="/nowhere/at/all")
+    environment(robot_setup="Panda")
+
+
+def test_stored_demos_need_a_dataset_root(reach: TaskEnvironment) -> None:
+    """Without a root the error says which argument is missing."""
+    with pytest.raises(DatasetError, match="No dataset root was given"):
+        reach.get_demos(1)
+
+
+def test_variations_are_checked(reach: TaskEnvironment) -> None:
+    """-1 means all; other negatives and too large ones are refused."""
+    for wrong in (-2, reach.variation_count()):
+        with pytest.raises(TaskEnvironmentError, match="choose 0 to 19, or -1"):
+            reach.set_variation(wrong)
+    reach.set_variation(-1)
+    seen = {reach.reset(seed=s)[1].misc["variation_index"] for s in range(12)}
+    assert len(seen) > 3
+    reach.set_variation(0)
+
+
+def test_the_same_seed_gives_the_same_start(lift: TaskEnvironment) -> None:
+    """Bytes are equal after other episodes were played in between."""
+    words, first = lift.reset(seed=5, variation=2)
+    lift.reset(seed=6, variation=3)
+    lift.step(np.append(first.joint_positions + 0.1, 0.0))
+    again, second = lift.reset(seed=5, variation=2)
+    assert words == again
+    assert first.get_low_dim_data().tobytes() == second.get_low_dim_data().tobytes()
+    _, other = lift.reset(seed=7, variation=2)
+    assert not np.array_equal(first.task_low_dim_state, other.task_low_dim_state)
+
+
+def test_observations_do_not_share_memory(reach: TaskEnvironment) -> None:
+    """Changing one observation changes no other."""
+    _, obs = reach.reset(seed=0)
+    kept = obs.joint_positions.copy()
+    obs.joint_positions += 1.0
+    assert np.array_equal(reach.get_observation().joint_positions, kept)
+
+
+def test_states_can_be_taken_up_again(lift: TaskEnvironment) -> None:
+    """From a saved state the same actions give the same bytes."""
+    _, obs = lift.reset(seed=2)
+    actions = [np.append(obs.joint_positions + 0.02 * k, float(k < 4)) for k in range(8)]
+    for action in actions[:3]:
+        lift.step(action)
+    state = lift.get_state()
+    runs = []
+    for _ in range(2):
+        lift.set_state(state)
+        runs.append(b"".join(lift.step(action)[0].get_low_dim_data().tobytes() for action in actions[3:]))
+    assert runs[0] == runs[1]
+
+
+def test_demos_carry_all_that_is_needed_to_play_them_again(lift: TaskEnvironment) -> None:
+    """A demo succeeds, rests at its end, and `reset_to_demo` restores its first frame exactly."""
+    lift.set_variation(1)
+    (demo,) = lift.get_demos(1, live_demos=True, seed=11)
+    assert demo.random_seed == 11
+    assert demo.variation_number == 1
+    assert np.abs(demo[-1].joint_velocities).max() < 0.1
+    assert "joint_position_action" not in demo[0].misc
+    assert demo[-1].misc["joint_position_action"].shape == (8,)
+    lift.reset(seed=99)
+    words, obs = lift.reset_to_demo(demo)
+    assert tuple(words) == demo.instructions
+    assert obs.get_low_dim_data().tobytes() == demo[0].get_low_dim_data().tobytes()
+    assert "joint_position_action" not in obs.misc
+    lift.set_variation(0)
+
+
+def test_demo_i_starts_from_seed_plus_i(lift: TaskEnvironment) -> None:
+    """Two demos from seed 20 are the demos of seeds 20 and 21."""
+    both = lift.get_demos(2, live_demos=True, seed=20)
+    (second,) = lift.get_demos(1, live_demos=True, seed=21)
+    assert [d.random_seed for d in both] == [20, 21]
+    assert both[1][-1].get_low_dim_data().tobytes() == second[-1].get_low_dim_data().tobytes()
+
+
+def test_launching_twice_is_refused_and_shutdown_allows_a_new_launch() -> None:
+    """`launch`, `shutdown` and the context manager work together."""
+    env = environment()
+    env.launch()
+    with pytest.raises(RuntimeError, match="launched already"):
+        env.launch()
+    env.shutdown()
+    env.shutdown()
+    env.launch()
+    assert env.get_task("reach_target").reset(seed=0)[0]
+    env.shutdown()
+
+
+def test_action_size_needs_a_task() -> None:
+    """Before a task is loaded the error says what to call."""
+    with environment() as env:
+        with pytest.raises(RuntimeError, match="Call `get_task"):
+            _ = env.action_shape
+        env.get_task("reach_target")
+        assert env.action_shape == (8,)
+        assert env.action_size == 8
+
+
+def test_two_environments_do_not_disturb_each_other() -> None:
+    """Stepping one leaves the other as it was."""
+    with environment(seed=0) as a, environment(seed=0) as b:
+        one, two = a.get_task("reach_target"), b.get_task("pick_and_lift")
+        _, obs = one.reset(seed=1)
+        two.reset(seed=1)
+        for _ in range(5):
+            two.step(np.append(two.get_observation().joint_positions + 0.05, 0.0))
+        assert one.get_observation().get_low_dim_data().tobytes() == obs.get_low_dim_data().tobytes()
+
+
+def test_shaped_rewards_are_the_tasks_own() -> None:
+    """reach_target rewards with minus the distance; a task without one says so."""
+    with environment(shaped_rewards=True) as env:
+        task = env.get_task("reach_target")
+        _, obs = task.reset(seed=1)
+        _, reward, _ = task.step(np.append(obs.joint_positions, 1.0))
+        distance = np.linalg.norm(task.get_observation().gripper_pose[:3] - task.get_observation().task_low_dim_state)
+        assert reward == pytest.approx(-distance, abs=1e-6)
+        other = env.get_task("open_drawer")
+        _, obs = other.reset(seed=1)
+        with pytest.raises(TaskEnvironmentError, match="has no shaped reward. Use shaped_rewards=False"):
+            other.step(np.append(obs.joint_positions, 1.0))

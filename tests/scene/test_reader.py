@@ -1,0 +1,193 @@
+"""Scene files: what is read, and what every mistake is told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rlbench_pin.errors import AssetInvalid, AssetNotFound, SceneFileError
+from rlbench_pin.scene import SceneSpec, read_scene, resolve_asset
+from rlbench_pin.tasks import LIBRARY
+
+CUBE = 'asset = "objects/cube/cube.urdf"'
+CHEST = '[[body]]\nname = "chest"\nasset = "objects/chest/chest.urdf"\n'
+
+MISTAKES = {
+    "no format": ("", "key 'format'", "format = 1"),
+    "wrong format number": ("format = 2", "key 'format'", "2 is not supported"),
+    "no TOML": ("format = = 1", "file", "not valid TOML"),
+    "misspelt table": ('format = 1\n[[waypoints]]\nname = "waypoint0"', "key 'waypoints'", "Did you mean 'waypoint'?"),
+    "misspelt key": (
+        'format = 1\n[[waypoint]]\nname = "waypoint0"\ngriper = "open"',
+        "[[waypoint]] 'waypoint0', key 'griper'",
+        "Did you mean 'gripper'?",
+    ),
+    "misspelt key of a required one": (f'format = 1\n[[body]]\nnam = "a"\n{CUBE}', "[[body]] 'number 0'", "Did you mean 'name'?"),
+    "misspelt key inside": (
+        'format = 1\n[[waypoint]]\nname = "waypoint0"\npath = "curve"\narc = {axis = [0, 0, 1], angel = 1}',
+        "key 'arc.angel'",
+        "Did you mean 'angle'?",
+    ),
+    "misspelt placement": ("format = 1\n[placement]\nyaww = [0, 1]", "[placement], key 'yaww'", "Did you mean 'yaw'?"),
+    "key unlike any": (
+        'format = 1\n[[frame]]\nname = "a"\nqqqq = 1',
+        "'qqqq' is not known here",
+        "Known keys: name, parent, pose",
+    ),
+    "missing key": ('format = 1\n[[body]]\nname = "a"', "[[body]] 'a'", "'asset' is missing"),
+    "bad name": ('format = 1\n[[frame]]\nname = "A b"', "[[frame]] 'A b', key 'name'", "pattern"),
+    "reserved name": ('format = 1\n[[frame]]\nname = "table"', "[[frame]] 'table'", "reserved"),
+    "duplicate name": (f'format = 1\n[[body]]\nname = "a"\n{CUBE}\n[[frame]]\nname = "a"', "[[frame]] 'a'", "first in [[body]]"),
+    "bad quaternion": (
+        'format = 1\n[[frame]]\nname = "a"\npose = [0, 0, 0, 0, 0, 0, 2]',
+        "[[frame]] 'a', key 'pose'",
+        "norm 2.0",
+    ),
+    "short pose": ('format = 1\n[[frame]]\nname = "a"\npose = [0, 0]', "key 'pose'", "not 2"),
+    "endless number": ('format = 1\n[[frame]]\nname = "a"\npose = [0, 0, inf]', "key 'pose", "finite"),
+    "unknown path": ('format = 1\n[[waypoint]]\nname = "waypoint0"\npath = "linear"', "key 'path'", "'straight'"),
+    "opening beyond one": ('format = 1\n[[waypoint]]\nname = "waypoint0"\ngripper = 1.5', "key 'gripper'", "0..1"),
+    "waypoint gap": (
+        'format = 1\n[[waypoint]]\nname = "waypoint0"\n[[waypoint]]\nname = "waypoint2"',
+        "[[waypoint]]",
+        "'waypoint1'",
+    ),
+    "waypoint name": ('format = 1\n[[waypoint]]\nname = "above"', "[[waypoint]] 'above'", "[[frame]]"),
+    "waypoint padded": ('format = 1\n[[waypoint]]\nname = "waypoint00"', "[[waypoint]] 'waypoint00'", "its number"),
+    "curve without points": ('format = 1\n[[waypoint]]\nname = "waypoint0"\npath = "curve"', "key 'path'", "'points' or 'arc'"),
+    "points without curve": (
+        'format = 1\n[[waypoint]]\nname = "waypoint0"\npoints = [[0, 0, 0]]',
+        "key 'path'",
+        'path = "curve"',
+    ),
+    "unknown parent": (
+        f'format = 1\n[[body]]\nname = "tray"\n{CUBE}\n[[frame]]\nname = "a"\nparent = "try"',
+        "[[frame]] 'a', key 'parent'",
+        "Did you mean 'tray'?",
+    ),
+    "unknown link": (
+        f'format = 1\n{CHEST}[[frame]]\nname = "a"\nparent = "chest/drawer_top"',
+        "body 'chest' has no link 'drawer_top'",
+        "Did you mean 'drawer_top_link'?",
+    ),
+    "link of a frame": (
+        'format = 1\n[[frame]]\nname = "b"\n[[frame]]\nname = "a"\nparent = "b/x"',
+        "[[frame]] 'a'",
+        "'b' is not a body",
+    ),
+    "circle": (
+        'format = 1\n[[frame]]\nname = "a"\nparent = "b"\n[[frame]]\nname = "b"\nparent = "a"',
+        "[[frame]] 'a'",
+        "a -> b -> a",
+    ),
+    "joint of no body": (f'format = 1\n{CHEST}[[joint]]\nname = "chst/drawer_top"', "[[joint]] 'chst/drawer_top'", "'chest'"),
+    "unknown joint": (
+        f'format = 1\n{CHEST}[[joint]]\nname = "chest/drawr_top"',
+        "no movable joint",
+        "Did you mean 'drawer_top'?",
+    ),
+    "joint twice": (
+        f'format = 1\n{CHEST}[[joint]]\nname = "chest/drawer_top"\n[[joint]]\nname = "chest/drawer_top"',
+        "[[joint]] 'chest/drawer_top'",
+        "twice",
+    ),
+    "joint beyond its limit": (
+        f'format = 1\n{CHEST}[[joint]]\nname = "chest/drawer_top"\nposition = 0.5',
+        "key 'position'",
+        "0.5 is outside [0.0, 0.22]",
+    ),
+    "sensor size": (
+        'format = 1\n[[sensor]]\nname = "a"\nshape = "box"\nsize = [1, 2]',
+        "[[sensor]] 'a', key 'size'",
+        "3 numbers",
+    ),
+    "sensor size zero": ('format = 1\n[[sensor]]\nname = "a"\nshape = "sphere"\nsize = [0]', "key 'size'", "> 0"),
+    "region size": ('format = 1\n[[region]]\nname = "a"\nsize = [1, 0, 0]', "[[region]] 'a', key 'size'", "x and y are > 0"),
+    "yaw bounds": ("format = 1\n[placement]\nyaw = [1, 0]", "[placement], key 'yaw'", "above the upper bound"),
+}
+
+
+def written(folder: Path, text: str) -> Path:
+    """Write a scene file and return where."""
+    file = folder / "scene.toml"
+    file.write_text(text)
+    return file
+
+
+@pytest.mark.parametrize(("text", "where", "advice"), MISTAKES.values(), ids=MISTAKES.keys())
+def test_a_mistake_is_named_with_its_file_place_and_remedy(tmp_path: Path, text: str, where: str, advice: str) -> None:
+    """The message says which file, which table, which key, and what would be right."""
+    with pytest.raises(SceneFileError) as caught:
+        read_scene(written(tmp_path, text))
+    message = str(caught.value)
+    assert message.startswith("scene.toml: ")
+    assert where in message
+    assert advice in message
+
+
+def test_a_missing_file_proposes_its_neighbour(tmp_path: Path) -> None:
+    """A misspelt file name is answered with the nearest one."""
+    written(tmp_path, "format = 1")
+    with pytest.raises(SceneFileError, match=r"Did you mean 'scene.toml'\?"):
+        read_scene(tmp_path / "scen.toml")
+    with pytest.raises(SceneFileError, match="does not exist"):
+        read_scene(tmp_path / "nowhere" / "scene.toml")
+
+
+def test_a_missing_asset_is_named_with_the_body_that_needs_it(tmp_path: Path) -> None:
+    """Neither a URDF nor a mesh may be missing."""
+    with pytest.raises(AssetNotFound, match="objects/none/none.urdf.* needed by body 'a' of scene.toml"):
+        read_scene(written(tmp_path, 'format = 1\n[[body]]\nname = "a"\nasset = "objects/none/none.urdf"'))
+    urdf = '<robot name="m"><link name="m"><visual><geometry><mesh filename="m.obj"/></geometry></visual></link></robot>'
+    (tmp_path / "m.urdf").write_text(urdf)
+    with pytest.raises(AssetNotFound, match=r"m\.obj.* needed by \./m\.urdf, body 'a'"):
+        read_scene(written(tmp_path, 'format = 1\n[[body]]\nname = "a"\nasset = "./m.urdf"'))
+
+
+def test_an_asset_that_is_no_xml_is_refused(tmp_path: Path) -> None:
+    """A broken URDF is found before any simulator starts."""
+    (tmp_path / "m.urdf").write_text("<robot>")
+    with pytest.raises(AssetInvalid, match="not valid XML"):
+        read_scene(written(tmp_path, 'format = 1\n[[body]]\nname = "a"\nasset = "./m.urdf"'))
+
+
+def test_an_asset_stands_below_assets_or_beside_the_scene(tmp_path: Path) -> None:
+    """`./` begins at the scene file, anything else at the assets of the package."""
+    assert resolve_asset(tmp_path / "scene.toml", "./own.urdf") == (tmp_path / "own.urdf").resolve()
+    assert (
+        resolve_asset(SceneSpec(format=1, file=str(tmp_path / "scene.toml")), "./own.urdf") == (tmp_path / "own.urdf").resolve()
+    )
+    assert resolve_asset(tmp_path / "scene.toml", "objects/cube/cube.urdf").is_file()
+
+
+def test_poses_have_three_forms(tmp_path: Path) -> None:
+    """Three numbers are a position, four add a yaw, seven are a whole pose; quaternions become unit ones everywhere."""
+    scene = read_scene(
+        written(
+            tmp_path,
+            'format = 1\n[placement]\npose = [0.1, 0.2, 0.752]\n[[frame]]\nname = "a"\npose = [1, 2, 3, 3.141592653589793]\n'
+            '[[frame]]\nname = "b"\npose = [1, 2, 3, 0, 0.7071, 0, 0.7071]\n'
+            '[[waypoint]]\nname = "waypoint0"\npath = "curve"\npoints = [[1, 2, 3], [0, 0, 0, 0, 0, 0, 1.0001]]',
+        )
+    )
+    assert scene.placement.pose == (0.1, 0.2, 0.752, 0.0, 0.0, 0.0, 1.0)
+    np.testing.assert_allclose(scene.frame[0].pose, [1, 2, 3, 0, 0, 1, 0], atol=1e-12)
+    assert np.linalg.norm(scene.frame[1].pose[3:]) == pytest.approx(1.0, abs=1e-15)
+    assert scene.waypoint[0].points[1] == (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+
+
+@pytest.mark.parametrize("file", sorted(LIBRARY.glob("*.toml")), ids=lambda f: f.stem)
+def test_every_scene_of_the_library_reads(file: Path) -> None:
+    """All scene files are right, know where they came from, and say their units in the first line."""
+    scene = read_scene(file)
+    assert scene.file == str(file)
+    assert "[m]" in file.read_text().splitlines()[0]
+
+
+def test_a_scene_is_frozen() -> None:
+    """What was read is not changed by accident."""
+    scene = SceneSpec(format=1)
+    with pytest.raises(ValueError, match="frozen"):
+        scene.format = 1  # type: ignore[misc]

@@ -1,0 +1,164 @@
+"""Imports point down the house, never sideways or up, and each foreign library keeps to its home."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+PACKAGE = "rlbench_pin"
+ROOT = Path(__file__).resolve().parents[1] / PACKAGE
+
+# Top row first; the rooms of one row do not know each other.
+ROWS: tuple[tuple[str, ...], ...] = (
+    ("cli",),
+    ("challenges", "learning"),
+    ("environment",),
+    ("tasks",),
+    ("sim", "planning", "control"),
+    ("robot", "scene", "datasets"),
+    ("errors", "spatial", "observation", "assets"),
+)
+FLOOR = len(ROWS) - 1
+
+# Records that neighbours exchange. They hold data only, and import nothing but the floor.
+RECORDS = ("scene.snapshot", "robot.trajectory")
+
+# Foreign library -> the rooms that may import it.
+HOMES: dict[str, tuple[str, ...]] = {
+    "pybullet": ("sim",),
+    "pybullet_data": (),
+    "ompl": ("planning",),
+    "toppra": ("planning",),
+    "osqp": ("control",),
+    "placo": ("planning", "control"),
+    "coal": ("robot",),
+    "pinocchio": ("spatial", "robot", "planning", "control", "sim", "environment"),
+    "h5py": ("datasets",),
+    "pyarrow": ("datasets",),
+    "av": ("datasets",),
+    "tomllib": ("scene", "tasks"),
+    "tomlkit": ("scene",),
+    "pydantic": ("scene",),
+    "tyro": ("cli",),
+    "tqdm": ("cli",),
+    "PIL": ("cli", "sim"),
+    "trimesh": (),
+    "manifold3d": (),
+    "pickle": (),
+}
+
+
+@dataclass(frozen=True)
+class Import:
+    """One import statement: who imports what, and where."""
+
+    file: Path
+    line: int
+    target: str
+
+    @property
+    def source(self) -> str:
+        """Dotted name of the importing module below the package, `""` for the package itself."""
+        parts = self.file.relative_to(ROOT).with_suffix("").parts
+        return ".".join(p for p in parts if p != "__init__")
+
+    def __str__(self) -> str:
+        return f"{self.file.relative_to(ROOT.parent)}:{self.line} imports {self.target}"
+
+
+def _targets(node: ast.AST) -> list[str]:
+    """Dotted names that one import statement loads; `from a import b` counts as `a.b`."""
+    if isinstance(node, ast.Import):
+        return [alias.name for alias in node.names]
+    if isinstance(node, ast.ImportFrom):
+        assert node.level == 0, "imports are absolute"
+        return [f"{node.module}.{alias.name}" for alias in node.names]
+    return []
+
+
+def _imports() -> Iterator[Import]:
+    for file in sorted(ROOT.rglob("*.py")):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            for target in _targets(node):
+                yield Import(file, node.lineno, target)  # type: ignore[attr-defined]
+
+
+def _room(dotted: str) -> str:
+    return dotted.split(".")[0]
+
+
+def _row(room: str) -> int | None:
+    return next((i for i, rooms in enumerate(ROWS) if room in rooms), None)
+
+
+def _is_record(dotted: str) -> bool:
+    return any(dotted == r or dotted.startswith(r + ".") for r in RECORDS)
+
+
+def arrow_fault(source: str, target: str) -> str | None:
+    """Say why module `source` may not import `target` (both dotted, below the package), or None when it may."""
+    here, there = _room(source), _room(target)
+    if here == there or not source or there == "__version__":
+        return None
+    row_here, row_there = _row(here), _row(there)
+    if row_here is None or row_there is None:
+        return f"'{here if row_here is None else there}' has no place in the house"
+    if _is_record(source):
+        return None if row_there == FLOOR else "a record imports only the floor"
+    if row_here < row_there or _is_record(target):
+        return None
+    if row_here == row_there == FLOOR:
+        return None if (here, there) == ("observation", "spatial") or there == "errors" else "the floor stands on nothing"
+    return "sideways" if row_here == row_there else "upwards"
+
+
+def test_every_room_has_a_row() -> None:
+    """A new folder or module of the package gets a place in the house first."""
+    rooms = {p.stem for p in ROOT.iterdir() if p.suffix == ".py" or (p / "__init__.py").exists()} - {"__init__", "__pycache__"}
+    assert {room for room in rooms if _row(room) is None} == set()
+
+
+def test_imports_point_down() -> None:
+    """No import goes up or sideways."""
+    own = [i for i in _imports() if i.target.split(".")[0] == PACKAGE]
+    faults = [(i, arrow_fault(i.source, i.target.removeprefix(PACKAGE + "."))) for i in own]
+    assert [f"{i}: {why}" for i, why in faults if why] == []
+
+
+def test_foreign_libraries_stay_at_home() -> None:
+    """Only `sim` imports pybullet, only `planning` OMPL, and so on."""
+    foreign = [i for i in _imports() if i.target.split(".")[0] in HOMES]
+    assert [str(i) for i in foreign if _room(i.source) not in HOMES[i.target.split(".")[0]]] == []
+
+
+def test_no_import_is_hidden_in_a_function() -> None:
+    """Imports stand at the top of the file, where a reader looks for them."""
+    hidden = []
+    for file in sorted(ROOT.rglob("*.py")):
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+        functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)]
+        inner = {n.lineno for f in functions for n in ast.walk(f) if isinstance(n, ast.Import | ast.ImportFrom)}
+        hidden += [f"{file.relative_to(ROOT.parent)}:{line}" for line in sorted(inner)]
+    assert hidden == []
+
+
+@pytest.mark.parametrize(
+    ("source", "target", "allowed"),
+    [
+        ("environment.reset", "tasks.task", True),
+        ("sim.world", "robot.description", True),
+        ("tasks.task", "errors", True),
+        ("robot.collision", "scene.snapshot", True),
+        ("sim.world", "planning.planner", False),
+        ("robot.model", "scene.reader", False),
+        ("scene.reader", "sim.world", False),
+        ("errors", "sim", False),
+    ],
+)
+def test_the_rule_itself(source: str, target: str, allowed: bool) -> None:
+    """The rule lets through what the architecture draws and stops the rest."""
+    assert (arrow_fault(source, target) is None) == allowed

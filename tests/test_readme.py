@@ -1,0 +1,55 @@
+"""The README keeps its word: its example runs, its links lead somewhere, its table is the measured one."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+RESULTS = ROOT / "docs" / "results" / "demo_success.json"
+
+
+def _blocks(language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+
+
+def test_the_python_example_runs() -> None:
+    """The ten lines run as they stand and print what they say."""
+    (code,) = _blocks("python")
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
+    assert result.returncode == 0, result.stderr
+    assert "frames, the last with the tip at" in result.stdout
+
+
+def test_links_lead_to_files() -> None:
+    """Every relative link and every picture exists."""
+    targets = re.findall(r"\]\(([^)#]+)\)", README)
+    assert targets
+    assert [t for t in targets if not (ROOT / t).exists()] == []
+
+
+def test_make_targets_exist() -> None:
+    """Every `make` target that the README names is one."""
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    named = set(re.findall(r"make ([a-z]+)", README))
+    assert {"demo", "test", "sweep"} <= named
+    assert {t for t in named if not re.search(rf"^{t}:", makefile, re.MULTILINE)} == set()
+
+
+def test_length() -> None:
+    """One screen, then doors."""
+    assert len(README.splitlines()) < 200
+
+
+@pytest.mark.skipif(not RESULTS.exists(), reason="not measured yet: `make sweep`")
+def test_the_table_is_the_measured_one() -> None:
+    """The table in the README is what the stored results give."""
+    result = subprocess.run([sys.executable, ROOT / "scripts" / "update_readme.py", "--check"], timeout=60)
+    assert result.returncode == 0, "run `python scripts/update_readme.py`"
+    assert set(json.loads(RESULTS.read_text(encoding="utf-8"))["tasks"]) <= set(re.findall(r"`(\w+)`", README))
