@@ -85,12 +85,12 @@ def _net() -> Mesh:
     strings = []
     for i in range(1, 9):
         u = -x / 2.0 + x * i / 9
-        strings += [rod((u, y, 0.0), (u, y, z), 0.0007, 4), rod((u, 0.0, z), (u, y, z), 0.0007, 4)]
+        strings += [rod((u, y, 0.0), (u, y, z), 0.0007, 3), rod((u, 0.0, z), (u, y, z), 0.0007, 3)]
     for i in range(6):
         h, v = z * (i + 0.5) / 6, y * (i + 0.5) / 6
-        strings += [rod((-x / 2.0, y, h), (x / 2.0, y, h), 0.0007, 4), rod((-x / 2.0, v, z), (x / 2.0, v, z), 0.0007, 4)]
+        strings += [rod((-x / 2.0, y, h), (x / 2.0, y, h), 0.0007, 3), rod((-x / 2.0, v, z), (x / 2.0, v, z), 0.0007, 3)]
         for side in (-x / 2.0, x / 2.0):
-            strings += [rod((side, 0.0, h), (side, y, h), 0.0007, 4), rod((side, v, 0.0), (side, v, z), 0.0007, 4)]
+            strings += [rod((side, 0.0, h), (side, y, h), 0.0007, 3), rod((side, v, 0.0), (side, v, z), 0.0007, 3)]
     return merge(strings)
 
 

@@ -52,7 +52,7 @@ def _merged(boxes: tuple[Box, ...]) -> Mesh:
 def _grid() -> Mesh:
     """Return the rods of the grid."""
     (depth, width, _), (x, _, z) = _grid_box()
-    rods = [box((depth, 0.005, 0.006), (x, -width / 2.0 + width * (i + 0.5) / 11.0, z)) for i in range(11)]
+    rods = [box((depth, 0.005, 0.006), (x, -width / 2.0 + width * (i + 0.5) / 9.0, z)) for i in range(9)]
     return merge([*rods, *(box((0.006, width, 0.006), (x + side * (depth / 2.0 - 0.01), 0.0, z)) for side in (-1, 1))])
 
 
@@ -67,12 +67,12 @@ def _lining() -> Mesh:
 def _plates() -> Mesh:
     """Return the four cooking plates."""
     places = ((-0.085, 0.105, 0.07), (0.085, 0.105, 0.055), (-0.085, -0.105, 0.055), (0.085, -0.105, 0.07))
-    return merge(cylinder(r, 0.006, 24, bevel=0.002).moved((x, y, HEIGHT + 0.003)) for x, y, r in places)
+    return merge(cylinder(r, 0.006, 14).moved((x, y, HEIGHT + 0.003)) for x, y, r in places)
 
 
 def _knob_mesh() -> Mesh:
     """Return a knob; the origin is on the panel, -x points out of it, the raised bar is upright."""
-    disc = cylinder(0.0225, 0.012, 20, bevel=0.002).moved((-0.006, 0.0, 0.0), (0.0, HALF_PI, 0.0))
+    disc = cylinder(0.0225, 0.012, 10).moved((-0.006, 0.0, 0.0), (0.0, HALF_PI, 0.0))
     return merge([disc, box((0.018, 0.012, 0.042), (-0.021, 0.0, 0.0))])
 
 
@@ -117,8 +117,8 @@ def _body_link() -> Link:
 def _door_link() -> Link:
     t, w, h = DOOR
     x, y, z = HANDLE
-    posts = tuple(rod((x, side * 0.11, z), (-t, side * 0.11, z), 0.005, 8) for side in (-1, 1))
-    bar = rod((x, -BAR_LENGTH / 2.0, z), (x, BAR_LENGTH / 2.0, z), BAR_RADIUS, 12)
+    posts = tuple(rod((x, side * 0.11, z), (-t, side * 0.11, z), 0.005, 4) for side in (-1, 1))
+    bar = rod((x, -BAR_LENGTH / 2.0, z), (x, BAR_LENGTH / 2.0, z), BAR_RADIUS, 10)
     visuals = (
         Visual(mesh_shape("door", box(DOOR, (-t / 2.0, 0.0, h / 2.0))), (0.80, 0.81, 0.83)),
         Visual(mesh_shape("window", box((t + 0.002, w - 0.10, h - 0.12), (-t / 2.0, 0.0, h / 2.0 - 0.015))), GLASS),

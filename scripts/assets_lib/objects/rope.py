@@ -18,7 +18,7 @@ WHITE, BLUE, RED = (0.90, 0.87, 0.78), (0.16, 0.30, 0.62), (0.82, 0.14, 0.12)
 def _link(number: int) -> Link:
     """Return one link, its origin at the joint to the link before it, along +x."""
     middle = (PITCH / 2.0, 0.0, 0.0)
-    core = cylinder(RADIUS, PITCH, 12, bevel=0.0015).moved(rpy=LEVEL).moved(middle)
+    core = cylinder(RADIUS, PITCH, 12).moved(rpy=LEVEL).moved(middle)
     end = number in (0, LINKS - 1)
     color = RED if end else (BLUE if number % 2 else WHITE)
     shape = cylinder_shape(RADIUS, PITCH - GAP, middle, LEVEL)

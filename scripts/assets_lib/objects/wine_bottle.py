@@ -24,7 +24,7 @@ def _bottle() -> Mesh:
 
 def _band(radius: float, low: float, high: float) -> Mesh:
     """Return a closed ring around the bottle."""
-    return lathe([(0.0, low), (radius, low), (radius, high), (0.0, high)], 32)
+    return lathe([(0.0, low), (radius, low), (radius, high), (0.0, high)], 28)
 
 
 def _emblem() -> Mesh:
