@@ -6,6 +6,7 @@ Each message names the thing, the value, what was possible, and the next step. T
 from __future__ import annotations
 
 import difflib
+import errno
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
@@ -246,6 +247,46 @@ class CameraError(RlbenchPinError):
 
 class DatasetError(RlbenchPinError, RuntimeError):
     """A stored demonstration is missing, truncated, of another version, or more were asked for than exist."""
+
+
+class EpisodeFileError(DatasetError):
+    """One file of a dataset is missing, truncated, altered or of another format; `path` says which."""
+
+    def __init__(self, path: Path | str, message: str) -> None:
+        self.path = Path(path)
+        super().__init__(message)
+
+
+class StorageError(DatasetError):
+    """The disk refused: full, read-only, forbidden; what was stored before is still whole."""
+
+    def __init__(self, path: Path | str, cause: OSError) -> None:
+        self.path, self.errno = Path(path), cause.errno
+        advice = _STORAGE_ADVICE.get(cause.errno or 0, "See whether the folder can be written to.")
+        reason = cause.strerror or str(cause)
+        super().__init__(f"'{path}' cannot be written: {reason}. {advice} Everything stored before is whole.")
+
+
+_STORAGE_ADVICE = {
+    errno.ENOSPC: "Free some space, then go on with `--resume`.",
+    errno.EDQUOT: "Free some of your quota, then go on with `--resume`.",
+    errno.EROFS: "The disk is read-only: choose another folder.",
+    errno.EACCES: "You may not write there: choose another folder or change its rights.",
+    errno.EPERM: "You may not write there: choose another folder or change its rights.",
+    errno.ENOTDIR: "A part of the path is a file: choose another folder.",
+}
+
+
+class DatasetConflict(DatasetError):
+    """Two sets of demonstrations, or a recording and what is stored, do not go together."""
+
+
+class MissingExtra(RlbenchPinError, ImportError):
+    """An optional library is not installed; `extra` is the extra that brings it."""
+
+    def __init__(self, what: str, library: str, extra: str) -> None:
+        self.library, self.extra = library, extra
+        super().__init__(f"{what} needs '{library}', which is not installed. `pip install 'rlbench-pin[{extra}]'` brings it.")
 
 
 def _pairs_text(pairs: Sequence[tuple[str, str]], depths: Sequence[float] = ()) -> str:
