@@ -30,7 +30,7 @@ class LegReport:
     waypoint: int
     method: str
     planning_time: float
-    """[s]"""
+    """Time of this process [s]."""
     duration: float
     """Length of the motion [s]."""
 
@@ -46,7 +46,7 @@ class DemoOutcome:
     """Waypoint at which it failed."""
     demo: Demo | None
     planning_time: float
-    """[s]"""
+    """Time of this process [s]."""
     duration: float
     """Simulated time [s]."""
     legs: tuple[LegReport, ...] = field(default=())
@@ -81,7 +81,7 @@ class DemoPlayer:
 
     @property
     def planning_time(self) -> float:
-        """Time spent planning so far [s]."""
+        """Time of this process spent planning so far [s]."""
         return sum(leg.planning_time for leg in self.legs)
 
     def play(self) -> list[Observation]:
@@ -143,7 +143,7 @@ class DemoPlayer:
         waypoint.run_end_hook()
 
     def _plan(self, waypoint: Waypoint, turns: Sequence[float]) -> Plan:
-        started = time.perf_counter()
+        started = time.process_time()
         self.scene.refresh_planner()
         error: PlanningError | None = None
         for turn in turns:
@@ -153,7 +153,7 @@ class DemoPlayer:
                 error = error or failure
                 continue
             self._chosen_turn = turn
-            elapsed = time.perf_counter() - started
+            elapsed = time.process_time() - started
             self.legs.append(LegReport(waypoint.index, plan.report.method, elapsed, plan.trajectory.duration))
             return plan
         assert error is not None
