@@ -60,7 +60,19 @@ def start_episode(
     raise ResetError(scene.task.get_name(), causes)
 
 
-def _try_start(scene: Scene, clean: WorldState, variation: int, random: EpisodeRandom, static: bool) -> list[str]:
+def lay_out(scene: Scene, clean: WorldState, variation: int, random: EpisodeRandom, *, static: bool) -> list[str]:
+    """Put one draw of a variation on the table, whether it can be reached or not, and return its instructions.
+
+    Args:
+        scene: The running scene.
+        clean: State of the world right after it was built.
+        variation: Variation of the task.
+        random: Generators of this episode.
+        static: Leave the task where its scene file puts it.
+
+    Raises:
+        BoundaryError: Something found no place.
+    """
     task = scene.task
     task.end_episode()
     scene.world.restore(clean)
@@ -69,18 +81,24 @@ def _try_start(scene: Scene, clean: WorldState, variation: int, random: EpisodeR
     instructions = task.begin_episode(variation, random.placement)
     if not static and not task.is_static_workspace():
         place_task(scene.world, random.placement, task.base_rotation_bounds())
-    _check_arm_is_free(scene)
-    waypoints = task.get_waypoints()
-    if waypoints:
-        check_feasible(scene.planner, waypoints, np.array(scene.description.home), random.planning)
-    for _ in range(SETTLE_TICKS):
-        scene.world.step()
-    task.reset_conditions()
     return instructions
 
 
-def _check_arm_is_free(scene: Scene) -> None:
+def check_arm_is_free(scene: Scene) -> None:
+    """Raise BoundaryError when the arm at home touches something."""
     scene.refresh_planner()
     pairs = scene.planner.collision.colliding_pairs(np.array(scene.description.home))
     if pairs:
         raise BoundaryError(f"the arm at home touches {pairs[0][1]}")
+
+
+def _try_start(scene: Scene, clean: WorldState, variation: int, random: EpisodeRandom, static: bool) -> list[str]:
+    instructions = lay_out(scene, clean, variation, random, static=static)
+    check_arm_is_free(scene)
+    waypoints = scene.task.get_waypoints()
+    if waypoints:
+        check_feasible(scene.planner, waypoints, np.array(scene.description.home), random.planning)
+    for _ in range(SETTLE_TICKS):
+        scene.world.step()
+    scene.task.reset_conditions()
+    return instructions
