@@ -13,16 +13,33 @@ ALL_VARIATIONS = -1
 
 _EPISODE = re.compile(r"episode(\d+)\.h5")
 _VARIATION = re.compile(r"variation(\d+)")
+_TASK = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,127}")
+
+
+def checked_task_name(task: str) -> str:
+    """Return a name that can be a folder of its own, wherever it came from.
+
+    Raises:
+        DatasetError: It has a slash, dots or anything else that leads out of the dataset.
+    """
+    if _TASK.fullmatch(task) is None:
+        raise DatasetError(f"{task!r} is not a task name: letters, digits, '_' and '-' only, at most 128 of them.")
+    return task
+
+
+def episode_file(variation: int, episode: int) -> str:
+    """Return the path of an episode below the folder of its task."""
+    return f"variation{variation}/episodes/episode{episode}{EPISODE_SUFFIX}"
 
 
 def episode_path(root: Path, task: str, variation: int, episode: int) -> Path:
     """Return the file of one episode."""
-    return Path(root) / task / f"variation{variation}" / "episodes" / f"episode{episode}{EPISODE_SUFFIX}"
+    return Path(root) / checked_task_name(task) / episode_file(variation, episode)
 
 
 def manifest_path(root: Path, task: str) -> Path:
     """Return the manifest of one task."""
-    return Path(root) / task / MANIFEST
+    return Path(root) / checked_task_name(task) / MANIFEST
 
 
 def episode_number(path: Path) -> int:
@@ -31,6 +48,16 @@ def episode_number(path: Path) -> int:
     if match is None:
         raise DatasetError(f"'{path}' is not called like an episode; expected episode<number>{EPISODE_SUFFIX}.")
     return int(match[1])
+
+
+def stored_tasks(root: Path) -> tuple[str, ...]:
+    """Return the tasks that have a folder with a manifest or variations, by name.
+
+    Raises:
+        DatasetError: The root does not exist.
+    """
+    folders = [p for p in _root_folder(root).iterdir() if p.is_dir() and _TASK.fullmatch(p.name)]
+    return tuple(sorted(p.name for p in folders if (p / MANIFEST).is_file() or any(p.glob("variation*/episodes"))))
 
 
 def stored_variations(root: Path, task: str) -> tuple[int, ...]:
@@ -57,13 +84,17 @@ def _episodes_in(folder: Path) -> list[Path]:
     return sorted(files, key=episode_number)
 
 
-def _task_folder(root: Path, task: str) -> Path:
+def _root_folder(root: Path) -> Path:
     root = Path(root)
     if not root.is_dir():
-        raise DatasetError(f"The dataset folder '{root}' does not exist. Make one with `rlbench-pin demo TASK --out {root}`.")
-    folder = root / task
+        raise DatasetError(f"The dataset folder '{root}' does not exist. Make one with `rlbench-pin record TASK --out {root}`.")
+    return root
+
+
+def _task_folder(root: Path, task: str) -> Path:
+    folder = _root_folder(root) / checked_task_name(task)
     if not folder.is_dir():
-        stored = sorted(p.name for p in root.iterdir() if p.is_dir())
+        stored = sorted(p.name for p in Path(root).iterdir() if p.is_dir())
         near = nearest_name(task, stored)
         guess = f" Did you mean '{near}'?" if near else ""
         raise DatasetError(f"'{root}' holds no task '{task}', only {stored}.{guess}")

@@ -1,4 +1,8 @@
-"""The manifest of a task: what every episode is, and the SHA-256 that says it is still the same."""
+"""The manifest of a task: what every episode is, and the SHA-256 that says it is still the same.
+
+`manifest.json` lists the episodes. While many are being written, each new entry becomes one line of `.manifest.journal` beside
+it, so that the hundred-thousandth episode costs no more than the first; whoever reads the manifest reads the journal too.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +14,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Any
 
-from rlbench_pin.datasets.layout import episode_files, manifest_path
-from rlbench_pin.errors import DatasetError
+from rlbench_pin.datasets.layout import checked_task_name, episode_file, manifest_path
+from rlbench_pin.datasets.storage import storing, write_whole
+from rlbench_pin.errors import EpisodeFileError
 
 VERSION = 1
 _BLOCK = 1 << 20
+_JOURNAL = ".manifest.journal"
 
 Entries = dict[tuple[int, int], "EpisodeEntry"]
 
@@ -35,73 +42,161 @@ class EpisodeEntry:
     sha256: str
     instructions: list[str] = field(default_factory=list)
     versions: dict[str, str] = field(default_factory=dict)
+    failures: list[str] = field(default_factory=list)
+    """Why each earlier attempt of the seed failed."""
+
+    def check(self, manifest: Path) -> None:
+        """Raise EpisodeFileError when the entry points anywhere but to its own place in the folder of the task."""
+        numbers = (self.variation, self.episode, self.frames, self.attempt, self.num_bytes)
+        if not all(type(n) is int and n >= 0 for n in numbers) or not isinstance(self.sha256, str):
+            raise EpisodeFileError(manifest, f"The manifest '{manifest}' has a damaged entry for {self.file!r}. Restore it.")
+        expected = episode_file(self.variation, self.episode)
+        if self.file != expected:
+            raise EpisodeFileError(
+                manifest, f"The manifest '{manifest}' lists {self.file!r} where '{expected}' belongs. Do not trust this dataset."
+            )
+
+
+def digest(data: bytes) -> str:
+    """Return the SHA-256 of some bytes, in hexadecimal."""
+    return hashlib.sha256(data).hexdigest()
 
 
 def file_digest(path: Path) -> str:
     """Return the SHA-256 of a file, in hexadecimal."""
-    digest = hashlib.sha256()
+    running = hashlib.sha256()
     with open(path, "rb") as file:
         while block := file.read(_BLOCK):
-            digest.update(block)
-    return digest.hexdigest()
+            running.update(block)
+    return running.hexdigest()
 
 
 def read_manifest(root: Path, task: str) -> tuple[EpisodeEntry, ...]:
-    """Return what the manifest of a task lists, by variation and episode; nothing when there is none."""
-    entries = _read(manifest_path(root, task))
-    return tuple(entries[key] for key in sorted(entries))
-
-
-def verify_task(root: Path, task: str) -> None:
-    """Check every stored episode of a task against its manifest.
+    """Return what the manifest of a task lists, by variation and episode; nothing when there is none.
 
     Raises:
-        DatasetError: Naming the first file that is missing, altered or not listed.
+        DatasetError: The manifest is damaged, of another version or task, or points out of its folder.
     """
-    folder = manifest_path(root, task).parent
-    entries = read_manifest(root, task)
-    for entry in entries:
-        path = folder / entry.file
-        if not path.is_file():
-            raise DatasetError(f"'{path}' is listed in {manifest_path(root, task)} but does not exist. Record it again.")
-        if file_digest(path) != entry.sha256:
-            raise DatasetError(f"'{path}' is not the file its manifest describes: the SHA-256 differs. Record it again.")
-    listed = {folder / entry.file for entry in entries}
-    unlisted = [path for path in episode_files(root, task) if path not in listed]
-    if unlisted:
-        raise DatasetError(f"'{unlisted[0]}' is not listed in {manifest_path(root, task)}. Add it with `DatasetWriter.add`.")
+    entries = _read(manifest_path(root, task), task)
+    return tuple(entries[key] for key in sorted(entries))
 
 
 @contextmanager
 def locked_manifest(root: Path, task: str) -> Iterator[Entries]:
     """Yield the entries of a manifest, to be changed; they are written when the block ends. One process at a time."""
     path = manifest_path(root, task)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with open(path.with_name(f".{path.name}.lock"), "w", encoding="utf-8") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        entries = _read(path)
+    with _lock(path):
+        entries = _read(path, task)
         yield entries
         _write(path, task, entries)
+        _journal(path).unlink(missing_ok=True)
 
 
-def _read(path: Path) -> Entries:
+def append_entry(root: Path, task: str, entry: EpisodeEntry) -> None:
+    """Note one more episode at the end of the journal; `fold_journal` puts it into the manifest.
+
+    Raises:
+        StorageError: The disk refused; the episode does not count.
+    """
+    path = manifest_path(root, task)
+    line = json.dumps(asdict(entry)).encode() + b"\n"
+    with _lock(path), storing(_journal(path)), open(_journal(path), "ab") as file:
+        whole = _length_of_whole_lines(_journal(path))
+        file.truncate(whole)
+        try:
+            file.write(line)
+            file.flush()
+            os.fsync(file.fileno())
+        except OSError:
+            os.truncate(_journal(path), whole)
+            raise
+
+
+def fold_journal(root: Path, task: str) -> None:
+    """Put what the journal lists into the manifest."""
+    if _journal(manifest_path(root, task)).exists():
+        with locked_manifest(root, task):
+            pass
+
+
+def _journal(manifest: Path) -> Path:
+    return manifest.with_name(_JOURNAL)
+
+
+@contextmanager
+def _lock(path: Path) -> Iterator[None]:
+    with storing(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        lock = open(path.with_name(f".{path.name}.lock"), "w", encoding="utf-8")  # noqa: SIM115
+    with lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def _read(path: Path, task: str) -> Entries:
+    stored = [*_read_file(path, task), *_read_journal(path)]
+    for entry in stored:
+        entry.check(path)
+    return {(entry.variation, entry.episode): entry for entry in stored}
+
+
+def _read_file(path: Path, task: str) -> list[EpisodeEntry]:
     if not path.exists():
-        return {}
+        return []
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
         version = content["version"]
         entries = [EpisodeEntry(**entry) for entry in content["episodes"]] if version == VERSION else []
-    except (ValueError, KeyError, TypeError) as error:
-        raise DatasetError(
-            f"The manifest '{path}' cannot be read: {error}. Restore it, or delete it and record again."
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise EpisodeFileError(
+            path, f"The manifest '{path}' cannot be read: {error}. Restore it, or delete it and record again."
         ) from error
     if version != VERSION:
-        raise DatasetError(f"The manifest '{path}' has version {version}; this package reads version {VERSION}.")
-    return {(entry.variation, entry.episode): entry for entry in entries}
+        raise EpisodeFileError(path, f"The manifest '{path}' has version {version}; this package reads version {VERSION}.")
+    if checked_task_name(str(content.get("task", task))) != task:
+        raise EpisodeFileError(path, f"The manifest '{path}' is of the task '{content['task']}'. Name the folder like the task.")
+    return entries
+
+
+def _read_journal(manifest: Path) -> list[EpisodeEntry]:
+    """Read the whole lines of the journal; a last line that was cut off never counted."""
+    path = _journal(manifest)
+    try:
+        text = path.read_bytes()
+    except FileNotFoundError:
+        return []
+    try:
+        lines: list[dict[str, Any]] = [json.loads(line) for line in text[: text.rfind(b"\n") + 1].splitlines()]
+        return [EpisodeEntry(**line) for line in lines]
+    except (ValueError, TypeError) as error:
+        raise EpisodeFileError(path, f"The journal '{path}' cannot be read: {error}. Delete it and go on with `--resume`.") from error
+
+
+def _length_of_whole_lines(path: Path) -> int:
+    """Return where the last whole line ends; what follows it was cut off by a crash."""
+    with open(path, "rb") as file:
+        end = file.seek(0, os.SEEK_END)
+        while end > 0:
+            start = max(0, end - _BLOCK)
+            file.seek(start)
+            found = file.read(end - start).rfind(b"\n")
+            if found >= 0:
+                return start + found + 1
+            end = start
+    return 0
 
 
 def _write(path: Path, task: str, entries: Entries) -> None:
     content = {"version": VERSION, "task": task, "episodes": [asdict(entries[key]) for key in sorted(entries)]}
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    temporary.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
-    os.replace(temporary, path)
+    write_whole(path, (json.dumps(content, indent=1) + "\n").encode())
+
+
+__all__ = [
+    "EpisodeEntry",
+    "append_entry",
+    "digest",
+    "file_digest",
+    "fold_journal",
+    "locked_manifest",
+    "read_manifest",
+]

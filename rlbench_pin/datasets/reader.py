@@ -4,39 +4,57 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from pathlib import Path
-from typing import Any
 
-import h5py
 import numpy as np
 
-from rlbench_pin.datasets.layout import episode_files, episode_number
-from rlbench_pin.datasets.series import from_json, read_series
-from rlbench_pin.datasets.writer import FIELDS, FORMAT, VERSION
+from rlbench_pin.datasets.episode import Episode
+from rlbench_pin.datasets.layout import checked_task_name, episode_files, episode_number
+from rlbench_pin.datasets.manifest import read_manifest
 from rlbench_pin.errors import DatasetError
-from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.observation import CAMERAS, PRODUCTS, Demo
+
+PICTURES = tuple(f"{camera}_{product}" for camera in CAMERAS for product in PRODUCTS)
 
 
-def read_demo(path: Path, fields: Collection[str] | None = None) -> Demo:
+def read_demo(path: Path, fields: Collection[str] | None = None, *, sha256: str | None = None, image_paths: bool = False) -> Demo:
     """Read one episode.
 
     Args:
         path: An episode file.
         fields: Names of `Observation` fields to read; None reads all. `misc` always comes along.
+        sha256: What the bytes of the file must add up to; None leaves them unchecked.
+        image_paths: Put into picture fields a text that `read_picture` turns into the picture, and leave the pictures unread.
 
     Raises:
         DatasetError: The file is missing, truncated, damaged, or of another format or version; names the file.
     """
-    path = Path(path)
-    if not path.is_file():
-        raise DatasetError(f"The episode '{path}' does not exist.")
-    try:
-        with h5py.File(path, "r") as file:
-            _check_version(file, path)
-            return _read(file, fields)
-    except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:
-        if isinstance(error, DatasetError):
-            raise
-        raise DatasetError(f"The episode '{path}' is truncated or damaged ({error}). Delete it and record it again.") from error
+    with Episode(path, sha256) as episode:
+        if not image_paths:
+            return episode.demo(fields)
+        wanted = [name for name in episode.fields if fields is None or name in fields]
+        pictures = [name for name in wanted if name in PICTURES]
+        demo = episode.demo([name for name in wanted if name not in PICTURES])
+    for index, observation in enumerate(demo):
+        for name in pictures:
+            setattr(observation, name, f"{path}#{name}/{index}")
+    return demo
+
+
+def read_picture(reference: str) -> np.ndarray:
+    """Return the picture that a text from `image_paths=True` stands for, as it was recorded.
+
+    Raises:
+        DatasetError: The text names no stored picture.
+    """
+    path, _, inside = reference.rpartition("#")
+    name, _, frame = inside.partition("/")
+    if not path or name not in PICTURES or not frame.isdigit():
+        raise DatasetError(f"{reference!r} stands for no picture; expected '<file>#<field>/<frame>', as image_paths=True gives.")
+    with Episode(Path(path)) as episode:
+        if name not in episode.fields or int(frame) >= len(episode):
+            raise DatasetError(f"'{path}' holds no {name} of frame {frame}; it has {len(episode)} frames of {episode.fields}.")
+        picture = episode.series(name, range(int(frame), int(frame) + 1))[0]
+    return np.asarray(picture)
 
 
 def stored_demos(
@@ -51,14 +69,14 @@ def stored_demos(
     rng: np.random.Generator | None = None,
     fields: Collection[str] | None = None,
 ) -> list[Demo]:
-    """Read several episodes of a task.
+    """Read several episodes of a task; each file that the manifest lists must have the SHA-256 it says.
 
     Args:
         root: Folder of the dataset.
         task: Snake-case task name.
         amount: How many, or -1 for all.
         variation: Variation, or -1 for all.
-        image_paths: Refused: pictures lie inside the episode files.
+        image_paths: Leave pictures unread and put texts for `read_picture` in their place.
         random_selection: Pick at random, without repeats; otherwise in natural order.
         from_episode_number: First episode when taken in order.
         rng: Draws the random selection; needed when there is one.
@@ -67,66 +85,45 @@ def stored_demos(
     Raises:
         DatasetError: More are asked for than are stored, or a file cannot be read.
     """
-    if image_paths:
-        raise DatasetError("Pictures lie inside the episode files, so there are no paths to them. Use image_paths=False.")
-    files = list(episode_files(Path(root), task, variation))
-    if not random_selection:
-        files = [path for path in files if episode_number(path) >= from_episode_number]
-    if amount > len(files):
+    root = Path(root)
+    sums = {root / task / entry.file: entry.sha256 for entry in read_manifest(root, checked_task_name(task))}
+    files = select(
+        list(episode_files(root, task, variation)),
+        f"of variation {variation} of '{task}' in '{root}'",
+        amount,
+        from_episode_number=None if random_selection else from_episode_number,
+        rng=rng,
+    )
+    return [read_demo(path, fields, sha256=sums.get(path), image_paths=image_paths) for path in files]
+
+
+def select(
+    episodes: list[Path], what: str, amount: int, *, from_episode_number: int | None, rng: np.random.Generator | None
+) -> list[Path]:
+    """Choose `amount` episodes, -1 for all.
+
+    Args:
+        episodes: What there is, in natural order.
+        what: What that is, for errors.
+        amount: How many.
+        from_episode_number: First episode, taken in order; None draws them at random.
+        rng: Draws them.
+
+    Raises:
+        DatasetError: There are too few.
+    """
+    if amount < -1:
+        raise DatasetError(f"{amount} demos cannot be read; ask for 0 or more, or for all with -1.")
+    if from_episode_number is not None:
+        episodes = [path for path in episodes if episode_number(path) >= from_episode_number]
+        what += f" from episode {from_episode_number}" if from_episode_number else ""
+    if amount > len(episodes):
         raise DatasetError(
-            f"{amount} demos of '{task}' were asked for, but '{root}' holds {len(files)} of variation {variation}. "
-            "Ask for fewer, or record more with `rlbench-pin demo`."
+            f"{amount} demos {what} were asked for, but it holds {len(episodes)}. "
+            "Ask for fewer, or record more with `rlbench-pin record`."
         )
-    count = len(files) if amount < 0 else amount
-    if random_selection:
+    if from_episode_number is None:
         if rng is None:
             raise DatasetError("A random selection needs a generator: pass `rng`, or random_selection=False.")
-        files = [files[i] for i in rng.permutation(len(files))]
-    return [read_demo(path, fields) for path in files[:count]]
-
-
-def _check_version(file: h5py.File, path: Path) -> None:
-    if file.attrs.get("format") != FORMAT:
-        raise DatasetError(f"'{path}' is an HDF5 file, but not an episode of this package.")
-    version = int(file.attrs.get("version", -1))
-    if version != VERSION:
-        raise DatasetError(f"The episode '{path}' has format version {version}; this package reads version {VERSION}.")
-
-
-def _read(file: h5py.File, fields: Collection[str] | None) -> Demo:
-    attrs = file.attrs
-    length = int(attrs["frames"])
-    return Demo(
-        _read_observations(file, length, FIELDS if fields is None else fields),
-        random_seed=_optional_int(attrs, "random_seed"),
-        num_reset_attempts=_optional_int(attrs, "num_reset_attempts"),
-        variation_number=int(attrs["variation"]),
-        instructions=from_json(attrs["instructions"]),
-        state=_read_state(file),
-        versions=from_json(attrs["versions"]),
-        attempt=int(attrs["attempt"]),
-        task_name=str(attrs["task"]),
-    )
-
-
-def _read_observations(file: h5py.File, length: int, fields: Collection[str]) -> list[Observation]:
-    group, misc = file["observations"], file["misc"]
-    columns = {name: read_series(group, name, length) for name in FIELDS if name in group and name in fields}
-    extras = {key: read_series(misc, key, length) for key in misc if "@" not in key}
-    frames: list[dict[str, Any]] = [{name: values[i] for name, values in columns.items()} for i in range(length)]
-    return [
-        Observation(**frame, misc={key: values[i] for key, values in extras.items() if values[i] is not None})
-        for i, frame in enumerate(frames)
-    ]
-
-
-def _read_state(file: h5py.File) -> dict[str, np.ndarray] | None:
-    if "state" not in file:
-        return None
-    group = file["state"]
-    names = sorted((name for name in group if "@" not in name), key=lambda n: int(n.removeprefix("array")))
-    return {str(group[name].attrs["name"]): read_series(group, name, 1)[0] for name in names}
-
-
-def _optional_int(attrs: h5py.AttributeManager, name: str) -> int | None:
-    return int(attrs[name]) if name in attrs else None
+        episodes = [episodes[i] for i in rng.permutation(len(episodes))]
+    return episodes if amount < 0 else episodes[:amount]

@@ -44,18 +44,28 @@ def write_series(group: h5py.Group, name: str, values: Sequence[Value], compress
         group.create_dataset(f"{name}@frames", data=np.array(frames, dtype=np.int64))
 
 
-def read_series(group: h5py.Group, name: str, length: int) -> list[Value]:
-    """Read back what `write_series` stored: `length` values, None where a frame has none."""
+def read_series(group: h5py.Group, name: str, length: int, wanted: range | None = None) -> list[Value]:
+    """Read back what `write_series` stored, None where a frame has none.
+
+    Args:
+        group: Where it is stored.
+        name: Under which name.
+        length: How many frames the episode has.
+        wanted: The frames to read, consecutive ones; all when None. Only they are read from the file.
+    """
     dataset = group[name]
     frames = group[f"{name}@frames"][()].tolist() if f"{name}@frames" in group else range(length)
-    data = dataset[()]
-    if dataset.attrs.get("constant", False):
-        data = np.repeat(data, len(frames), axis=0)
-    if len(data) != len(frames):
-        raise ValueError(f"'{name}' has {len(data)} values for {len(frames)} frames")
-    result: list[Value] = [None] * length
-    for frame, value in zip(frames, _unpack(dataset.attrs["kind"], data)):
-        result[frame] = value
+    constant = bool(dataset.attrs.get("constant", False))
+    if len(dataset) != (1 if constant else len(frames)):
+        raise ValueError(f"'{name}' has {len(dataset)} values for {len(frames)} frames")
+    wanted = range(length) if wanted is None else wanted
+    rows = [row for row, frame in enumerate(frames) if frame in wanted]
+    result: list[Value] = [None] * len(wanted)
+    if not rows:
+        return result
+    data = np.repeat(dataset[()], len(rows), axis=0) if constant else dataset[rows[0] : rows[-1] + 1]
+    for row, value in zip(rows, _unpack(dataset.attrs["kind"], data), strict=True):
+        result[frames[row] - wanted.start] = value
     return result
 
 

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator
-from contextlib import contextmanager
+import io
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Literal
 
 import h5py
 
-from rlbench_pin.datasets.layout import EPISODE_SUFFIX, episode_path
-from rlbench_pin.datasets.manifest import EpisodeEntry, file_digest, locked_manifest
+from rlbench_pin.datasets.layout import episode_file, episode_path
+from rlbench_pin.datasets.manifest import EpisodeEntry, append_entry, digest, locked_manifest
 from rlbench_pin.datasets.series import to_json, write_series
+from rlbench_pin.datasets.storage import write_whole
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import Demo, Observation
 
@@ -23,6 +23,29 @@ VERSION = 1
 FIELDS = tuple(f.name for f in fields(Observation) if f.name != "misc")
 
 Compression = Literal["gzip", "lzf"]
+
+
+def encode_demo(demo: Demo, compression: Compression = "gzip") -> bytes:
+    """Return one demonstration as the bytes of an episode file; equal demonstrations give equal bytes.
+
+    Args:
+        demo: What to write.
+        compression: `gzip` is small, `lzf` is fast; both keep every bit.
+
+    Raises:
+        DatasetError: The demo is empty or holds something that cannot be stored.
+    """
+    if len(demo) == 0:
+        raise DatasetError("A demonstration without observations cannot be written.")
+    buffer = io.BytesIO()
+    with h5py.File(buffer, "w") as file:
+        _write_head(file, demo)
+        try:
+            _write_observations(file, demo, compression)
+            _write_state(file, demo, compression)
+        except TypeError as error:
+            raise DatasetError(f"The demonstration of '{demo.task_name}' cannot be written: {error}.") from error
+    return buffer.getvalue()
 
 
 def write_demo(demo: Demo, path: Path, compression: Compression = "gzip") -> Path:
@@ -35,18 +58,9 @@ def write_demo(demo: Demo, path: Path, compression: Compression = "gzip") -> Pat
 
     Raises:
         DatasetError: The demo is empty or holds something that cannot be stored.
+        StorageError: The disk refused.
     """
-    path = Path(path)
-    if len(demo) == 0:
-        raise DatasetError(f"A demonstration without observations cannot be written to '{path}'.")
-    with _aside(path) as temporary, h5py.File(temporary, "w") as file:
-        _write_head(file, demo)
-        try:
-            _write_observations(file, demo, compression)
-        except TypeError as error:
-            raise DatasetError(f"'{path}' cannot be written: {error}.") from error
-        _write_state(file, demo, compression)
-    return path
+    return write_whole(Path(path), encode_demo(demo, compression))
 
 
 def _write_head(file: h5py.File, demo: Demo) -> None:
@@ -66,13 +80,23 @@ def _write_head(file: h5py.File, demo: Demo) -> None:
 
 def _write_observations(file: h5py.File, demo: Demo, compression: str) -> None:
     group = file.create_group("observations")
-    for name in FIELDS:
-        write_series(group, name, [getattr(obs, name) for obs in demo], compression)
+    for name in (*FIELDS, *_further_fields(demo)):
+        write_series(group, name, [getattr(obs, name, None) for obs in demo], compression)
     misc = file.create_group("misc")
-    for key in sorted({key for obs in demo for key in obs.misc}):
-        if "/" in key or "@" in key:
-            raise TypeError(f"the misc key '{key}' has a '/' or '@' in it")
+    for key in _checked({key for obs in demo for key in obs.misc}):
         write_series(misc, key, [obs.misc.get(key) for obs in demo], compression)
+
+
+def _further_fields(demo: Demo) -> list[str]:
+    """Return the attributes beside the declared ones: what extra cameras see."""
+    return _checked({name for obs in demo for name in vars(obs)} - {*FIELDS, "misc"})
+
+
+def _checked(names: Iterable[str]) -> list[str]:
+    for name in (names := sorted(names)):
+        if "/" in name or "@" in name or name in ("", "."):
+            raise TypeError(f"the key {name!r} is empty or has a '/' or '@' in it")
+    return names
 
 
 def _write_state(file: h5py.File, demo: Demo, compression: str) -> None:
@@ -82,20 +106,6 @@ def _write_state(file: h5py.File, demo: Demo, compression: str) -> None:
     for index, (name, array) in enumerate(sorted(demo.state.items())):
         write_series(group, f"array{index}", [array], compression)
         group[f"array{index}"].attrs["name"] = name
-
-
-@contextmanager
-def _aside(path: Path) -> Iterator[Path]:
-    """Yield a neighbouring name to write to; rename it to `path` at the end, or remove it after an error."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        yield temporary
-        with open(temporary, "rb") as file:
-            os.fsync(file.fileno())
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 @dataclass(frozen=True)
@@ -114,19 +124,43 @@ class DatasetWriter:
         """
         if not demo.task_name:
             raise DatasetError("A demonstration without a task name cannot be filed; set `Demo.task_name`.")
-        waiting = episode_path(self.root, demo.task_name, demo.variation_number, 0).with_name(
-            f".new.{os.getpid()}.{id(demo)}{EPISODE_SUFFIX}"
-        )
-        write_demo(demo, waiting, self.compression)
-        try:
-            with locked_manifest(self.root, demo.task_name) as entries:
-                number = _episode_number(entries, demo)
-                path = episode_path(self.root, demo.task_name, demo.variation_number, number)
-                os.replace(waiting, path)
-                entries[(demo.variation_number, number)] = _entry(path, self.root, demo, number)
-        finally:
-            waiting.unlink(missing_ok=True)
+        data = encode_demo(demo, self.compression)
+        with locked_manifest(self.root, demo.task_name) as entries:
+            number = _episode_number(entries, demo)
+            path = episode_path(self.root, demo.task_name, demo.variation_number, number)
+            write_whole(path, data)
+            entries[(demo.variation_number, number)] = episode_entry(demo, data, number)
         return path
+
+    def put(self, task: str, data: bytes, entry: EpisodeEntry) -> Path:
+        """Store an encoded episode under the number that its entry has, and return its file.
+
+        The file is whole on the disk before it is listed; call `fold_journal` when many have been put.
+
+        Raises:
+            StorageError: The disk refused; the episode does not count.
+        """
+        path = episode_path(self.root, task, entry.variation, entry.episode)
+        write_whole(path, data)
+        append_entry(self.root, task, entry)
+        return path
+
+
+def episode_entry(demo: Demo, data: bytes, number: int, failures: Sequence[str] = ()) -> EpisodeEntry:
+    """Return the line of the manifest that describes a demonstration encoded as `data`."""
+    return EpisodeEntry(
+        file=episode_file(demo.variation_number, number),
+        variation=demo.variation_number,
+        episode=number,
+        frames=len(demo),
+        random_seed=demo.random_seed,
+        attempt=demo.attempt,
+        num_bytes=len(data),
+        sha256=digest(data),
+        instructions=list(demo.instructions),
+        versions=dict(demo.versions),
+        failures=list(failures),
+    )
 
 
 def _episode_number(entries: dict[tuple[int, int], EpisodeEntry], demo: Demo) -> int:
@@ -134,18 +168,3 @@ def _episode_number(entries: dict[tuple[int, int], EpisodeEntry], demo: Demo) ->
     stored = [e for (variation, _), e in entries.items() if variation == demo.variation_number]
     same = [e.episode for e in stored if demo.random_seed is not None and e.random_seed == demo.random_seed]
     return same[0] if same else max((e.episode for e in stored), default=-1) + 1
-
-
-def _entry(path: Path, root: Path, demo: Demo, number: int) -> EpisodeEntry:
-    return EpisodeEntry(
-        file=path.relative_to(Path(root) / demo.task_name).as_posix(),
-        variation=demo.variation_number,
-        episode=number,
-        frames=len(demo),
-        random_seed=demo.random_seed,
-        attempt=demo.attempt,
-        num_bytes=path.stat().st_size,
-        sha256=file_digest(path),
-        instructions=list(demo.instructions),
-        versions=dict(demo.versions),
-    )

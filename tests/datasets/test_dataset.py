@@ -8,13 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from demos_for_tests import make_demo
+from demos_for_tests import assert_equal, make_demo
 
 from rlbench_pin.datasets import (
     DatasetWriter,
     episode_files,
     read_demo,
     read_manifest,
+    read_picture,
     stored_demos,
     stored_variations,
     verify_task,
@@ -81,10 +82,19 @@ def test_load_at_random(root: Path) -> None:
     assert len(set(draws[0])) == 5
 
 
-def test_paths_of_pictures_are_refused(root: Path) -> None:
-    """Our format has no picture files; the error says what to pass instead."""
-    with pytest.raises(DatasetError, match="image_paths=False"):
-        stored_demos(root, TASK, 1, 0, image_paths=True)
+def test_paths_stand_for_pictures(root: Path) -> None:
+    """With `image_paths`, a picture field holds a text that gives the picture when it is needed."""
+    (demo,) = stored_demos(root, TASK, 1, 0, image_paths=True, random_selection=False, from_episode_number=3)
+    whole = read_demo(episode_files(root, TASK, 0)[3])
+    for observation, expected in zip(demo, whole, strict=True):
+        assert isinstance(observation.front_rgb, str)
+        assert_equal(read_picture(observation.front_rgb), expected.front_rgb)
+        assert_equal(observation.joint_positions, expected.joint_positions)
+        assert observation.overhead_rgb is None
+    with pytest.raises(DatasetError, match="stands for no picture"):
+        read_picture("episode3.h5")
+    with pytest.raises(DatasetError, match="no front_rgb of frame 2"):
+        read_picture(str(demo[0].front_rgb)[:-1] + "2")
 
 
 def test_load_all_variations(root: Path) -> None:
@@ -94,7 +104,7 @@ def test_load_all_variations(root: Path) -> None:
 
 def test_asking_for_too_many(root: Path) -> None:
     """The error has both numbers and the remedy."""
-    with pytest.raises(DatasetError, match=r"13 demos.*holds 12.*rlbench-pin demo"):
+    with pytest.raises(DatasetError, match=r"13 demos.*holds 12.*rlbench-pin record"):
         stored_demos(root, TASK, 13, 0)
 
 

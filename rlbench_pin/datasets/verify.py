@@ -1,0 +1,75 @@
+"""Is a dataset still what was written? Every file against its SHA-256, its entry, and its own structure."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rlbench_pin.datasets.episode import Episode
+from rlbench_pin.datasets.layout import episode_files, manifest_path
+from rlbench_pin.datasets.manifest import EpisodeEntry, file_digest, read_manifest
+from rlbench_pin.errors import DatasetError, EpisodeFileError
+
+
+def task_faults(root: Path, task: str, *, structure: bool = True) -> list[DatasetError]:
+    """Return what is wrong with the stored episodes of a task, one error per file; nothing when all is well.
+
+    Args:
+        root: Folder of the dataset.
+        task: Task name.
+        structure: Also open every file and read every value; False only compares checksums.
+    """
+    manifest = manifest_path(root, task)
+    try:
+        entries = read_manifest(root, task)
+        files = episode_files(root, task)
+    except DatasetError as error:
+        return [error]
+    faults = [fault for entry in entries if (fault := _fault(manifest.parent, entry, task, structure)) is not None]
+    listed = {manifest.parent / entry.file for entry in entries}
+    for path in files:
+        if path not in listed:
+            faults.append(EpisodeFileError(path, f"'{path}' is not listed in {manifest}. Delete it, or record again with `--resume`."))
+    return faults
+
+
+def verify_task(root: Path, task: str, *, structure: bool = False) -> None:
+    """Check every stored episode of a task against its manifest.
+
+    Raises:
+        DatasetError: Naming the first file that is missing, altered or not listed.
+    """
+    faults = task_faults(root, task, structure=structure)
+    if faults:
+        raise faults[0]
+
+
+def _fault(folder: Path, entry: EpisodeEntry, task: str, structure: bool) -> DatasetError | None:
+    path = folder / entry.file
+    try:
+        if not path.is_file():
+            return EpisodeFileError(path, f"'{path}' is listed in the manifest but does not exist. Record it again.")
+        if path.stat().st_size != entry.num_bytes or file_digest(path) != entry.sha256:
+            return EpisodeFileError(
+                path, f"'{path}' is not the file its manifest describes: the SHA-256 differs. Delete it and record it again."
+            )
+        if structure:
+            check_structure(path, entry, task)
+    except OSError as error:
+        return EpisodeFileError(path, f"'{path}' cannot be read: {error}.")
+    except DatasetError as error:
+        return error
+    return None
+
+
+def check_structure(path: Path, entry: EpisodeEntry, task: str) -> None:
+    """Read every value of a file and hold it against its entry in the manifest.
+
+    Raises:
+        EpisodeFileError: Something cannot be read or differs; names the file.
+    """
+    with Episode(path) as episode:
+        demo = episode.demo()
+    told = (task, entry.variation, entry.frames, entry.random_seed, entry.attempt)
+    found = (demo.task_name, demo.variation_number, len(demo), demo.random_seed, demo.attempt)
+    if told != found:
+        raise EpisodeFileError(path, f"'{path}' holds (task, variation, frames, seed, attempt) {found}, its manifest says {told}.")
