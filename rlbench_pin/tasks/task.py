@@ -53,6 +53,8 @@ class Task:
 
     solved_by_chance: ClassVar[bool] = False
     """Whether a flailing arm may reach the goal now and then, as with a ball in the air; otherwise that is a fault."""
+    variations_share_goals: ClassVar[bool] = False
+    """Whether some variations ask for the same, in the same words; otherwise that is a fault."""
 
     def __init__(self, world: World) -> None:
         self.scene, self.robot, self.gripper = world, world.robot, world.gripper
