@@ -1,7 +1,7 @@
 """Robot manipulation tasks with planned demonstrations, on Pinocchio and PyBullet.
 
 The names below are all that most programs need. They are looked up when first used, so that importing the package
-starts nothing and reads nothing.
+starts nothing and reads nothing. Where gymnasium is used, it makes the ids `rlbench_pin/<task>-state-v0` and `-vision-v0` known.
 """
 
 from __future__ import annotations
@@ -9,6 +9,8 @@ from __future__ import annotations
 import importlib
 import logging
 from typing import TYPE_CHECKING
+
+from rlbench_pin.gym_ids import announce
 
 if TYPE_CHECKING:
     from rlbench_pin.environment import (
@@ -56,6 +58,7 @@ _HOMES = {
 }
 
 logging.getLogger(__name__).addHandler(logging.NullHandler())
+announce()
 
 
 def __getattr__(name: str) -> object:

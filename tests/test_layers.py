@@ -20,7 +20,7 @@ ROWS: tuple[tuple[str, ...], ...] = (
     ("tasks",),
     ("sim", "planning", "control"),
     ("robot", "scene", "datasets"),
-    ("errors", "spatial", "observation", "assets"),
+    ("errors", "spatial", "observation", "assets", "gym_ids"),
 )
 FLOOR = len(ROWS) - 1
 
@@ -46,6 +46,7 @@ HOMES: dict[str, tuple[str, ...]] = {
     "tyro": ("cli",),
     "tqdm": ("cli",),
     "PIL": ("cli", "sim"),
+    "gymnasium": ("environment",),
     "trimesh": (),
     "manifold3d": (),
     "pickle": (),

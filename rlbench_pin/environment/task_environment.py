@@ -75,6 +75,7 @@ class TaskEnvironment:
         self._seed = 0
         self._reset_attempts = 0
         self._reset_called = False
+        self._succeeded = False
 
     # What it is -------------------------------------------------------------------------------------------------
 
@@ -102,6 +103,11 @@ class TaskEnvironment:
     def seed(self) -> int:
         """Seed of the present episode."""
         return self._seed
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether the goal was reached by the last step; False after a reset."""
+        return self._succeeded
 
     def get_name(self) -> str:
         """Return the snake-case task name."""
@@ -161,7 +167,7 @@ class TaskEnvironment:
         return list(self._instructions), self.get_observation()
 
     def _start(self, seed: int, attempt: int) -> None:
-        self._reset_called = False
+        self._reset_called = self._succeeded = False
         random = EpisodeRandom.from_seed(seed, attempt)
         variation = self._variation_number
         if variation == ALL_VARIATIONS:
@@ -187,6 +193,7 @@ class TaskEnvironment:
         self._need_reset("step")
         self._action_mode.action(self._scene, action)
         success, terminate = self.task.success()
+        self._succeeded = bool(success)
         return self.get_observation(), self._reward(success), bool(terminate)
 
     def _reward(self, success: bool) -> float:
