@@ -9,12 +9,14 @@ from typing import Protocol
 import tyro
 
 from rlbench_pin.cli.check import Check
+from rlbench_pin.cli.dataset import Dataset
 from rlbench_pin.cli.demo import RecordDemos
 from rlbench_pin.cli.doctor import Doctor
 from rlbench_pin.cli.evaluate import Evaluate
 from rlbench_pin.cli.list_tasks import ListTasks
 from rlbench_pin.cli.new import New
 from rlbench_pin.cli.problems import Problems
+from rlbench_pin.cli.record import Record
 from rlbench_pin.cli.video import Video
 from rlbench_pin.cli.view import View
 from rlbench_pin.errors import RlbenchPinError, TaskEnvironmentError, UnknownName
@@ -33,6 +35,8 @@ class Command(Protocol):
 COMMANDS: dict[str, Callable[..., Command]] = {
     "list": ListTasks,
     "demo": RecordDemos,
+    "record": Record,
+    "dataset": Dataset,
     "check": Check,
     "view": View,
     "video": Video,

@@ -166,7 +166,9 @@ class Episode:
         for group in (self._file, *(self._file[name] for name in ("observations", "misc"))):
             for name in group:
                 if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-                    raise EpisodeFileError(self.path, f"'{self.path}' has a link at '{name}' that leads elsewhere. Do not trust it.")
+                    raise EpisodeFileError(
+                        self.path, f"'{self.path}' has a link at '{name}' that leads elsewhere. Do not trust it."
+                    )
                 thing = group[name]
                 if isinstance(thing, h5py.Dataset) and (thing.external or thing.is_virtual):
                     raise EpisodeFileError(self.path, f"'{self.path}' keeps '{name}' in another file. Do not trust it.")

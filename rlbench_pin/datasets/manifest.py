@@ -169,7 +169,9 @@ def _read_journal(manifest: Path) -> list[EpisodeEntry]:
         lines: list[dict[str, Any]] = [json.loads(line) for line in text[: text.rfind(b"\n") + 1].splitlines()]
         return [EpisodeEntry(**line) for line in lines]
     except (ValueError, TypeError) as error:
-        raise EpisodeFileError(path, f"The journal '{path}' cannot be read: {error}. Delete it and go on with `--resume`.") from error
+        raise EpisodeFileError(
+            path, f"The journal '{path}' cannot be read: {error}. Delete it and go on with `--resume`."
+        ) from error
 
 
 def _length_of_whole_lines(path: Path) -> int:

@@ -26,10 +26,11 @@ def task_faults(root: Path, task: str, *, structure: bool = True) -> list[Datase
         return [error]
     faults = [fault for entry in entries if (fault := _fault(manifest.parent, entry, task, structure)) is not None]
     listed = {manifest.parent / entry.file for entry in entries}
-    for path in files:
-        if path not in listed:
-            faults.append(EpisodeFileError(path, f"'{path}' is not listed in {manifest}. Delete it, or record again with `--resume`."))
-    return faults
+    return faults + [
+        EpisodeFileError(path, f"'{path}' is not listed in {manifest}. Delete it, or record again with `--resume`.")
+        for path in files
+        if path not in listed
+    ]
 
 
 def verify_task(root: Path, task: str, *, structure: bool = False) -> None:
@@ -72,4 +73,6 @@ def check_structure(path: Path, entry: EpisodeEntry, task: str) -> None:
     told = (task, entry.variation, entry.frames, entry.random_seed, entry.attempt)
     found = (demo.task_name, demo.variation_number, len(demo), demo.random_seed, demo.attempt)
     if told != found:
-        raise EpisodeFileError(path, f"'{path}' holds (task, variation, frames, seed, attempt) {found}, its manifest says {told}.")
+        raise EpisodeFileError(
+            path, f"'{path}' holds (task, variation, frames, seed, attempt) {found}, its manifest says {told}."
+        )

@@ -1,0 +1,189 @@
+"""`rlbench-pin dataset info|verify|merge|rerender|seeds|export`: look after stored demonstrations."""
+
+from __future__ import annotations
+
+import json
+from contextlib import closing
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from tqdm import tqdm
+
+from rlbench_pin.cli.progress import RecordBar, stopping_gently
+from rlbench_pin.cli.record import EngineName, make_engine, tell
+from rlbench_pin.datasets import stored_tasks, task_faults
+from rlbench_pin.datasets.info import TaskInfo, task_info
+from rlbench_pin.datasets.merge import merge, plan_merge
+from rlbench_pin.environment.record_config import PictureConfig
+from rlbench_pin.environment.rerender import rerender, seeds_of, write_seeds
+from rlbench_pin.errors import DatasetError
+from rlbench_pin.observation import CAMERAS
+
+Root = tyro.conf.Positional[Path]
+
+
+@dataclass(frozen=True)
+class Info:
+    """Count episodes, frames, bytes, retries and versions."""
+
+    root: Root
+    """Folder of the dataset."""
+    json: bool = False
+    """Print JSON for programs."""
+
+    def run(self) -> int:
+        """Print one line per task."""
+        infos = [task_info(self.root, task) for task in _tasks(self.root)]
+        print(json.dumps([asdict(info) for info in infos], indent=1) if self.json else _table(infos))
+        return 0
+
+
+@dataclass(frozen=True)
+class Verify:
+    """Check every file against its SHA-256, and read every value; names the bad ones."""
+
+    root: Root
+    """Folder of the dataset."""
+    quick: bool = False
+    """Compare checksums only."""
+
+    def run(self) -> int:
+        """Print what is wrong; 1 when something is."""
+        bad = 0
+        tasks = _tasks(self.root)
+        for task in tqdm(tasks, unit="task", desc="verify"):
+            for fault in task_faults(self.root, task, structure=not self.quick):
+                bad += 1
+                print(fault)
+        print(f"{self.root}: {bad or 'no'} faults in {len(tasks)} tasks")
+        return 1 if bad else 0
+
+
+@dataclass(frozen=True)
+class Merge:
+    """Copy the episodes of several datasets into one; refuses what does not go together before it writes anything."""
+
+    roots: tyro.conf.Positional[tuple[Path, ...]]
+    """Folders of the datasets."""
+    out: Path
+    """Folder of the result; may hold episodes already."""
+
+    def run(self) -> int:
+        """Merge and print how many episodes were copied."""
+        with tqdm(total=len(plan_merge(self.roots, self.out)), unit="episode", desc="merge") as bar:
+            moves = merge(self.roots, self.out, lambda _: bar.update() and None)
+        print(f"{len(moves)} episodes copied to {self.out}")
+        return 0
+
+
+@dataclass(frozen=True)
+class Rerender:
+    """Record demonstrations again from their seeds or their states, with other cameras, sizes and products."""
+
+    source: Root
+    """Folder of the dataset (its manifests are enough), or a file with a list of seeds."""
+    out: Path
+    """Folder of the result; a run that was broken off is resumed."""
+    tasks: tuple[str, ...] = ()
+    """Only these tasks."""
+    image_size: tuple[int, int] = (128, 128)
+    """Width and height of the pictures [px]."""
+    cameras: tuple[str, ...] = CAMERAS
+    """Cameras whose pictures are stored."""
+    products: tuple[str, ...] = ("rgb", "depth", "mask")
+    """What each camera delivers, of rgb, depth, mask and point_cloud."""
+    workers: int = 1
+    """Processes; 0 works in this one."""
+    engine: EngineName = "processes"
+    """Who does the work: processes of this machine, or a Ray cluster."""
+
+    def run(self) -> int:
+        """Rerender; 1 when episodes are missing at the end."""
+        pictures = PictureConfig(cameras=self.cameras, products=self.products, image_size=self.image_size)
+        engine = make_engine(self.engine, self.workers)
+        with stopping_gently() as stop, closing(RecordBar("rerender")) as bar:
+            report = rerender(self.source, self.out, pictures, tasks=self.tasks, engine=engine, on_progress=bar, stop=stop)
+        return tell(report, self.out, "the same command", as_json=False)
+
+
+@dataclass(frozen=True)
+class Seeds:
+    """Write the seeds of a dataset to a small file, from which `rerender` makes it again."""
+
+    root: Root
+    """Folder of the dataset."""
+    file: tyro.conf.Positional[Path]
+    """The file to write."""
+
+    def run(self) -> int:
+        """Write and print how many."""
+        seeds = seeds_of(self.root)
+        print(f"{len(seeds)} seeds in {write_seeds(self.file, seeds)}")
+        return 0
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """Look after stored demonstrations."""
+
+    action: tyro.conf.OmitSubcommandPrefixes[
+        Annotated[Info, tyro.conf.subcommand("info")]
+        | Annotated[Verify, tyro.conf.subcommand("verify")]
+        | Annotated[Merge, tyro.conf.subcommand("merge")]
+        | Annotated[Rerender, tyro.conf.subcommand("rerender")]
+        | Annotated[Seeds, tyro.conf.subcommand("seeds")]
+    ] = field()
+    """What to do."""
+
+    def run(self) -> int:
+        """Do it."""
+        return self.action.run()
+
+
+HEADER = ("task", "episodes", "variations", "frames", "lengths", "MB", "kB a frame", "retried", "pictures")
+
+
+def _tasks(root: Path) -> tuple[str, ...]:
+    tasks = stored_tasks(root)
+    if not tasks:
+        raise DatasetError(f"'{root}' holds no demonstrations. `rlbench-pin record TASK --out {root}` makes some.")
+    return tasks
+
+
+def _table(infos: list[TaskInfo]) -> str:
+    rows = [HEADER, *map(_row, infos), _total(infos)]
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    table = "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in rows)
+    versions = {f"{name} {v}" for info in infos for name, vs in info.versions.items() for v in vs}
+    return f"{table}\nmade with {', '.join(sorted(versions))}"
+
+
+def _row(info: TaskInfo) -> tuple[str, ...]:
+    sizes = sorted({"x".join(map(str, shape[1::-1])) for shape in info.pictures.values()})
+    return (
+        info.task,
+        str(info.episodes),
+        str(len(info.variations)),
+        str(info.frames),
+        f"{info.shortest}..{info.median:.0f}..{info.longest}",
+        f"{info.num_bytes / 1e6:.1f}",
+        f"{info.num_bytes / info.frames / 1e3:.1f}",
+        str(info.retried),
+        f"{len(info.pictures)} of {' '.join(sizes)} px" if info.pictures else "none",
+    )
+
+
+def _total(infos: list[TaskInfo]) -> tuple[str, ...]:
+    frames, size = sum(i.frames for i in infos), sum(i.num_bytes for i in infos)
+    numbers = (sum(i.episodes for i in infos), sum(len(i.variations) for i in infos), frames)
+    return (
+        "all",
+        *map(str, numbers),
+        "",
+        f"{size / 1e6:.1f}",
+        f"{size / frames / 1e3:.1f}",
+        str(sum(i.retried for i in infos)),
+        "",
+    )

@@ -1,0 +1,55 @@
+"""The bar of a long piece of work, and Ctrl-C that loses nothing."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+from tqdm import tqdm
+
+from rlbench_pin.environment.recording import RecordReport
+
+
+class RecordBar:
+    """Episodes done, their rate, and failed tries by cause, on stderr."""
+
+    def __init__(self, what: str) -> None:
+        self._bar: tqdm | None = None
+        self._what = what
+
+    def __call__(self, report: RecordReport) -> None:
+        """Show how far it is."""
+        if self._bar is None:
+            self._bar = tqdm(total=report.wanted, initial=report.found, unit="episode", desc=self._what, dynamic_ncols=True)
+        self._bar.update(report.found + report.recorded - self._bar.n)
+        notes = [f"{count} {cause}" for cause, count in sorted(report.causes.items(), key=lambda item: -item[1])]
+        notes += [f"{len(report.failed)} given up"] if report.failed else []
+        notes += [f"{len(report.deaths)} workers died"] if report.deaths else []
+        self._bar.set_postfix_str(", ".join(notes))
+
+    def close(self) -> None:
+        """Leave the line as it is."""
+        if self._bar is not None:
+            self._bar.close()
+
+
+@contextmanager
+def stopping_gently() -> Iterator[threading.Event]:
+    """Yield an event that the first Ctrl-C sets; a second one interrupts at once."""
+    stop = threading.Event()
+
+    def on_interrupt(_: int, __: FrameType | None) -> None:
+        if stop.is_set():
+            raise KeyboardInterrupt
+        stop.set()
+        print("\nFinishing what is under way; Ctrl-C again to abandon it.", file=sys.stderr)
+
+    before = signal.signal(signal.SIGINT, on_interrupt)
+    try:
+        yield stop
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -1,0 +1,143 @@
+"""`rlbench-pin record TASK...`: demonstrations by the thousand, resumable, by as many processes as there are cores."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import shlex
+import sys
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import tyro
+
+from rlbench_pin.cli.progress import RecordBar, stopping_gently
+from rlbench_pin.datasets.writer import Compression
+from rlbench_pin.environment.record_config import PictureConfig, RecordConfig
+from rlbench_pin.environment.record_engines import Engine, ProcessEngine, SerialEngine
+from rlbench_pin.environment.recording import RecordReport, read_recording, record
+from rlbench_pin.errors import MissingExtra
+from rlbench_pin.observation import CAMERAS
+from rlbench_pin.tasks import task_names
+
+EngineName = Literal["processes", "ray"]
+ALL_TASKS = "all"
+
+
+@dataclass(frozen=True)
+class Record:
+    """Plan demonstrations of tasks and write them to a dataset. Whatever kills it, `--resume` goes on where it ended."""
+
+    tasks: tyro.conf.Positional[tuple[str, ...]] = ()
+    """Task names, as `rlbench-pin list` prints them, `all`, or task files; with `--resume` alone, those recorded before."""
+    episodes: int = 10
+    """Episodes of each task, spread evenly over its variations."""
+    per_variation: bool = False
+    """Count episodes for each variation."""
+    variations: int = -1
+    """Most variations of a task; -1 is all."""
+    seed: int = 0
+    """Seed of the recording. The same seed gives the same files, however many workers there are."""
+    workers: int = 1
+    """Processes; 0 works in this one."""
+    engine: EngineName = "processes"
+    """Who does the work: processes of this machine, or a Ray cluster."""
+    resume: bool = False
+    """Go on with what the folder holds."""
+    image_size: tuple[int, int] = (128, 128)
+    """Width and height of the pictures [px]."""
+    cameras: tuple[str, ...] = CAMERAS
+    """Cameras whose pictures are stored."""
+    products: tuple[str, ...] = ("rgb", "depth", "mask")
+    """What each camera delivers, of rgb, depth, mask and point_cloud; nothing after `--products` for no pictures."""
+    compression: Compression = "gzip"
+    """`gzip` is small, `lzf` is fast."""
+    max_attempts: int = 10
+    """Tries for each episode."""
+    out: Path = Path("out/dataset")
+    """Folder of the dataset."""
+    json: bool = False
+    """Print the report as JSON."""
+
+    def run(self) -> int:
+        """Record; 1 when episodes are missing at the end."""
+        config = read_recording(self.out) if self.resume and not self.tasks else self._config()
+        engine = make_engine(self.engine, self.workers)
+        with stopping_gently() as stop, closing(RecordBar("record")) as bar:
+            report = record(config, self.out, engine=engine, resume=self.resume, on_progress=bar, stop=stop)
+        return tell(report, self.out, self._resume_command(), as_json=self.json)
+
+    def _config(self) -> RecordConfig:
+        return RecordConfig(
+            tasks=task_names() if self.tasks == (ALL_TASKS,) else self.tasks,
+            episodes=self.episodes,
+            per_variation=self.per_variation,
+            variations=self.variations,
+            seed=self.seed,
+            max_attempts=self.max_attempts,
+            pictures=PictureConfig(
+                cameras=self.cameras, products=self.products, image_size=self.image_size, compression=self.compression
+            ),
+        )
+
+    def _resume_command(self) -> str:
+        engine = [] if self.engine == "processes" else ["--engine", self.engine]
+        return shlex.join(["rlbench-pin", "record", "--resume", "--out", str(self.out), "--workers", str(self.workers), *engine])
+
+
+def make_engine(name: EngineName, workers: int) -> Engine:
+    """Return who does the work.
+
+    Raises:
+        MissingExtra: Ray is not installed.
+    """
+    if name == "processes":
+        return ProcessEngine(workers) if workers else SerialEngine()
+    try:
+        module = importlib.import_module("rlbench_pin.environment.record_ray")
+    except ImportError as error:
+        raise MissingExtra("The engine 'ray'", "ray", "ray") from error
+    make: Callable[[int], Engine] = module.RayEngine
+    return make(max(1, workers))
+
+
+def tell(report: RecordReport, out: Path, go_on: str, *, as_json: bool) -> int:
+    """Print what was done, what failed and how to go on; return the exit code."""
+    print(json.dumps(as_dict(report), indent=1) if as_json else _text(report, out))
+    for result in report.failed:
+        item, why = result.item, "; ".join(result.failures)
+        print(f"{item.name}, variation {item.variation}, episode {item.index} (seed {item.seed}) failed: {why}", file=sys.stderr)
+    if report.missing > len(report.failed):
+        print(f"{report.missing} episodes are missing. Go on with:  {go_on}", file=sys.stderr)
+    return 1 if report.missing else 0
+
+
+def as_dict(report: RecordReport) -> dict[str, object]:
+    """Plain values for JSON."""
+    return {
+        "wanted": report.wanted,
+        "found": report.found,
+        "recorded": report.recorded,
+        "missing": report.missing,
+        "frames": report.frames,
+        "num_bytes": report.num_bytes,
+        "seconds": round(report.seconds, 2),
+        "failed_tries": report.causes,
+        "failed": [{"task": r.item.name, "seed": r.item.seed, "causes": r.failures} for r in report.failed],
+        "worker_deaths": [{"task": d.item.name, "seed": d.item.seed, "cause": d.cause} for d in report.deaths],
+    }
+
+
+def _text(report: RecordReport, out: Path) -> str:
+    rate = 60.0 * report.recorded / report.seconds if report.seconds else 0.0
+    megabytes = report.num_bytes / 1e6
+    lines = [
+        f"{report.found + report.recorded} of {report.wanted} episodes in {out}: {report.recorded} recorded now "
+        f"({rate:.1f} a minute, {report.frames} frames, {megabytes:.1f} MB), {report.found} found there"
+    ]
+    lines += [f"tries that failed: {', '.join(f'{n} x {cause}' for cause, n in report.causes.items())}"] if report.causes else []
+    lines += [f"{death.item.name}: a worker died ({death.cause}) and was replaced" for death in report.deaths]
+    return "\n".join(lines)

@@ -1,0 +1,113 @@
+"""Several datasets become one: everything is checked before anything is written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from rlbench_pin.datasets.info import stored_pictures
+from rlbench_pin.datasets.layout import episode_file, manifest_path, stored_tasks
+from rlbench_pin.datasets.manifest import EpisodeEntry, digest, fold_journal, read_manifest
+from rlbench_pin.datasets.writer import DatasetWriter
+from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
+
+
+@dataclass(frozen=True)
+class Move:
+    """One episode on its way."""
+
+    task: str
+    source: Path
+    entry: EpisodeEntry
+    """How it will be listed."""
+
+
+def merge(roots: Sequence[Path], out: Path, on_episode: Callable[[Move], None] | None = None) -> tuple[Move, ...]:
+    """Copy the episodes of several datasets into one; it may exist, its own episodes keep their numbers.
+
+    An episode that is there already, byte for byte, is not copied again.
+
+    Raises:
+        DatasetConflict: The same seed shows something else, or pictures differ in kind or size. Nothing was written.
+        EpisodeFileError: A file is missing or not what its manifest says.
+    """
+    moves = plan_merge(roots, out)
+    writer = DatasetWriter(out)
+    for move in moves:
+        writer.put(move.task, _checked_bytes(move), move.entry)
+        if on_episode is not None:
+            on_episode(move)
+    for task in dict.fromkeys(move.task for move in moves):
+        fold_journal(out, task)
+    return moves
+
+
+def plan_merge(roots: Sequence[Path], out: Path) -> tuple[Move, ...]:
+    """Return what `merge` would copy, having checked that it all goes together."""
+    if not roots:
+        raise DatasetError("No dataset was named to merge.")
+    moves: list[Move] = []
+    tasks = sorted({task for root in roots for task in stored_tasks(root)})
+    for task in tasks:
+        moves += _plan_task([Path(root) for root in roots], Path(out), task)
+    return tuple(moves)
+
+
+def _plan_task(roots: Sequence[Path], out: Path, task: str) -> list[Move]:
+    moves: list[Move] = []
+    known: dict[tuple[int, int | None], tuple[EpisodeEntry, Path]] = {}
+    pictures: tuple[dict[str, tuple[int, ...]], Path] | None = None
+    for root in (out, *roots):
+        entries = read_manifest(root, task)
+        for entry in entries:
+            source = manifest_path(root, task).parent / entry.file
+            _check_inside(source, root, entry)
+            if root is out:
+                known[(entry.variation, entry.random_seed)] = (entry, source)
+            elif not _is_known(known, entry, source):
+                number = 1 + max((e.episode for e, _ in known.values() if e.variation == entry.variation), default=-1)
+                entry = replace(entry, episode=number, file=episode_file(entry.variation, number))
+                known[(entry.variation, entry.random_seed)] = (entry, source)
+                moves.append(Move(task, source, entry))
+        if entries:
+            pictures = _same_pictures(pictures, manifest_path(root, task).parent / entries[0].file)
+    return moves
+
+
+def _is_known(known: dict[tuple[int, int | None], tuple[EpisodeEntry, Path]], entry: EpisodeEntry, source: Path) -> bool:
+    same = known.get((entry.variation, entry.random_seed))
+    if same is None:
+        return False
+    if same[0].sha256 == entry.sha256:
+        return True
+    raise DatasetConflict(
+        f"'{source}' and '{same[1]}' both show variation {entry.variation} from seed {entry.random_seed}, but differ. "
+        "Leave one of them out, or rerender one dataset like the other."
+    )
+
+
+def _same_pictures(before: tuple[dict[str, tuple[int, ...]], Path] | None, path: Path) -> tuple[dict[str, tuple[int, ...]], Path]:
+    shapes = stored_pictures(path)
+    if before is not None and before[0] != shapes:
+        raise DatasetConflict(
+            f"'{path}' holds the pictures {shapes}, '{before[1]}' holds {before[0]}. "
+            "Make them alike with `rlbench-pin dataset rerender` first."
+        )
+    return shapes, path
+
+
+def _check_inside(source: Path, root: Path, entry: EpisodeEntry) -> None:
+    if not source.is_file():
+        raise EpisodeFileError(source, f"'{source}' is listed in its manifest but does not exist. Record it again first.")
+    if not source.resolve().is_relative_to(root.resolve()):
+        raise EpisodeFileError(source, f"'{source}' leads out of '{root}', to '{source.resolve()}'. Do not trust this dataset.")
+
+
+def _checked_bytes(move: Move) -> bytes:
+    data = move.source.read_bytes()
+    if digest(data) != move.entry.sha256:
+        raise EpisodeFileError(
+            move.source, f"'{move.source}' is not the file its manifest describes: the SHA-256 differs. Record it again first."
+        )
+    return data
