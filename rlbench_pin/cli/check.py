@@ -3,147 +3,147 @@
 from __future__ import annotations
 
 import json
-import multiprocessing
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import tyro
-from tqdm import tqdm
 
 from rlbench_pin.cli.explain import explain_failure
+from rlbench_pin.cli.journal import Journal
+from rlbench_pin.cli.page import page
+from rlbench_pin.cli.pictures import draw_pictures
+from rlbench_pin.cli.pool import do_all
 from rlbench_pin.cli.report import TaskReport, summarise
 from rlbench_pin.cli.setup import find_task
-from rlbench_pin.cli.statistics import Rate
-from rlbench_pin.cli.trials import Item, Part, Trial, work
+from rlbench_pin.cli.table import table
+from rlbench_pin.cli.trials import Item, Part, Trial
 from rlbench_pin.environment.task_environment import library_versions
+from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.tasks import task_class, task_names
 
-CONTRACT_SEEDS = 20
-_SEEDS_PER_ITEM = 10
+FORMAT = 2
+REPEATS = 4
+"""Seeds whose reset and demonstration are done twice."""
+_SEEDS_PER_ITEM: dict[Part, int] = {"demos": 5, "repeat": 2, "idle": 10, "random": 5, "reach": 50}
 
 
 @dataclass(frozen=True)
 class Check:
-    """Judge tasks: resets repeat, resting and flailing solve nothing, demonstrations succeed and can be replayed."""
+    """Judge tasks: demonstrations succeed and can be replayed, resets repeat and rest, resting and flailing solve nothing."""
 
     tasks: tyro.conf.Positional[tuple[str, ...]] = ()
     """Task names, as `rlbench-pin list` prints them; all when none is given."""
     task_file: tuple[Path, ...] = ()
     """Task files outside the package, each with its scene file beside it."""
-    episodes: int = 100
+    episodes: int = 30
     """Demonstrations of each task, spread over its variations."""
     variations: int = 20
     """Most variations of a task to draw."""
+    replays: int = 50
+    """Demonstrations whose recorded actions are played again, the first ones of a task."""
     seed: int = 0
     """Seed of the first episode; episode i uses seed + i."""
     contract: bool = True
-    """Also judge resets, resting and flailing, over 20 seeds each."""
+    """Also judge instructions, resets, resting and flailing, and what the arm reaches."""
+    contract_seeds: int = 5
+    """Seeds of resting and of flailing."""
+    placements: int = 100
+    """Places of the task from which to try every waypoint."""
     max_attempts: int = 10
     """Tries for each demonstration."""
     workers: int = 1
     """Processes; the result does not depend on their number."""
     explain: bool = False
-    """Play the first try of each cause of failure again: print its evidence and draw the scene into `out/explain`."""
+    """Play the first try of each cause of failure again: print its evidence and draw the scene into `explain` below `out`."""
     json: Path | None = None
     """File to write the whole report to."""
+    out: Path | None = None
+    """Folder for the whole report: report.md with its pictures, report.json, and trials.jsonl, with which the same command
+    goes on where it was stopped."""
+    pictures: bool = True
+    """Draw a contact sheet and a map of each task into `out`."""
 
     def run(self) -> int:
         """Judge, print a table and the causes of failures; 1 when a task fails."""
-        files = {find_task(str(path)).get_name(): str(path) for path in self.task_file}
-        asked = self.tasks or (() if files else task_names())
-        wanted = {task_class(name).get_name(): name for name in asked} | files
-        names = list(wanted)
-        trials = self._trials(list(wanted.values()))
-        reports = [
-            summarise(name, [t for t in trials if t.task == name], find_task(wanted[name]).solved_by_chance) for name in names
-        ]
+        wanted = self._wanted()
+        trials = do_all(list(self._items(wanted.values())), self.workers, self._journal(wanted))
+        of_task = {name: [t for t in trials if t.task == name] for name in wanted}
+        reports = [_report(name, wanted[name], of_task[name]) for name in wanted]
         print(table(reports))
         for report in reports:
             print_failures(report)
             if self.explain:
-                explain_failures(report)
+                self._explain(report, wanted[report.task])
+        content = self._content(reports)
         if self.json is not None:
-            self._write(self.json, reports)
-        return 1 if any(report.faults() for report in reports) else 0
+            _write_json(self.json, content)
+        if self.out is not None:
+            self._write(self.out, content, wanted, of_task)
+        return 1 if any(report.faults for report in reports) else 0
 
-    def _items(self, names: Sequence[str]) -> Iterator[Item]:
-        parts: list[tuple[Part, int]] = [("demos", self.episodes)]
+    def _wanted(self) -> dict[str, str]:
+        """Return task name -> name or file, in the order of the report."""
+        for option in ("episodes", "variations", "max_attempts", "workers"):
+            if getattr(self, option) < 1:
+                raise TaskEnvironmentError(f"--{option.replace('_', '-')} is {getattr(self, option)}; it must be at least 1.")
+        missing = [str(path) for path in self.task_file if not path.is_file()]
+        if missing:
+            raise TaskEnvironmentError(f"There is no task file '{missing[0]}'. `rlbench-pin new NAME` makes a pair of files.")
+        asked = self.tasks or (() if self.task_file else task_names())
+        named = {task_class(name).get_name(): task_class(name).get_name() for name in asked}
+        return named | {find_task(str(path)).get_name(): str(path.resolve()) for path in self.task_file}
+
+    def _journal(self, wanted: Mapping[str, str]) -> Journal:
+        return Journal(None if self.out is None else self.out / "trials.jsonl", list(wanted.values()))
+
+    def _items(self, tasks: Sequence[str] | Any) -> Iterator[Item]:
+        amounts: dict[Part, int] = {"demos": self.episodes}
         if self.contract:
-            parts += [("repeat", CONTRACT_SEEDS), ("idle", CONTRACT_SEEDS), ("random", CONTRACT_SEEDS)]
-        for name in names:
-            for part, amount in parts:
-                seeds = range(self.seed, self.seed + amount)
-                for i in range(0, amount, _SEEDS_PER_ITEM):
-                    yield Item(name, part, tuple(seeds[i : i + _SEEDS_PER_ITEM]), self.variations, self.max_attempts, self.seed)
+            amounts |= {"repeat": min(REPEATS, self.contract_seeds), "idle": self.contract_seeds, "random": self.contract_seeds}
+            amounts |= {"reach": self.placements}
+        for task in tasks:
+            if self.contract:
+                yield Item(task, "words", (0,), self.variations)
+            for part, amount in amounts.items():
+                seeds = tuple(range(self.seed, self.seed + amount))
+                for i in range(0, amount, _SEEDS_PER_ITEM[part]):
+                    chosen = seeds[i : i + _SEEDS_PER_ITEM[part]]
+                    yield Item(task, part, chosen, self.variations, self.max_attempts, self.seed, self.replays)
 
-    def _trials(self, names: Sequence[str]) -> list[Trial]:
-        items = list(self._items(names))
-        trials: list[Trial] = []
-        with tqdm(total=sum(len(item.seeds) for item in items), unit="episode", desc="check") as bar:
-            for done in self._results(items):
-                trials += done
-                bar.update(len(done))
-        return sorted(trials, key=lambda t: (t.task, t.part, t.seed))
-
-    def _results(self, items: Sequence[Item]) -> Iterator[list[Trial]]:
-        if self.workers <= 1:
-            yield from map(work, items)
-            return
-        with ProcessPoolExecutor(self.workers, multiprocessing.get_context("spawn")) as pool:
-            for future in as_completed([pool.submit(work, item) for item in items]):
-                yield future.result()
-
-    def _write(self, path: Path, reports: Sequence[TaskReport]) -> None:
-        content = {
-            "format": 1,
-            "episodes": self.episodes,
+    def _content(self, reports: Sequence[TaskReport]) -> dict[str, Any]:
+        settings = ("episodes", "replays", "seed", "max_attempts", "contract_seeds", "placements")
+        return {
+            "format": FORMAT,
+            **{name: getattr(self, name) for name in settings},
             "max_variations": self.variations,
-            "seed": self.seed,
-            "max_attempts": self.max_attempts,
             "versions": library_versions(),
             "tasks": {report.task: report.as_dict() for report in reports},
         }
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+
+    def _write(self, out: Path, content: dict[str, Any], wanted: Mapping[str, str], trials: Mapping[str, list[Trial]]) -> None:
+        _write_json(out / "report.json", content)
+        pictures = {name: draw_pictures(task, trials[name], out) for name, task in wanted.items()} if self.pictures else {}
+        (out / "report.md").write_text(page(content, pictures), encoding="utf-8")
+        print(out / "report.md")
+
+    def _explain(self, report: TaskReport, task: str) -> None:
+        """Play failed tries again, one of each cause, and print what is known of them."""
+        for f in report.failures:
+            if f.part == "demos":
+                picture = (self.out or Path("out")) / "explain" / f"{report.task}_{f.seed}_{f.attempt}.png"
+                print("\n".join(explain_failure(task, f.seed, f.variation, picture, attempt=f.attempt)))
 
 
-HEADER = ("task", "var", "first try", "95 %", "in tries", "replay", "rest", "flail", "resets", "demo", "plan", "speed", "verdict")
+def _report(name: str, task: str, trials: Sequence[Trial]) -> TaskReport:
+    chosen = find_task(task)
+    return summarise(name, trials, chosen.solved_by_chance, chosen.variations_share_goals)
 
 
-def table(reports: Sequence[TaskReport]) -> str:
-    """Return one line per task under a line of headings."""
-    rows = [HEADER, *map(_row, reports)]
-    widths = [max(map(len, column)) for column in zip(*rows)]
-    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in rows)
-
-
-def _row(r: TaskReport) -> tuple[str, ...]:
-    low, high = r.first_try.interval
-    rates = (r.within_tries, r.replay, r.idle, r.random, r.repeat)
-    return (
-        r.task,
-        str(len(r.variations)),
-        _share(r.first_try),
-        f"{low:.0%}..{high:.0%}",
-        *map(_share, rates),
-        f"{r.simulated:.1f} s",
-        f"{1000 * r.planning:.0f} ms",
-        f"{r.speed:.0f} x",
-        "; ".join(r.faults()) or "ok",
-    )
-
-
-def _share(rate: Rate) -> str:
-    return f"{rate.count}/{rate.of}"
-
-
-def explain_failures(report: TaskReport) -> None:
-    """Play failed tries again, one of each cause, and print what is known of them."""
-    for f in report.failures:
-        picture = Path("out/explain") / f"{report.task}_{f.seed}_{f.attempt}.png"
-        print("\n".join(explain_failure(report.task, f.seed, f.variation, picture, attempt=f.attempt)))
+def _write_json(path: Path, content: Mapping[str, Any]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 
 
 def print_failures(report: TaskReport) -> None:

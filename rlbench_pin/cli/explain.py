@@ -10,35 +10,35 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
-from rlbench_pin.cli.setup import low_dim_config, make_environment
+from rlbench_pin.cli.setup import find_task, low_dim_config, make_environment
 from rlbench_pin.errors import PlanningError
 from rlbench_pin.planning.planner import MotionPlanner, Plan
 from rlbench_pin.sim import CameraView, World
 from rlbench_pin.spatial import FloatArray, PoseLike
 
 
-def explain_failure(task_name: str, seed: int, variation: int, picture: Path | None = None, attempt: int = 0) -> list[str]:
+def explain_failure(task: str, seed: int, variation: int, picture: Path | None = None, attempt: int = 0) -> list[str]:
     """Play one demonstration again and return lines that say why it fails; one line when it does not.
 
     Args:
-        task_name: Name of the task.
+        task: Name of the task, or path of a task file.
         seed: Seed of the episode.
         variation: Its variation.
         picture: PNG file of the scene at the failure; None for none.
         attempt: Which try of the seed.
     """
     with make_environment(low_dim_config()) as environment:
-        task = environment.get_task(task_name)
-        refusals = _Refusals(task.scene.planner)
-        outcome = task.try_demo(seed=seed, variation=variation, attempt=attempt, record=False)
-        head = f"{task_name} seed {seed} variation {variation} attempt {attempt}"
+        loop = environment.get_task(find_task(task))
+        refusals = _Refusals(loop.scene.planner)
+        outcome = loop.try_demo(seed=seed, variation=variation, attempt=attempt, record=False)
+        head = f"{loop.get_name()} seed {seed} variation {variation} attempt {attempt}"
         if outcome.success:
             return [f"{head}: the demonstration succeeds."]
         lines = [f"{head}: {outcome.cause}", f"  waypoint: {outcome.leg}"]
         lines += [line for error in refusals.since_success for line in evidence_lines(error)]
         if picture is not None:
             picture.parent.mkdir(parents=True, exist_ok=True)
-            Image.fromarray(_look(task.world)).save(picture)
+            Image.fromarray(_look(loop.world)).save(picture)
             lines.append(f"  picture: {picture}")
         return lines
 

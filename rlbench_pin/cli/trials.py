@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
+from rlbench_pin.cli.judge import Rest, demo_repeats, flail_succeeds, left_over, replay_succeeds, reset_repeats, rest
+from rlbench_pin.cli.reach import Reach, reach_of
 from rlbench_pin.cli.setup import find_task, low_dim_config, make_environment
+from rlbench_pin.cli.stopwatch import Stopwatch
 from rlbench_pin.environment import TaskEnvironment
-from rlbench_pin.errors import ResetError
-from rlbench_pin.observation import Demo
+from rlbench_pin.environment.demonstrate import LegReport
+from rlbench_pin.errors import BoundaryError, ResetError
 
-IDLE_STEPS = RANDOM_STEPS = 200
-EXTRA_STEPS = 10
-"""Repetitions of the last action when a replay has not succeeded yet, as many as a demonstration waits."""
-
-ENGINE_STATE = "physics"
-"""Array of `World.arrays` that holds the engine's own file, in which memory addresses differ from save to save."""
-
-Part = Literal["demos", "idle", "random", "repeat"]
+Part = Literal["words", "demos", "repeat", "idle", "random", "reach"]
 
 
 @dataclass(frozen=True)
@@ -35,6 +31,8 @@ class Item:
     max_variations: int
     max_attempts: int = 10
     first_seed: int = 0
+    replays: int = 1_000_000
+    """Seeds, from the first on, whose demonstrations are replayed."""
 
 
 @dataclass(frozen=True)
@@ -46,21 +44,40 @@ class Trial:
     seed: int
     variation: int
     success: bool
-    """demos: within the tries; idle and random: the goal was reached (it should not be); repeat: the reset repeats exactly."""
+    """demos: within the tries; idle and random: the goal was reached (it should not be); repeat: the reset repeats exactly;
+    reach: every waypoint can be reached."""
     tries: int = 1
     causes: tuple[str, ...] = ()
     """Why each failed try failed."""
     legs: tuple[int | None, ...] = ()
     """Waypoint at which each failed try failed."""
+    error: str = ""
+    """What the task raised, where it should not raise anything."""
     replayed: bool | None = None
     """Whether the recorded joint-position actions succeed again."""
+    left_over: tuple[str, ...] = ()
+    """What the episode left behind in the next one."""
     frames: int = 0
     simulated: float = 0.0
     """Length of the demonstration [s]."""
-    planning: float = 0.0
-    """Time spent planning it [s]."""
     wall: float = 0.0
     """Time that reset and demonstration took [s]."""
+    process: float = 0.0
+    """The same in time of the process [s]."""
+    planning: float = 0.0
+    """Process time that reset and demonstration spent planning [s]."""
+    physics: float = 0.0
+    """Process time that they spent simulating [s]."""
+    observing: float = 0.0
+    """Process time that they spent observing [s]."""
+    ticks: int = 0
+    """Control ticks that they simulated."""
+    timings: tuple[LegReport, ...] = ()
+    """Planning and length of each leg."""
+    rest: Rest | None = None
+    reach: Reach | None = None
+    words: tuple[str, ...] = ()
+    """Instructions."""
 
 
 def drawn_variations(count: int, maximum: int) -> tuple[int, ...]:
@@ -72,91 +89,91 @@ def drawn_variations(count: int, maximum: int) -> tuple[int, ...]:
 
 def work(item: Item) -> list[Trial]:
     """Do one item in an environment of its own."""
-    with make_environment(low_dim_config()) as environment:
-        task = environment.get_task(find_task(item.task))
-        variations = drawn_variations(task.variation_count(), item.max_variations)
-        return [_trial(task, item, seed, variations[(seed - item.first_seed) % len(variations)]) for seed in item.seeds]
-
-
-def _trial(task: TaskEnvironment, item: Item, seed: int, variation: int) -> Trial:
+    name = find_task(item.task).get_name()
     try:
-        if item.part == "demos":
-            return demo_trial(task, seed, variation, item.max_attempts)
-        success = {"idle": idle_succeeds, "random": random_succeeds, "repeat": reset_repeats}[item.part](task, seed, variation)
-        return Trial(task.get_name(), item.part, seed, variation, success)
-    except ResetError as error:
-        return Trial(task.get_name(), item.part, seed, variation, False, 0, (f"reset: {error}",), (None,))
+        with make_environment(low_dim_config()) as environment:
+            task = environment.get_task(find_task(item.task))
+            return list(_words(task) if item.part == "words" else _trials(task, item))
+    except Exception as error:  # a user's task may raise anything; the report says what
+        return [Trial(name, item.part, seed, 0, False, 0, error=_text(error)) for seed in item.seeds]
 
 
-def demo_trial(task: TaskEnvironment, seed: int, variation: int, max_attempts: int) -> Trial:
-    """Try to demonstrate one seed, then replay the recorded actions."""
+def _words(task: TaskEnvironment) -> Iterator[Trial]:
+    def told(blank: Trial) -> Trial:
+        return replace(blank, words=tuple(task.reset(seed=blank.seed, variation=blank.variation)[0]))
+
+    for variation in range(task.variation_count()):
+        yield _guarded(Trial(task.get_name(), "words", variation, variation, True), told)
+
+
+def _trials(task: TaskEnvironment, item: Item) -> Iterator[Trial]:
+    clean = task.world.save()
+    variations = drawn_variations(task.variation_count(), item.max_variations)
+
+    def reach(blank: Trial) -> Trial:
+        found = reach_of(task.scene, clean, blank.seed, blank.variation)
+        return replace(blank, success=found.accepted, reach=found)
+
+    parts: dict[str, Callable[[Trial], Trial]] = {
+        "demos": lambda blank: demo_trial(task, blank, item.max_attempts, blank.seed - item.first_seed < item.replays),
+        "repeat": lambda blank: _repeat(task, blank),
+        "idle": lambda blank: _rest(task, blank),
+        "random": lambda blank: replace(blank, success=flail_succeeds(task, blank.seed, blank.variation)),
+        "reach": reach,
+    }
+    for seed in item.seeds:
+        variation = variations[(seed - item.first_seed) % len(variations)]
+        yield _guarded(Trial(task.get_name(), item.part, seed, variation, False), parts[item.part])
+
+
+def _guarded(blank: Trial, judge: Callable[[Trial], Trial]) -> Trial:
+    try:
+        return judge(blank)
+    except (ResetError, BoundaryError) as error:
+        why = f"reset: {error}"
+        in_demo = blank.part in ("demos", "reach")
+        return replace(blank, success=False, tries=0, causes=(why,), legs=(None,), error="" if in_demo else why)
+    except Exception as error:  # a user's task may raise anything; the report says what
+        return replace(blank, success=False, tries=0, error=_text(error))
+
+
+def _text(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}"
+
+
+def demo_trial(task: TaskEnvironment, blank: Trial, max_attempts: int, replay: bool = True) -> Trial:
+    """Try to demonstrate one seed, then look at what it left behind, and perhaps replay the recorded actions."""
     causes: list[str] = []
     legs: list[int | None] = []
     for attempt in range(max_attempts):
-        began = time.perf_counter()
-        outcome = task.try_demo(seed=seed, variation=variation, attempt=attempt)
+        watch, began = Stopwatch(), time.perf_counter()
+        with watch.watching(task.scene):
+            outcome = task.try_demo(seed=blank.seed, variation=blank.variation, attempt=attempt)
         wall = time.perf_counter() - began
         if outcome.demo is not None:
-            return Trial(
-                task.get_name(), "demos", seed, variation, True, attempt + 1, tuple(causes), tuple(legs),
-                replayed=replay_succeeds(task, outcome.demo), frames=len(outcome.demo),
-                simulated=outcome.duration, planning=outcome.planning_time, wall=wall,
+            remains = left_over(task, outcome.demo)
+            return replace(
+                blank, success=True, tries=attempt + 1, causes=tuple(causes), legs=tuple(legs),
+                left_over=remains, replayed=replay_succeeds(task, outcome.demo) if replay else None, frames=len(outcome.demo),
+                simulated=outcome.duration, wall=wall, process=watch.total, ticks=watch.ticks, timings=outcome.legs,
+                planning=watch.spent["planning"], physics=watch.spent["physics"], observing=watch.spent["observing"],
             )  # fmt: skip
         causes.append(outcome.cause)
         legs.append(outcome.leg)
-    return Trial(task.get_name(), "demos", seed, variation, False, max_attempts, tuple(causes), tuple(legs))
+    return replace(blank, success=False, tries=max_attempts, causes=tuple(causes), legs=tuple(legs))
 
 
-def replay_succeeds(task: TaskEnvironment, demo: Demo) -> bool:
-    """Whether the joint-position actions of a demonstration reach the goal through `step`."""
-    task.reset_to_demo(demo)
-    actions = [obs.misc["joint_position_action"] for obs in demo[1:]]
-    return _reaches_goal(task, [*actions, *[actions[-1]] * EXTRA_STEPS])
+def _repeat(task: TaskEnvironment, blank: Trial) -> Trial:
+    same = [("reset", reset_repeats), ("demonstration", demo_repeats)]
+    causes = [f"{what}: not the same bytes twice" for what, repeats in same if not repeats(task, blank.seed, blank.variation)]
+    return replace(blank, success=not causes, causes=tuple(causes), legs=(None,) * len(causes))
 
 
-def idle_succeeds(task: TaskEnvironment, seed: int, variation: int) -> bool:
-    """Whether resting reaches the goal; it should not."""
-    task.reset(seed=seed, variation=variation)
-    return _reaches_goal(task, [np.append(task.world.robot.joint_positions, 1.0)] * IDLE_STEPS)
+def _rest(task: TaskEnvironment, blank: Trial) -> Trial:
+    found = rest(task, blank.seed, blank.variation)
+    return replace(blank, success=found.success, rest=found)
 
 
-def random_succeeds(task: TaskEnvironment, seed: int, variation: int) -> bool:
-    """Whether actions drawn evenly from the action space reach the goal; they should not."""
-    rng = np.random.default_rng(seed)
-    task.reset(seed=seed, variation=variation)
-    low, high = task.action_bounds()
-    for _ in range(RANDOM_STEPS):
-        _, reward, _ = task.step(rng.uniform(low, high))
-        if reward > 0.0:
-            return True
-    return False
-
-
-def reset_repeats(task: TaskEnvironment, seed: int, variation: int) -> bool:
-    """Whether the same seed gives the same world, bit for bit, also after another episode."""
-    first = _start(task, seed, variation)
-    task.reset(seed=seed + 1)
-    task.step(np.append(task.world.robot.joint_positions, 0.0))
-    return _start(task, seed, variation) == first
-
-
-def _start(task: TaskEnvironment, seed: int, variation: int) -> bytes:
-    """Bytes of the world after a reset and again some steps later, when differences that were hidden have shown."""
-    task.reset(seed=seed, variation=variation)
-    first = _world_bytes(task)
-    for _ in range(EXTRA_STEPS):
-        task.step(np.append(task.world.robot.joint_positions, 1.0))
-    return first + _world_bytes(task)
-
-
-def _world_bytes(task: TaskEnvironment) -> bytes:
-    arrays = task.world.arrays()
-    return b"".join(arrays[name].tobytes() for name in sorted(arrays) if name != ENGINE_STATE)
-
-
-def _reaches_goal(task: TaskEnvironment, actions: Sequence[np.ndarray]) -> bool:
-    for action in actions:
-        _, reward, terminate = task.step(action)
-        if reward > 0.0 or terminate:
-            return reward > 0.0
-    return False
+def ordered(trials: Sequence[Trial]) -> list[Trial]:
+    """Sort trials, so that a report does not depend on who finished first."""
+    return sorted(trials, key=lambda t: (t.task, t.part, t.seed))

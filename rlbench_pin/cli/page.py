@@ -1,0 +1,161 @@
+"""The report of a check as one Markdown page, from the same data as its JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+SLOWEST = 5
+Plain = Mapping[str, Any]
+
+
+def page(content: Plain, pictures: Mapping[str, Mapping[str, str]] | None = None) -> str:
+    """Return the page.
+
+    Args:
+        content: What the JSON report holds; parts that an older one lacks are left out.
+        pictures: Task -> what a picture shows (`sheet`, `map`) -> its file, relative to the page.
+    """
+    tasks = content["tasks"]
+    sections = [_head(content), overview(content), _slowest(tasks)]
+    sections += [_task(name, task, (pictures or {}).get(name, {})) for name, task in tasks.items()]
+    return "\n\n".join(section for section in sections if section) + "\n"
+
+
+def _head(content: Plain) -> str:
+    tasks = content["tasks"]
+    passed = sum(task["passed"] for task in tasks.values())
+    versions = ", ".join(f"{name} {version}" for name, version in content["versions"].items())
+    last = content["seed"] + content["episodes"] - 1
+    return (
+        f"# Check of {len(tasks)} task{'s' * (len(tasks) != 1)}\n\n"
+        f"{passed} of {len(tasks)} pass. {content['episodes']} demonstrations each, seeds {content['seed']} to {last}, "
+        f"at most {content['max_variations']} variations and {content['max_attempts']} tries. {versions}."
+    )
+
+
+def overview(content: Plain) -> str:
+    """Return the table of all tasks."""
+    head = [
+        "Task", "Variations", "First try (95 % interval)", f"Within {content['max_attempts']} tries", "Replay", "Rest", "Flail",
+        "Repeat", "Reach", "Drift", "Overlap", "Length", "Planning", "x real time", "Verdict",
+    ]  # fmt: skip
+    rows = []
+    for name, task in content["tasks"].items():
+        rows.append(
+            [
+                f"[`{name}`](#{name})",
+                len(task["variations"]),
+                interval(task["first_try"]),
+                share(task["within_tries"]),
+                share(task["replay"]),
+                *(share(task.get(part)) for part in ("idle", "random", "repeat", "accepted")),
+                *(_millimetres(task.get(part)) for part in ("drift", "penetration")),
+                f"{task['median_simulated_s']:.1f} s",
+                f"{1000 * task['median_planning_s']:.0f} ms",
+                f"{task['times_real_time']:.1f}",
+                "; ".join(task["faults"]) or "ok",
+            ]
+        )
+    return markdown_table(head, rows)
+
+
+def _slowest(tasks: Plain) -> str:
+    timed = {name: task for name, task in tasks.items() if task["times_real_time"] > 0 and "speed" in task}
+    if not timed:
+        return ""
+    median = np.median([task["times_real_time"] for task in timed.values()])
+    slow = sorted(timed, key=lambda name: timed[name]["times_real_time"])[:SLOWEST]
+    rows = [[f"`{name}`", f"{timed[name]['times_real_time']:.1f}", timed[name]["speed"]["reason"]] for name in slow]
+    text = (
+        "A reset and a demonstration without pictures, simulated time over process time, median of each task; "
+        f"median of the tasks: {median:.1f} x real time."
+    )
+    return f"## The slowest\n\n{text}\n\n" + markdown_table(["Task", "x real time", "Where the time goes"], rows)
+
+
+def _task(name: str, task: Plain, pictures: Mapping[str, str]) -> str:
+    parts = [f"## {name}", "; ".join(task["faults"]) or "ok", _findings(task)]
+    parts += [f"![{name}, {what}]({file})" for what, file in pictures.items()]
+    parts += [_failures(task["failures"]), _variations(task), _legs(task), _reach(task)]
+    return "\n\n".join(part for part in parts if part)
+
+
+def _findings(task: Plain) -> str:
+    """One line for each part of the contract."""
+    lines = []
+    if "drift" in task:
+        d, p = task["drift"], task["penetration"]
+        lines.append(f"Left alone for 2 s, {d['what'] or 'nothing'} moves most: {d['mm']:.3f} mm (seed {d['seed']}).")
+        lines.append(f"Deepest overlap at a reset: {p['mm']:.3f} mm (seed {p['seed']}).")
+        left = ", ".join(task["left_over"])
+        lines.append(f"Left over after an episode: {left or 'nothing'} ({share(task['tidy'])} leave nothing).")
+        lines.append(f"Speed: {task['speed']['times_real_time']:.1f} x real time; {task['speed']['reason']}.")
+    return "\n".join(f"- {line}" for line in lines)
+
+
+def _failures(failures: Sequence[Plain]) -> str:
+    if not failures:
+        return ""
+    rows = [
+        [f["count"], f["cause"], f["seed"], f["variation"], f["attempt"], "" if f["waypoint"] is None else f["waypoint"]]
+        for f in failures
+    ]
+    return markdown_table(["Count", "Cause", "Seed", "Variation", "Attempt", "Waypoint"], rows)
+
+
+def _variations(task: Plain) -> str:
+    rates, words = task.get("per_variation", {}), task.get("instructions", {})
+    rows = [
+        [v, interval(entry["first_try"]), share(entry["within_tries"]), (words.get(v) or [""])[0]] for v, entry in rates.items()
+    ]
+    return markdown_table(["Variation", "First try (95 % interval)", "Within the tries", "Instruction"], rows) if rows else ""
+
+
+def _legs(task: Plain) -> str:
+    head = ["Waypoint", "Legs", "Planning, median", "95 %", "Length, median", "95 %", "Found by"]
+    rows = [
+        [
+            leg["waypoint"],
+            leg["count"],
+            f"{leg['planning_median_ms']:.0f} ms",
+            f"{leg['planning_p95_ms']:.0f} ms",
+            f"{leg['length_median_s']:.2f} s",
+            f"{leg['length_p95_s']:.2f} s",
+            ", ".join(f"{method} {count}" for method, count in leg["methods"].items()),
+        ]
+        for leg in task.get("legs", ())
+    ]
+    return markdown_table(head, rows) if rows else ""
+
+
+def _reach(task: Plain) -> str:
+    rates = task.get("reach", {})
+    if not rates:
+        return ""
+    lost = [f"waypoint {w} {share(rate)}" for w, rate in rates.items() if rate["count"] < rate["of"]]
+    kept = f"A reset keeps {share(task['accepted'])} places of the task (waypoints in reach, the arm free)"
+    return f"{kept}. Out of reach at some: {', '.join(lost)}." if lost else f"{kept}. Every waypoint is in reach from everywhere."
+
+
+def share(rate: Plain | None) -> str:
+    """Return `19/20`, or nothing where nothing was tried."""
+    return f"{rate['count']}/{rate['of']}" if rate and rate["of"] else ""
+
+
+def interval(rate: Plain) -> str:
+    """Return `95 % (76 to 99)`."""
+    low, high = rate["wilson_95"]
+    return f"{100 * rate['rate']:.0f} % ({100 * low:.0f} to {100 * high:.0f})"
+
+
+def _millimetres(worst: Plain | None) -> str:
+    return "" if worst is None else f"{worst['mm']:.2f} mm"
+
+
+def markdown_table(head: Sequence[object], rows: Sequence[Sequence[object]]) -> str:
+    """Return a table; bars within cells are escaped."""
+    lines = ["| " + " | ".join(str(cell).replace("|", "\\|") for cell in row) + " |" for row in (head, *rows)]
+    return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]])
