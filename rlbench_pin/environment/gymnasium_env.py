@@ -33,9 +33,9 @@ INVALID_ACTIONS = ("continue", "terminate", "raise")
 RESET_OPTIONS = ("variation", "reset_to_demo")
 
 CINEMATIC = CameraView(
-    pose=look_at((1.25, 1.05, 1.75), (0.12, 0.0, 1.02)), fov=float(np.radians(50.0)), size=(640, 360), near=0.05, far=6.0
+    pose=look_at((-0.05, 1.70, 1.80), (0.17, 0.0, 1.13)), fov=float(np.radians(65.0)), size=(640, 360), near=0.05, far=6.0
 )
-"""The camera of `render`: from the front left, with arm and table."""
+"""The camera of `render`: from the robot's left, with the whole arm, the table top and what stands on it."""
 
 
 class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
