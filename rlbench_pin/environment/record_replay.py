@@ -54,6 +54,6 @@ def _compare(now: np.ndarray | None, then: np.ndarray | None, index: int, stored
     if error > JOINT_TOLERANCE:
         made = ", ".join(f"{name} {version}" for name, version in stored.versions.items())
         raise DemoError(
-            f"Neither its seed nor its actions give the stored demonstration again: at frame {index} a joint is {error:.4f} rad off. "
+            f"Neither its seed nor its actions give the demonstration again: at frame {index} a joint is {error:.4f} rad away. "
             f"It was made with {made}. Use those versions, or record it anew."
         )

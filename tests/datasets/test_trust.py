@@ -1,0 +1,287 @@
+"""What comes from elsewhere is not trusted: damaged bytes, names that lead out of the folder, links to other files."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from demos_for_tests import make_demo
+
+from rlbench_pin.datasets import (
+    DatasetWriter,
+    Episode,
+    encode_demo,
+    episode_entry,
+    episode_files,
+    fold_journal,
+    read_demo,
+    read_manifest,
+    stored_demos,
+    stored_tasks,
+    task_faults,
+    verify_task,
+    write_demo,
+)
+from rlbench_pin.datasets.manifest import append_entry
+from rlbench_pin.datasets.merge import merge
+from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
+from rlbench_pin.observation import Demo, Observation
+
+TASK = "reach_target"
+
+
+def fill(root: Path, seeds: range, frames: int = 2, variation: int = 0) -> Path:
+    """Write made-up episodes and return the folder."""
+    for seed in seeds:
+        DatasetWriter(root, compression="lzf").add(make_demo(frames=frames, seed=seed, variation=variation))
+    return root
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    """Four episodes."""
+    return fill(tmp_path / "data", range(4))
+
+
+def edit(root: Path, **changes: object) -> None:
+    """Change the second entry of the manifest."""
+    path = root / TASK / "manifest.json"
+    content = json.loads(path.read_text())
+    content["episodes"][1].update(changes)
+    path.write_text(json.dumps(content))
+
+
+# Damage ---------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("where", [0.02, 0.3, 0.6, 0.97])
+def test_a_flipped_bit_is_found_and_named(root: Path, where: float) -> None:
+    """`verify` finds it and `stored_demos` refuses it, wherever in the file it is; the others are still served."""
+    path = episode_files(root, TASK)[2]
+    data = bytearray(path.read_bytes())
+    data[int(where * len(data))] ^= 0b100
+    path.write_bytes(bytes(data))
+    (fault,) = task_faults(root, TASK)
+    assert isinstance(fault, EpisodeFileError)
+    assert fault.path == path
+    with pytest.raises(EpisodeFileError, match=r"episode2\.h5.*SHA-256"):
+        stored_demos(root, TASK, -1, 0, random_selection=False)
+    assert len(stored_demos(root, TASK, 2, 0, random_selection=False)) == 2
+
+
+def test_a_truncated_file_is_found_and_named(root: Path) -> None:
+    """So is a file that was cut off, together with every other fault of the task."""
+    files = episode_files(root, TASK)
+    os.truncate(files[1], files[1].stat().st_size // 2)
+    files[3].unlink()
+    faults = task_faults(root, TASK)
+    assert [fault.path for fault in faults if isinstance(fault, EpisodeFileError)] == [files[1], files[3]]
+    with pytest.raises(EpisodeFileError, match=r"episode1\.h5"):
+        stored_demos(root, TASK, -1, 0, random_selection=False)
+
+
+def test_a_file_that_is_not_what_its_entry_says_is_found(root: Path) -> None:
+    """A manifest that lies about seed or length is found by reading the file, and only then."""
+    edit(root, random_seed=99)
+    assert task_faults(root, TASK, structure=False) == []
+    (fault,) = task_faults(root, TASK)
+    assert "99" in str(fault)
+    assert "episode1.h5" in str(fault)
+
+
+def test_a_later_format_is_named(root: Path) -> None:
+    """An episode of another format version is refused by reader and `verify` with both versions."""
+    path = episode_files(root, TASK)[0]
+    with h5py.File(path, "a") as file:
+        file.attrs["version"] = 2
+    with pytest.raises(EpisodeFileError, match=r"episode0\.h5.*version 2.*version 1"):
+        read_demo(path)
+
+
+# The journal ----------------------------------------------------------------------------------------------------------
+
+
+def test_the_journal_is_part_of_the_manifest(tmp_path: Path) -> None:
+    """Episodes count as soon as they are noted; folding the journal changes only where they are listed."""
+    for seed in range(3):
+        demo = make_demo(frames=2, seed=seed)
+        data = encode_demo(demo)
+        DatasetWriter(tmp_path).put(TASK, data, episode_entry(demo, data, seed, ["no path: wall"] if seed == 1 else []))
+    before = read_manifest(tmp_path, TASK)
+    assert [entry.failures for entry in before] == [[], ["no path: wall"], []]
+    assert not (tmp_path / TASK / "manifest.json").exists()
+    verify_task(tmp_path, TASK, structure=True)
+    fold_journal(tmp_path, TASK)
+    assert read_manifest(tmp_path, TASK) == before
+    assert not list((tmp_path / TASK).glob(".*journal"))
+
+
+@pytest.mark.parametrize("cut", [1, 20, 200])
+def test_a_line_that_was_cut_off_never_counted(tmp_path: Path, cut: int) -> None:
+    """After a crash in the middle of a line, the lines before it count, and further ones are added behind them."""
+    demo = make_demo(frames=2)
+    entries = [episode_entry(demo, b"", number) for number in range(4)]
+    for entry in entries[:3]:
+        append_entry(tmp_path, TASK, entry)
+    journal = tmp_path / TASK / ".manifest.journal"
+    os.truncate(journal, journal.stat().st_size - cut)
+    assert read_manifest(tmp_path, TASK) == tuple(entries[:2])
+    append_entry(tmp_path, TASK, entries[3])
+    assert read_manifest(tmp_path, TASK) == (*entries[:2], entries[3])
+
+
+# Hostile names --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "file", ["../../secret.h5", "/etc/passwd", "variation0/episodes/../../../x.h5", "variation0/episodes/episode0.h5"]
+)
+def test_a_manifest_that_leads_elsewhere_is_refused(root: Path, tmp_path: Path, file: str) -> None:
+    """No path of a manifest is followed but the one place where the episode belongs: not read, not merged, not verified."""
+    (tmp_path / "secret.h5").write_bytes(b"secret")
+    edit(root, file=file)
+    with pytest.raises(EpisodeFileError, match=r"manifest\.json.*Do not trust"):
+        read_manifest(root, TASK)
+    with pytest.raises(EpisodeFileError, match="Do not trust"):
+        stored_demos(root, TASK, 1, 0, random_selection=False)
+    with pytest.raises(EpisodeFileError, match="Do not trust"):
+        merge([root], tmp_path / "out")
+    assert "Do not trust" in str(task_faults(root, TASK)[0])
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("change", [{"variation": -1}, {"episode": "../1"}, {"sha256": 7}, {"frames": None}, {"unknown": 1}])
+def test_a_senseless_entry_is_refused(root: Path, change: dict[str, object]) -> None:
+    """Numbers that are none, and keys that do not exist, make the manifest an error that is named."""
+    edit(root, **change)
+    with pytest.raises(EpisodeFileError, match=r"manifest\.json"):
+        read_manifest(root, TASK)
+
+
+@pytest.mark.parametrize("task", ["../reach_target", "/etc", "..", ".", "", "reach target", "a/b", "x" * 200])
+def test_a_task_name_cannot_lead_out_of_the_folder(root: Path, task: str) -> None:
+    """Reading and writing refuse names that are no names."""
+    with pytest.raises(DatasetError):
+        stored_demos(root, task, 1, 0, random_selection=False)
+    with pytest.raises(DatasetError):
+        DatasetWriter(root).add(make_demo(frames=2, task=task))
+    assert stored_tasks(root) == (TASK,)
+
+
+def test_a_manifest_of_another_task_is_refused(root: Path) -> None:
+    """A folder that was renamed is not taken for another task."""
+    (root / TASK).rename(root / "push_button")
+    with pytest.raises(EpisodeFileError, match="is of the task 'reach_target'"):
+        read_manifest(root, "push_button")
+
+
+def test_a_link_out_of_the_folder_is_not_merged(root: Path, tmp_path: Path) -> None:
+    """An episode that is a symbolic link to elsewhere is refused, though its bytes add up."""
+    path = episode_files(root, TASK)[0]
+    path.rename(tmp_path / "elsewhere.h5")
+    path.symlink_to(tmp_path / "elsewhere.h5")
+    with pytest.raises(EpisodeFileError, match="leads out of"):
+        merge([root], tmp_path / "out")
+
+
+def test_a_file_that_reads_other_files_is_refused(root: Path, tmp_path: Path) -> None:
+    """Links and storage outside the episode file are not followed."""
+    with h5py.File(tmp_path / "secret.h5", "w") as file:
+        file["joint_forces"] = np.zeros((2, 7))
+    linked, external = episode_files(root, TASK)[:2]
+    with h5py.File(linked, "a") as file:
+        file["observations/joint_forces"] = h5py.ExternalLink("../../../../secret.h5", "joint_forces")
+    with h5py.File(external, "a") as file:
+        (tmp_path / "raw").write_bytes(bytes(112))
+        file["observations"].create_dataset("joint_forces", (2, 7), "f8", external=[(str(tmp_path / "raw"), 0, 112)])
+    with pytest.raises(EpisodeFileError, match="Do not trust"):
+        read_demo(linked)
+    with pytest.raises(EpisodeFileError, match="Do not trust"):
+        read_demo(external)
+
+
+# Merging --------------------------------------------------------------------------------------------------------------
+
+
+def test_merging_keeps_every_episode(tmp_path: Path) -> None:
+    """The result holds the same bytes under numbers of its own; merging again, or what is there already, adds nothing."""
+    one, two = fill(tmp_path / "one", range(3)), fill(tmp_path / "two", range(2, 6))
+    fill(two, range(2), variation=4)
+    out = tmp_path / "out"
+    assert len(merge([one, two], out)) == 8
+    entries = read_manifest(out, TASK)
+    assert [(e.variation, e.episode, e.random_seed) for e in entries] == [
+        *((0, n, n) for n in range(6)), (4, 0, 0), (4, 1, 1),
+    ]  # fmt: skip
+    assert task_faults(out, TASK) == []
+    assert merge([two, one], out) == ()
+    assert read_manifest(out, TASK) == entries
+
+
+def test_merging_refuses_what_does_not_go_together(tmp_path: Path) -> None:
+    """The same seed with other content, other pictures, or a bad file: an error, and nothing is written."""
+    one, two = fill(tmp_path / "one", range(3)), fill(tmp_path / "two", range(2, 5), frames=3)
+    with pytest.raises(DatasetConflict, match=r"episode0\.h5.*seed 2, but differ"):
+        merge([one, two], tmp_path / "out")
+    plain = make_demo(frames=2, seed=9)
+    for observation in plain:
+        observation.front_mask = None
+    DatasetWriter(tmp_path / "three").add(plain)
+    with pytest.raises(DatasetConflict, match="rerender"):
+        merge([one, tmp_path / "three"], tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+    episode_files(one, TASK)[1].write_bytes(b"not it")
+    with pytest.raises(EpisodeFileError, match=r"episode1\.h5.*SHA-256"):
+        merge([one], tmp_path / "out")
+    with pytest.raises(DatasetError, match="does not exist"):
+        merge([tmp_path / "nowhere"], tmp_path / "out")
+
+
+# Lazily ---------------------------------------------------------------------------------------------------------------
+
+
+def test_an_episode_is_read_as_far_as_it_is_used(tmp_path: Path) -> None:
+    """Single frames and fields are those of the whole; a frame that is asked for reads no other picture."""
+    demo = make_demo(frames=6)
+    path = fill(tmp_path, range(1), frames=6) / TASK / "variation0" / "episodes" / "episode0.h5"
+    whole = read_demo(path)
+    with Episode(path) as episode:
+        assert (len(episode), episode.task_name, episode.variation) == (6, TASK, 0)
+        assert episode.instructions == demo.instructions
+        assert episode.shape("front_rgb") == (12, 16, 3)
+        assert np.array_equal(episode.array("joint_positions"), [obs.joint_positions for obs in whole])
+        for index in (0, 4, -1):
+            assert np.array_equal(episode[index].front_rgb, whole[index].front_rgb)
+            assert episode[index].misc.keys() == whole[index].misc.keys()
+        with pytest.raises(IndexError):
+            episode[6]
+        with pytest.raises(DatasetError, match="does not hold 'joint_forces'"):
+            episode.array("joint_forces")
+
+
+def test_a_frame_reads_no_other_picture(tmp_path: Path) -> None:
+    """A damaged picture of one frame leaves the others readable, so they were not read for them; its own is an error."""
+    pictures = np.random.default_rng(0).integers(0, 256, (6, 48, 48, 3), dtype=np.uint8)
+    path = write_demo(Demo([Observation(front_rgb=picture) for picture in pictures], task_name=TASK), tmp_path / "e.h5")
+    with h5py.File(path, "r") as file:
+        offset = file["observations/front_rgb"].id.get_chunk_info(4).byte_offset
+    with open(path, "r+b") as raw:
+        raw.seek(offset)
+        raw.write(bytes(64))
+    with Episode(path) as episode:
+        for index in (0, 3, 5):
+            assert np.array_equal(episode[index].front_rgb, pictures[index])
+        with pytest.raises(EpisodeFileError, match=r"e\.h5.*damaged"):
+            episode[4]
+
+
+def test_entries_are_plain(root: Path) -> None:
+    """An entry is JSON and back."""
+    for entry in read_manifest(root, TASK):
+        assert type(entry)(**json.loads(json.dumps(asdict(entry)))) == entry
+        assert replace(entry, failures=["x"]).failures == ["x"]
