@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from typing import Any, ClassVar, Literal
 
@@ -13,6 +13,7 @@ from gymnasium.utils import EzPickle
 from rlbench_pin.environment.action_mode import ActionMode, JointPositionActionMode
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.gymnasium_spaces import (
+    CAMERAS,
     GymObservation,
     action_space,
     as_action,
@@ -59,9 +60,10 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
             `terminate` (likewise, and the episode ends), or `raise`.
         image_size: Width and height of pictures [px].
         renderer: Who draws: `cpu`, `egl` or `auto`.
+        cameras: Cameras of vision observations.
 
     Raises:
-        UnknownName: No such task, mode or choice.
+        UnknownName: No such task, mode, camera or choice.
         WindowMissing: `human` without a screen or without pygame.
     """
 
@@ -79,6 +81,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         invalid_action: Literal["continue", "terminate", "raise"] = "continue",
         image_size: tuple[int, int] = (128, 128),
         renderer: RendererName = "cpu",
+        cameras: Sequence[str] = CAMERAS,
     ) -> None:
         EzPickle.__init__(
             self,
@@ -91,6 +94,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
             invalid_action=invalid_action,
             image_size=image_size,
             renderer=renderer,
+            cameras=cameras,
         )
         _check_choice("observation mode", observation_mode, OBSERVATION_MODES)
         _check_choice("handling of invalid actions", invalid_action, INVALID_ACTIONS)
@@ -100,10 +104,11 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         self.metadata = {**self.metadata, "render_modes": list(RENDER_MODES[: 2 if why_no_window() is None else 1])}  # type: ignore[misc]
         self._window = Window(f"rlbench_pin: {task}") if render_mode == "human" else None
         self._invalid_action, self._shaped_rewards = invalid_action, shaped_rewards
-        vision, size = observation_mode == "vision", (int(image_size[0]), int(image_size[1]))
+        seen = tuple(cameras) if observation_mode == "vision" else ()
+        size = (int(image_size[0]), int(image_size[1]))
         self._environment = Environment(
             _own_copy(action_mode),
-            obs_config=observation_settings(vision, size),
+            obs_config=observation_settings(seen, size),
             shaped_rewards=shaped_rewards,
             renderer=renderer,
         )
@@ -113,7 +118,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
             self._variation = variation
             self._spec = self._task.action_mode.action_spec(self._task.scene)
             self.action_space = action_space(self._spec)
-            self._dict_space = observation_space(self._task, vision, size)
+            self._dict_space = observation_space(self._task, seen, size)
             self.observation_space = self._dict_space  # type: ignore[assignment]
         except BaseException:
             self.close()

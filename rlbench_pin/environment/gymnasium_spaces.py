@@ -16,7 +16,7 @@ from rlbench_pin.observation import LOW_DIM, Observation
 from rlbench_pin.spatial import FloatArray
 
 CAMERAS = ("left_shoulder", "right_shoulder", "wrist", "front")
-"""Cameras of vision observations, in the order of the space."""
+"""Cameras of vision observations unless others are asked for."""
 
 JOINT_SPEED = 100.0
 """The simulator lets no joint turn faster [rad/s]."""
@@ -31,35 +31,37 @@ _QUATERNION = ("qx", "qy", "qz", "qw")
 GymObservation = dict[str, np.ndarray]
 
 
-def observation_settings(vision: bool, image_size: tuple[int, int]) -> ObservationConfig:
+def observation_settings(cameras: Sequence[str], image_size: tuple[int, int]) -> ObservationConfig:
     """Return settings that deliver what the spaces hold and no more.
 
     Args:
-        vision: Four cameras as well.
+        cameras: Whose pictures are wanted.
         image_size: Width and height [px].
+
+    Raises:
+        UnknownName: There is no such camera.
     """
     config = ObservationConfig()
     config.set_all(False)
     for name in LOW_DIM:
         setattr(config, name, True)
-    for name in CAMERAS:
+    for name in cameras:
         camera = config.camera(name)
-        camera.rgb, camera.image_size = vision, image_size
+        camera.rgb, camera.image_size = True, image_size
     return config
 
 
-def observation_space(task: TaskEnvironment, vision: bool, image_size: tuple[int, int]) -> spaces.Dict:
-    """Return the space of a task's observations: float32 boxes, and uint8 pictures (h, w, 3) for vision.
+def observation_space(task: TaskEnvironment, cameras: Sequence[str], image_size: tuple[int, int]) -> spaces.Dict:
+    """Return the space of a task's observations: float32 boxes, and a uint8 picture (h, w, 3) for each camera.
 
     The bounds are those of the simulation: joint torques are capped at the effort limits, joint speeds by the simulator.
     """
     boxes: dict[str, spaces.Space[Any]] = {}
     for name, (low, high) in _bounds(task).items():
         boxes[name] = spaces.Box(*_float32(low, high))
-    if vision:
-        width, height = image_size
-        for name in CAMERAS:
-            boxes[f"{name}_rgb"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
+    width, height = image_size
+    for name in cameras:
+        boxes[f"{name}_rgb"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
     return spaces.Dict(boxes)
 
 
