@@ -197,13 +197,19 @@ def test_two_hundred_randomised_episodes_need_no_more_memory():
 
 @pytest.mark.slow
 def test_a_hundred_launches_leak_nothing():
-    """Launch, one picture, shutdown: memory grows by less than 3 % after the first 20."""
-    process, start = psutil.Process(), 0
+    """Launch, one picture, shutdown: memory grows by less than 3 % after the first 20; files, threads and children not at all."""
+    process, start, handles = psutil.Process(), 0, (0, 0, 0)
     for cycle in range(100):
         with environment() as env:
             env.get_task("reach_target").reset(seed=0)
         if cycle == 20:
             gc.collect()
-            start = process.memory_info().rss
+            start, handles = process.memory_info().rss, _handles(process)
     gc.collect()
     assert process.memory_info().rss < 1.03 * start
+    assert _handles(process) == handles
+
+
+def _handles(process: psutil.Process) -> tuple[int, int, int]:
+    """Open files, threads and children of a process."""
+    return process.num_fds(), process.num_threads(), len(process.children())

@@ -127,9 +127,10 @@ def test_ids_are_integers_of_the_table_and_stable():
 
 
 def picture_digest() -> str:
-    """Bytes of all products of the five cameras, with and without shadows."""
+    """Bytes of all products of the five cameras, with and without shadows, and of the table of ids and names."""
     digest = hashlib.sha256()
     with build(cube_scene(cube("a", 0.3, 0.1), cube("b", 0.3, -0.1))) as world:
+        digest.update(repr(sorted(world.masks.items())).encode())
         for name in CAMERAS:
             view = camera_view(name, CameraConfig(image_size=(64, 48)), world, PANDA)
             for shadows in (False, True):
@@ -140,7 +141,7 @@ def picture_digest() -> str:
 
 
 def test_pictures_have_the_same_bytes_in_another_process():
-    """All products of all cameras, with and without shadows."""
+    """All products of all cameras, with and without shadows, and the names of the ids."""
     code = "from sim.test_rendering import picture_digest; print(picture_digest())"
     paths = os.pathsep.join(path for path in sys.path if path)
     other = subprocess.run(
