@@ -39,7 +39,7 @@ def as_state(q: ArrayLike, v: ArrayLike, size: int) -> tuple[FloatArray, FloatAr
     Raises:
         InvalidTarget: One of them has another shape, or holds NaN or infinity.
     """
-    if isinstance(q, np.ndarray) and isinstance(v, np.ndarray) and q.dtype is v.dtype is _FLOAT and q.shape == v.shape == (size,):
+    if type(q) is type(v) is np.ndarray and q.dtype is v.dtype is _FLOAT and q.shape == v.shape == (size,):
         square = q.dot(v)
         if square - square == 0.0:  # NaN and infinity show in the product, whatever the other factor
             return q, v
@@ -47,18 +47,25 @@ def as_state(q: ArrayLike, v: ArrayLike, size: int) -> tuple[FloatArray, FloatAr
 
 
 def as_placement(pose: ArrayLike, what: str = "target pose") -> pin.SE3:
-    """Return a pose (7,) as T_world_target; its quaternion is brought to length 1.
+    """Return a pose (7,) as T_world_target; as `as_pose`."""
+    return pin.XYZQUATToSE3(as_pose(pose, what))
+
+
+def as_pose(pose: ArrayLike, what: str = "target pose") -> list[float]:
+    """Return the seven numbers of a pose, its quaternion brought to length 1.
 
     Raises:
         InvalidTarget: It has another shape, holds NaN or infinity, or its quaternion is of norm zero.
     """
     vector = np.asarray(pose, dtype=float) if type(pose) is np.ndarray and pose.shape == (7,) else as_vector(pose, 7, what)
-    x, y, z, qx, qy, qz, qw = vector.tolist()
+    numbers: list[float] = vector.tolist()
+    x, y, z, qx, qy, qz, qw = numbers
     square = qx * qx + qy * qy + qz * qz + qw * qw
     if not math.isfinite(x + y + z + square):
         raise InvalidTarget(what, vector, "has to be finite")
     if square < SMALLEST_NORM**2:
         raise InvalidTarget(what, vector, "has a quaternion of norm zero; the order is x, y, z, w")
     if abs(square - 1.0) > 1e-9:
-        vector = np.concatenate([vector[:3], vector[3:] / math.sqrt(square)])
-    return pin.XYZQUATToSE3(vector)
+        length = math.sqrt(square)
+        return [x, y, z, qx / length, qy / length, qz / length, qw / length]
+    return numbers

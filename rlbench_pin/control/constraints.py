@@ -70,43 +70,36 @@ class JointBounds:
         self.velocity = np.array(limits.velocity)
         self.step = limits.acceleration * dt
         """Largest change of velocity in one tick, shape (n,), [rad/s]."""
-        self._n = n = len(self.step)
-        self._dt = np.full(n, dt)
+        self._lead = 0.0 if hold == "velocity" else 0.5
         reach, change = dt * self.velocity, dt * self.step
-        self._ends = np.concatenate([-reach, reach])  # lowest, then highest: one flat array is the fastest
-        self._change, self._twice = np.tile(change, 2), np.tile(np.arange(n), 2)
-        self._units = change.tolist()
-        self._lower, self._upper = (limits.lower + margin).tolist(), (limits.upper - margin).tolist()
         stop = change * stopping_room(self.velocity / self.step)
-        self._free_above, self._free_below = (limits.lower + margin + stop).tolist(), (limits.upper - margin - stop).tolist()
+        lower, upper = limits.lower + margin, limits.upper - margin
+        self._joints = list(zip(*(x.tolist() for x in (reach, change, lower, upper, lower + stop, upper - stop)), strict=True))
 
-    def displacements(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return dt times `interval`: lowest and highest displacement of the next tick, each (n,), [rad]."""
-        drift = self._dt * v
-        places = (q if self.hold == "velocity" else q + 0.5 * drift).tolist()
-        ends = self._ends
-        for x, lower, upper in zip(places, self._free_above, self._free_below):
-            if not lower <= x <= upper:
-                ends = self._before_the_limits(places)
-                break
-        drift = drift[self._twice]
-        ends = np.minimum(np.maximum(ends, drift - self._change), drift + self._change)
-        return ends[: self._n], ends[self._n :]
+    def displacements(self, q: FloatArray, v: FloatArray) -> tuple[list[float], list[float]]:
+        """Return dt times `interval`: n lowest and n highest displacements of the next tick, [rad].
 
-    def _before_the_limits(self, places: list[float]) -> FloatArray:
-        """Return lowest, then highest displacements (2n,), [rad], that let joints at `places` stop before their limits."""
-        ends, n = self._ends.copy(), self._n
-        for j, (x, unit) in enumerate(zip(places, self._units)):
-            if x < self._free_above[j]:
-                ends[j] = min(max(ends[j], -largest_step(x - self._lower[j], unit)), ends[n + j])
-            if x > self._free_below[j]:
-                ends[n + j] = max(min(ends[n + j], largest_step(self._upper[j] - x, unit)), self._ends[j])
-        return ends
+        Plain numbers and comparisons: for n = 7 they take a third of the time that arrays take.
+        """
+        dt, lead = self.dt, self._lead
+        lowest, highest = [], []
+        for x, speed, (reach, change, lower, upper, free_above, free_below) in zip(q.tolist(), v.tolist(), self._joints):
+            drift = dt * speed
+            bottom, top = drift - change, drift + change
+            least, most = -reach, reach
+            x += lead * drift
+            if x < free_above:
+                least = min(max(-reach, -largest_step(x - lower, change)), reach)
+            if x > free_below:
+                most = max(min(reach, largest_step(upper - x, change)), -reach)
+            lowest.append(bottom if least <= bottom else least if least < top else top)
+            highest.append(top if most >= top else most if most > bottom else bottom)
+        return lowest, highest
 
     def interval(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return lowest and highest next velocity, each (n,), [rad/s], of joints at `q` [rad] moving at `v` [rad/s]."""
-        lowest, highest = self.displacements(q, v)
-        return lowest / self._dt, highest / self._dt
+        lowest, highest = np.array(self.displacements(q, v)) / self.dt
+        return lowest, highest
 
     def braking(self, v: FloatArray) -> FloatArray:
         """Return the velocity (n,) after braking for one tick as hard as allowed."""

@@ -28,7 +28,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from rlbench_pin.control.checks import as_placement, as_state, as_vector
+from rlbench_pin.control.checks import as_pose, as_state, as_vector
 from rlbench_pin.control.constraints import Hold, JointBounds
 from rlbench_pin.control.objectives import PostureObjective, TipApproach, TipObjective, manipulability, moved, step_between
 from rlbench_pin.control.placo_arm import PlacoArm
@@ -88,7 +88,7 @@ class TipController:
             InvalidTarget: NaN, a wrong shape, or a quaternion of norm zero.
         """
         q, v = as_state(q, v, self.model.size)
-        goal = as_placement(pose)
+        goal = as_pose(pose)
         return self._velocity(q, v, lambda now: self._approach.next(now, goal))
 
     def velocity_for_twist(
@@ -153,12 +153,11 @@ class DifferentialIK(TipController):
         now = pin.updateFramePlacement(self._pinocchio, self._data, self._tip_id)
         goal = target(now)
         left = manipulability(jacobian)
-        weight = self._weight if left >= self._singular else self._posture.damping(left, step_between(now, goal))
-        self._problem.regularization = weight - self._posture_weight
+        damping = self._weight if left >= self._singular else self._posture.damping(left, step_between(now, goal))
+        self._problem.regularization = damping - self._posture_weight
         self._tip_task.T_world_frame = goal.homogeneous
-        lowest, highest = self.bounds.displacements(q, v)
         try:
-            step = self._arm.solve(q, lowest, highest)
+            step = self._arm.solve(q, *self.bounds.displacements(q, v))
         except RuntimeError as error:
             raise InfeasibleControl("DifferentialIK", str(error)) from error
         return step / self._dt

@@ -54,7 +54,7 @@ class DifferentialIKQP(TipController):
         P = weighted @ jacobian + damping * np.eye(self.model.size)
         linear = -weighted @ error - pull * (self.posture - q)
         lowest, highest = self.bounds.displacements(q, v)
-        return QuadraticProgram(P, linear, *empty_rows(self.model.size), lowest, highest)
+        return QuadraticProgram(P, linear, *empty_rows(self.model.size), np.array(lowest), np.array(highest))
 
     def _velocity(self, q: FloatArray, v: FloatArray, target: Callable[[pin.SE3], pin.SE3]) -> FloatArray:
         step = self.solver.solve(self.problem(q, v, target))

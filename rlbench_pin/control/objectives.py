@@ -20,14 +20,14 @@ damps, and the pull, whose weight stays, cannot hold the tip back from its goal.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from scipy.linalg.blas import dsyrk
-from scipy.linalg.lapack import dpotrf
+from scipy.linalg.lapack import dgerqf
 
-from rlbench_pin.control.constraints import largest_step
+from rlbench_pin.control.constraints import largest_step, stopping_room
 from rlbench_pin.spatial import FloatArray
 
 SMALL_STEP = 0.01
@@ -87,34 +87,60 @@ class TipApproach:
 
     def __init__(self, tip: TipObjective, dt: float) -> None:
         """Prepare for ticks of `dt` [s]."""
-        self._linear = tip.linear_speed * dt, tip.linear_acceleration * dt * dt
-        self._angular = tip.angular_speed * dt, tip.angular_acceleration * dt * dt
+        self._linear = _Pace.of(tip.linear_speed * dt, tip.linear_acceleration * dt * dt)
+        self._angular = _Pace.of(tip.angular_speed * dt, tip.angular_acceleration * dt * dt)
 
-    def next(self, now: pin.SE3, goal: pin.SE3) -> pin.SE3:
-        """Return T_world_tip one tick after `now` on the way to `goal`."""
-        x, y, z, qx, qy, qz, qw = pin.SE3ToXYZQUAT(now.actInv(goal)).tolist()
-        sine = math.sqrt(qx * qx + qy * qy + qz * qz)
-        distance, angle = math.sqrt(x * x + y * y + z * z), 2.0 * math.atan2(sine, abs(qw))
-        share = min(_share(distance, *self._linear), _share(angle, *self._angular))
+    def next(self, now: pin.SE3, goal: Sequence[float]) -> pin.SE3:
+        """Return T_world_tip one tick after `now` on the way to the pose `goal` (7,), whose quaternion has length 1.
+
+        Quaternions a, b of the same half of the sphere are a chord |b - a| = 2 sin(h / 2) apart when a turn by 2 h is
+        between them, and a share s of it ends at (sin((1 - s) h) a + sin(s h) b) / sin(h).
+        """
+        x, y, z, ax, ay, az, aw = pin.SE3ToXYZQUAT(now).tolist()
+        to_x, to_y, to_z, bx, by, bz, bw = goal
+        if ax * bx + ay * by + az * bz + aw * bw < 0.0:
+            bx, by, bz, bw = -bx, -by, -bz, -bw
+        way = math.hypot(to_x - x, to_y - y, to_z - z)
+        half = 2.0 * math.asin(0.5 * math.hypot(bx - ax, by - ay, bz - az, bw - aw))
+        share, share_of_turn = self._linear.share(way), self._angular.share(2.0 * half)
+        if share_of_turn < share:
+            share = share_of_turn
         if share >= 1.0:
-            return goal
-        half = 0.5 * share * angle
-        part = math.copysign(math.sin(half) / sine, qw) if sine > 0.0 else 0.0
-        return now * pin.XYZQUATToSE3([share * x, share * y, share * z, part * qx, part * qy, part * qz, math.cos(half)])
+            return pin.XYZQUATToSE3(goal)
+        if half > 0.0:
+            a, b = math.sin((1.0 - share) * half) / math.sin(half), math.sin(share * half) / math.sin(half)
+            bx, by, bz, bw = a * ax + b * bx, a * ay + b * by, a * az + b * bz, a * aw + b * bw
+        return pin.XYZQUATToSE3([x + share * (to_x - x), y + share * (to_y - y), z + share * (to_z - z), bx, by, bz, bw])
 
 
-def _share(error: float, fastest: float, unit: float) -> float:
-    """Return the share of `error` to cover in one tick, given the largest step and A dt^2, all in [m] or [rad]."""
-    step = largest_step(error, unit)
-    if step > fastest:
-        step = fastest
-    return step / error if step < error else 1.0
+@dataclass(frozen=True, slots=True)
+class _Pace:
+    """How much of an error one tick may cover, all in [m] or [rad]."""
+
+    fastest: float
+    """Largest step."""
+    unit: float
+    """A dt^2."""
+    far: float
+    """Error beyond which the largest step still allows to stop in time."""
+
+    @classmethod
+    def of(cls, fastest: float, unit: float) -> _Pace:
+        return cls(fastest, unit, unit * float(stopping_room(np.array([fastest / unit]))[0]))
+
+    def share(self, error: float) -> float:
+        """Return the share of `error` to cover in one tick."""
+        if error >= self.far:
+            return self.fastest / error
+        if error <= self.unit:
+            return 1.0
+        return largest_step(error, self.unit) / error
 
 
 def step_between(now: pin.SE3, goal: pin.SE3) -> float:
     """Return the larger of distance [m] and angle [rad] between two placements."""
-    motion = now.actInv(goal)
-    return max(float(np.linalg.norm(motion.translation)), float(np.linalg.norm(pin.log3(motion.rotation))))
+    x, y, z, qx, qy, qz, qw = pin.SE3ToXYZQUAT(now.actInv(goal)).tolist()
+    return max(math.sqrt(x * x + y * y + z * z), 2.0 * math.atan2(math.sqrt(qx * qx + qy * qy + qz * qz), abs(qw)))
 
 
 def moved(placement: pin.SE3, shift: FloatArray, turn: FloatArray) -> pin.SE3:
@@ -126,7 +152,7 @@ def manipulability(jacobian: FloatArray) -> float:
     """Return sqrt(det(J J^T)) of a Jacobian (6, n), the product of its singular values: 0 when it lost rank.
 
     It does not matter at which point and along which axes the twist is expressed: such a change has determinant 1.
-    The Cholesky factor of J J^T has the square root of the determinant on its diagonal, as a product.
+    With J = R Q, where R is upper triangular and Q has orthonormal rows, it is the product of the diagonal of R.
     """
-    factor, failed = dpotrf(dsyrk(1.0, jacobian), 0, 0, 1)  # upper, without clearing the rest, in place
-    return 0.0 if failed else math.prod(factor.diagonal().tolist())
+    triangle = dgerqf(jacobian)[0]
+    return abs(math.prod(triangle.diagonal(jacobian.shape[1] - 6).tolist()))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Sequence
 
 import numpy as np
 import placo
@@ -34,25 +35,26 @@ class PlacoArm:
         self._state, self._pinocchio = self.robot.state, self.robot.model
         self._update, self._solve = self.robot.update_kinematics, self.solver.solve
         self._q = np.array(self._state.q)
-        self._lower, self._upper = np.array(self._pinocchio.lowerPositionLimit), np.array(self._pinocchio.upperPositionLimit)
-        self._lower_joints, self._upper_joints = self._lower[BASE:], self._upper[BASE:]
+        self._q_joints = self._q[BASE:]
+        self._lower, self._upper = self._pinocchio.lowerPositionLimit[BASE:], self._pinocchio.upperPositionLimit[BASE:]
+        """Views: what is written here, PlaCo reads."""
         self._check(model)
 
     def set_configuration(self, q: FloatArray) -> None:
         """Put the arm at `q` (n,) [rad] and compute its kinematics."""
-        self._q[BASE:] = q
+        self._q_joints[:] = q
         self._state.q = self._q
         self._update()
 
-    def solve(self, q: FloatArray, lowest: FloatArray, highest: FloatArray) -> FloatArray:
+    def solve(self, q: FloatArray, lowest: Sequence[float] | FloatArray, highest: Sequence[float] | FloatArray) -> FloatArray:
         """Return the displacement (n,) [rad] of the next tick from `q`, between `lowest` and `highest` (n,).
 
         PlaCo raises RuntimeError when there is none.
         """
-        np.add(q, lowest, out=self._lower_joints)
-        np.add(q, highest, out=self._upper_joints)
-        self._pinocchio.lowerPositionLimit = self._lower
-        self._pinocchio.upperPositionLimit = self._upper
+        self._lower[:] = lowest
+        self._upper[:] = highest
+        np.add(q, self._lower, self._lower)
+        np.add(q, self._upper, self._upper)
         return self._solve(False)[BASE_SPEED:]
 
     def _check(self, model: RobotModel) -> None:
