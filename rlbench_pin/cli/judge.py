@@ -134,7 +134,7 @@ def poor_instructions(words: Mapping[int, Sequence[str]]) -> tuple[int, ...]:
 def corners(task: TaskEnvironment) -> dict[str, FloatArray]:
     """Return the corners (8, 3) of the box around every link of every body in the world [m], by `body/link`.
 
-    Bodies without collision geometry are points (1, 3) under their name.
+    A ball is its centre (1, 3), since nobody sees it spin; so is the origin of every body, under its name.
     """
     points = {name: body.position[None] for name, body in task.world.bodies.items()}
     return points | {f"{body.name}/{link}": box for body in task.world.snapshot().bodies for link, box in _corners(body)}
@@ -143,7 +143,10 @@ def corners(task: TaskEnvironment) -> dict[str, FloatArray]:
 def _corners(body: BodySnapshot) -> Iterator[tuple[str, FloatArray]]:
     solid = {} if body.shapes else geometry.solid_geometry(body.urdf, body.scale)
     for link, pose in zip(body.link_names, body.link_poses, strict=True):
-        yield link, geometry.box_corners(geometry.bounds(solid.get(link, ())), pose)
+        parts = solid.get(link, ())
+        corners = geometry.box_corners(geometry.bounds(parts), pose)
+        is_ball = len(parts) == 1 and geometry.as_shape(parts[0]).kind == "sphere"
+        yield link, corners.mean(axis=0)[None] if is_ball else corners
 
 
 def _largest_move(before: Mapping[str, FloatArray], after: Mapping[str, FloatArray]) -> tuple[float, str]:

