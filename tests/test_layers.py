@@ -45,11 +45,13 @@ HOMES: dict[str, tuple[str, ...]] = {
     "pydantic": ("scene",),
     "tyro": ("cli",),
     "tqdm": ("cli",),
-    "PIL": ("cli", "sim"),
+    "PIL": ("cli", "sim", "datasets"),
+    "ray": ("environment",),
+    "zarr": ("datasets",),
     "gymnasium": ("environment",),
     "trimesh": (),
     "manifold3d": (),
-    "pickle": (),
+    "pickle": ("datasets",),  # foreign files only; tests/datasets/test_rlbench_folders.py says which module
 }
 
 
