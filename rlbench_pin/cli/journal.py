@@ -21,6 +21,8 @@ from rlbench_pin.tasks import LIBRARY
 _PACKAGE = ASSETS.parent
 _JUDGES = ("judge.py", "trials.py", "reach.py", "stopwatch.py")
 """Files of this folder that decide about trials; the others only show them."""
+_BESIDE = ("datasets", "challenges", "learning")
+"""Folders that no trial comes near."""
 
 
 class Journal:
@@ -90,8 +92,7 @@ def _marks(tasks: Sequence[str]) -> dict[str, str]:
     """Return task -> a sum over everything that its trials depend on."""
     shared = sha256(json.dumps(library_versions()).encode())
     for file in sorted(_PACKAGE.rglob("*")):
-        decides = file.parent.name != "cli" or file.name in _JUDGES
-        if file.is_file() and file.suffix != ".pyc" and LIBRARY not in file.parents and decides:
+        if file.is_file() and file.suffix != ".pyc" and LIBRARY not in file.parents and _decides(file):
             _add(shared, file)
     marks = {}
     for task in tasks:
@@ -101,6 +102,11 @@ def _marks(tasks: Sequence[str]) -> dict[str, str]:
             _add(mark, file)
         marks[task] = mark.hexdigest()
     return marks
+
+
+def _decides(file: Path) -> bool:
+    room = file.relative_to(_PACKAGE).parts[0]
+    return file.name in _JUDGES if room == "cli" else room not in _BESIDE
 
 
 def _own_assets(scene: Path) -> list[Path]:

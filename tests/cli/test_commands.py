@@ -104,20 +104,3 @@ def test_view_draws_a_contact_sheet(tmp_path: Path, capsys: Capture) -> None:
     with Image.open(out) as sheet:
         assert sheet.width > 5 * 32
         assert sheet.height > 5 * 32
-
-
-@pytest.mark.slow
-def test_check_judges_and_writes(tmp_path: Path, capsys: Capture) -> None:
-    """A table on stdout, everything in the file; the number of workers changes nothing but speed."""
-    reports = []
-    for workers in (1, 2):
-        file = tmp_path / f"{workers}.json"
-        arguments = ("check", "reach_target", "--episodes", "11", "--no-contract", "--workers", str(workers))
-        assert _exit_code(*arguments, "--json", str(file)) == 0
-        reports.append(json.loads(file.read_text()))
-    assert "reach_target" in capsys.readouterr().out
-    for report in reports:
-        for key in ("median_planning_s", "times_real_time"):
-            del report["tasks"]["reach_target"][key]
-    assert reports[0] == reports[1]
-    assert reports[0]["tasks"]["reach_target"]["first_try"]["of"] == 11

@@ -1,0 +1,162 @@
+"""The validator as a whole: what it writes, how it goes on where it was stopped, how it ends."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from PIL import Image
+
+from rlbench_pin.cli import pool
+from rlbench_pin.cli.journal import Journal
+from rlbench_pin.cli.main import main
+from rlbench_pin.cli.trials import Item, Trial, work
+from rlbench_pin.errors import ResetError, RlbenchPinError
+
+Capture = pytest.CaptureFixture[str]
+QUICK = ("--episodes", "6", "--contract-seeds", "1", "--placements", "10")
+
+
+def _without_times(report: dict[str, Any]) -> dict[str, Any]:
+    for task in report["tasks"].values():
+        for key in ("median_planning_s", "times_real_time", "speed"):
+            del task[key]
+        for leg in task["legs"]:
+            del leg["planning_median_ms"], leg["planning_p95_ms"]
+    return report
+
+
+def test_a_report_folder_holds_page_data_and_pictures(tmp_path: Path, capsys: Capture) -> None:
+    """Every part of the contract is in the JSON, and each picture that the page names is there."""
+    assert main(["check", "reach_target", *QUICK, "--out", str(tmp_path)]) == 0
+    assert str(tmp_path / "report.md") in capsys.readouterr().out
+    report = json.loads((tmp_path / "report.json").read_text())["tasks"]["reach_target"]
+    assert report["passed"]
+    assert [report[rate]["of"] for rate in ("first_try", "idle", "random", "repeat", "tidy", "accepted")] == [6, 1, 1, 1, 6, 10]
+    assert len(report["instructions"]) == 20
+    assert set(report["per_variation"]) == {"0", "1", "2", "3", "4", "5"}
+    assert [(leg["waypoint"], leg["count"]) for leg in report["legs"]] == [(0, 6)]
+    assert report["speed"]["physics_share"] + report["speed"]["planning_share"] < 1.0
+    page = (tmp_path / "report.md").read_text()
+    for picture in ("pictures/reach_target.jpg", "pictures/reach_target_reach.png"):
+        assert f"]({picture})" in page
+        with Image.open(tmp_path / picture) as image:
+            assert image.width > 400
+
+
+def test_a_stopped_check_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What was finished is not done again, half a line is, and the report is that of a check that was not stopped."""
+    arguments = ["check", "reach_target", "--episodes", "12", "--no-contract", "--no-pictures"]
+    done: list[Item] = []
+
+    def stop_after_two(item: Item) -> list[Trial]:
+        if len(done) == 2:
+            raise KeyboardInterrupt
+        done.append(item)
+        return work(item)
+
+    monkeypatch.setattr(pool, "work", stop_after_two)
+    assert main([*arguments, "--out", str(tmp_path / "a")]) == 1
+    journal = tmp_path / "a" / "trials.jsonl"
+    assert len(journal.read_text().splitlines()) == 2
+    with journal.open("a") as file:
+        file.write('{"key": "half a li')
+
+    later: list[Item] = []
+    monkeypatch.setattr(pool, "work", lambda item: later.append(item) or work(item))
+    assert main([*arguments, "--out", str(tmp_path / "a")]) == 0
+    assert [item.seeds for item in (*done, *later)] == [(0, 1, 2, 3, 4), (5, 6, 7, 8, 9), (10, 11)]
+    assert main([*arguments, "--out", str(tmp_path / "b")]) == 0
+    resumed, whole = (_without_times(json.loads((tmp_path / name / "report.json").read_text())) for name in "ab")
+    assert resumed == whole
+
+
+def test_trials_survive_the_journal(tmp_path: Path) -> None:
+    """Whatever a trial holds comes back equal; another task file makes old trials void."""
+    items = [Item("open_drawer", part, (0,), 3) for part in ("words", "demos", "idle", "reach")]  # type: ignore[arg-type]
+    done = {item: work(item) for item in items}
+    journal = Journal(tmp_path / "trials.jsonl", ["open_drawer"])
+    for item, trials in done.items():
+        journal.add(item, trials)
+    again = Journal(tmp_path / "trials.jsonl", ["open_drawer"])
+    assert {item: again.trials_of(item) for item in items} == done
+    assert again.trials_of(Item("open_drawer", "demos", (1,), 3)) is None
+
+
+def test_a_changed_task_file_is_judged_anew(tmp_path: Path) -> None:
+    """A journal knows its trials by the text of the task."""
+    main(["new", "touch_it", "--out", str(tmp_path)])
+    file = tmp_path / "touch_it.py"
+    item, trial = Item(str(file), "demos", (0,), 3), Trial("touch_it", "demos", 0, 0, True)
+    Journal(tmp_path / "trials.jsonl", [str(file)]).add(item, [trial])
+    assert Journal(tmp_path / "trials.jsonl", [str(file)]).trials_of(item) == [trial]
+    file.write_text(file.read_text() + "# changed\n")
+    assert Journal(tmp_path / "trials.jsonl", [str(file)]).trials_of(item) is None
+
+
+BROKEN = """
+    def init_episode(self, variation, rng):
+        return {}["cup"]
+"""
+
+
+def test_a_task_that_raises_fails_with_what_it_raised(tmp_path: Path, capsys: Capture) -> None:
+    """The check goes on, and says the error and where."""
+    main(["new", "touch_it", "--out", str(tmp_path)])
+    file = tmp_path / "touch_it.py"
+    text = file.read_text()
+    file.write_text(text[: text.index("    def init_episode")].rstrip() + "\n" + BROKEN)
+    assert main(["check", "--task-file", str(file), "--episodes", "2", "--contract-seeds", "1", "--placements", "2"]) == 1
+    out = capsys.readouterr().out
+    assert "raises an error" in out
+    assert "KeyError: 'cup'" in out
+
+
+def test_a_dead_worker_is_explained() -> None:
+    """The error says what to do."""
+
+    class Dead:
+        def result(self) -> list[Trial]:
+            raise pool.BrokenProcessPool
+
+    with pytest.raises(RlbenchPinError, match="goes on from here"):
+        pool._result(Dead(), Item("reach_target", "demos", (0,), 1))  # type: ignore[arg-type]
+
+
+def test_a_reset_that_fails_counts_against_the_task(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+    """It is a failed demonstration, with its cause."""
+
+    def refuse(*args: object, **options: object) -> None:
+        raise ResetError("reach_target", ["WaypointError: too far"])
+
+    monkeypatch.setattr("rlbench_pin.environment.task_environment.start_episode", refuse)
+    assert main(["check", "reach_target", "--episodes", "2", "--no-contract"]) == 1
+    assert "2 x reset: " in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("reach_target", "--episodes", "0"), "--episodes is 0"),
+        (("reach_target", "--workers", "0"), "--workers is 0"),
+        (("--task-file", "nowhere/task.py"), "no task file"),
+    ],
+)
+def test_misuse_is_explained(arguments: tuple[str, ...], says: str, capsys: Capture) -> None:
+    """Exit code 2, before anything is done."""
+    assert main(["check", *arguments]) == 2
+    assert says in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_the_number_of_workers_changes_nothing_but_speed(tmp_path: Path, capsys: Capture) -> None:
+    """The same report from one process and from two."""
+    reports = []
+    for workers in ("1", "2"):
+        file = tmp_path / f"{workers}.json"
+        assert main(["check", "reach_target", *QUICK, "--workers", workers, "--json", str(file)]) == 0
+        reports.append(_without_times(json.loads(file.read_text())))
+    assert "reach_target" in capsys.readouterr().out
+    assert reports[0] == reports[1]
