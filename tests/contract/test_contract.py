@@ -1,4 +1,7 @@
-"""What every task of the registry must keep, asked of each without naming it."""
+"""What every task of the registry must keep, asked of each without naming it.
+
+This is the quick form, on few seeds; the long one is `make sweep`: `rlbench-pin check` with 100 demonstrations and 20 seeds.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +15,12 @@ from rlbench_pin.cli import judge
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.motion import REST_SPEED
 
-QUICK_SEEDS, ALL_SEEDS = range(2), range(20)
+REST_SEEDS, FLAIL_SEEDS = range(2), range(1)
 REPEATS_ALMOST = {"setup_checkers"}
 """Known fault: contacts of its 24 loose pieces come back in another order, so that late frames differ in the last bits."""
 
-RESTLESS = {"empty_dishwasher", "play_jenga", "pour_from_cup_to_cup"}
-"""Known faults: the plate tips by 1.7 mm, the tower creeps by 0.7 mm/s at a corner, a drop in the cup finds its place late."""
+RESTLESS = {"empty_dishwasher", "pour_from_cup_to_cup"}
+"""Known faults: the plate tips by 1.7 mm, a drop in the cup finds its place late."""
 
 
 def test_a_task_file_imports_only_the_task_api_and_numpy(task_env: TaskEnvironment) -> None:
@@ -51,10 +54,9 @@ def test_the_same_seed_gives_the_same_world(task_env: TaskEnvironment) -> None:
     assert task_env.reset(seed=3)[1].get_low_dim_data().tobytes() == first.tobytes()
 
 
-@pytest.mark.parametrize("seeds", [QUICK_SEEDS, pytest.param(ALL_SEEDS, marks=pytest.mark.slow)], ids=["quick", "all"])
-def test_a_scene_left_alone_stays_as_it_is(task_env: TaskEnvironment, seeds: range) -> None:
+def test_a_scene_left_alone_stays_as_it_is(task_env: TaskEnvironment) -> None:
     """At the reset nothing is held or overlaps and the arm is still; then nothing moves by itself, and nothing is solved."""
-    for seed in seeds:
+    for seed in REST_SEEDS:
         found = judge.rest(task_env, seed, -1)
         assert found.held == ()
         assert found.penetration <= judge.MAX_PENETRATION, f"seed {seed}"
@@ -66,12 +68,11 @@ def test_a_scene_left_alone_stays_as_it_is(task_env: TaskEnvironment, seeds: ran
     task_env.set_variation(0)
 
 
-@pytest.mark.parametrize("seeds", [range(1), pytest.param(ALL_SEEDS, marks=pytest.mark.slow)], ids=["quick", "all"])
-def test_flailing_never_succeeds(task_env: TaskEnvironment, seeds: range) -> None:
+def test_flailing_never_succeeds(task_env: TaskEnvironment) -> None:
     """Random joint motion solves nothing."""
     if task_env.task.solved_by_chance:
         pytest.skip("a random motion may pass through the goal; `rlbench-pin check` reports how often")
-    for seed in seeds:
+    for seed in FLAIL_SEEDS:
         assert not judge.flail_succeeds(task_env, seed, -1), f"seed {seed}"
     task_env.set_variation(0)
 
