@@ -1,6 +1,7 @@
-"""Write the generated tables of README.md and docs/performance.md from docs/results/; `--check` only says whether they fit.
+"""Write what is generated from docs/results/: tables in README.md and docs/performance.md, and docs/results/demo_success.md.
 
 `make sweep` measures docs/results/demo_success.json; a kept run of `make bench` is docs/results/benchmarks.json.
+With `--check` nothing is written; it only says whether they fit.
 """
 
 from __future__ import annotations
@@ -11,6 +12,8 @@ import re
 import sys
 from pathlib import Path
 from typing import Any
+
+from rlbench_pin.cli.page import interval, page, share
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "docs" / "results"
@@ -24,7 +27,8 @@ NOTE = (
     "{episodes} demonstrations per task, seeds {seed} to {last}, at most {max_variations} variations each. "
     "*Replay*: the recorded joint-position actions succeed again. "
     "*Rest*, *flail*: goals reached by doing nothing or by random motion for 200 steps (a flailing arm may hit a reach target). "
-    "*Length*, *planning*: median of a demonstration. Written by `make sweep`."
+    "*Length*, *planning*: median of a demonstration. *x real time*: simulated over process time of reset and demonstration. "
+    "Written by `make sweep`; [the whole report](docs/results/demo_success.md) has variations, legs and causes of failures."
 )
 
 
@@ -48,15 +52,14 @@ def benchmark_table(run: dict[str, Any]) -> str:
 
 
 def _row(name: str, task: dict[str, Any]) -> str:
-    low, high = task["first_try"]["wilson_95"]
     cells = [
         f"`{name}`",
         str(len(task["variations"])),
-        f"{_percent(task['first_try'])} ({100 * low:.0f} to {100 * high:.0f})",
+        interval(task["first_try"]),
         _percent(task["within_tries"]),
         _percent(task["replay"]),
-        _share(task["idle"]),
-        _share(task["random"]),
+        share(task["idle"]),
+        share(task["random"]),
         f"{task['median_simulated_s']:.1f} s",
         f"{1000 * task['median_planning_s']:.0f} ms",
         f"{task['times_real_time']:.0f}",
@@ -68,8 +71,10 @@ def _percent(rate: dict[str, Any]) -> str:
     return f"{100 * rate['rate']:.0f} %"
 
 
-def _share(rate: dict[str, Any]) -> str:
-    return f"{rate['count']}/{rate['of']}"
+def report_page(results: dict[str, Any]) -> str:
+    """Return the whole report as Markdown, with the contact sheets of docs/images/sheets/."""
+    sheets = {name: f"../images/sheets/{name}.jpg" for name in results["tasks"]}
+    return page(results, {name: {"sheet": file} for name, file in sheets.items() if (RESULTS / file).is_file()})
 
 
 def replace_part(text: str, name: str, content: str) -> str:
@@ -81,9 +86,10 @@ def replace_part(text: str, name: str, content: str) -> str:
     return pattern.sub(lambda _: f"{begin}\n{content}\n{end}", text)
 
 
-# document, marker, results, table
+# document, marker of the part (None: all of it), results, text
 PARTS = (
     ("README.md", "tasks", "demo_success.json", task_table),
+    ("docs/results/demo_success.md", None, "demo_success.json", report_page),
     ("docs/performance.md", "benchmarks", "benchmarks.json", benchmark_table),
 )
 
@@ -91,19 +97,21 @@ PARTS = (
 def main() -> int:
     """Update, or check."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 when a table is out of date")
+    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 when something is out of date")
     arguments = parser.parse_args()
     outdated = []
-    for document, marker, results, table in PARTS:
+    for document, marker, results, text in PARTS:
         if not (RESULTS / results).is_file():
             print(f"no docs/results/{results}, so {document} stays as it is", file=sys.stderr)
             continue
-        before = (ROOT / document).read_text(encoding="utf-8")
-        after = replace_part(before, marker, table(json.loads((RESULTS / results).read_text(encoding="utf-8"))))
+        file = ROOT / document
+        before = file.read_text(encoding="utf-8") if file.is_file() else ""
+        content = text(json.loads((RESULTS / results).read_text(encoding="utf-8")))
+        after = content if marker is None else replace_part(before, marker, content)
         if before != after:
             outdated.append(document)
         if not arguments.check:
-            (ROOT / document).write_text(after, encoding="utf-8")
+            file.write_text(after, encoding="utf-8")
     print(f"{'out of date' if arguments.check else 'updated'}: {', '.join(outdated) or 'nothing'}")
     return int(arguments.check and bool(outdated))
 
