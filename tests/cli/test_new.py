@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
+import shlex
 from pathlib import Path
 
 import pytest
 
 from rlbench_pin.cli.main import main
+
+CONTRIBUTING = Path(__file__).resolve().parents[2] / "CONTRIBUTING.md"
 
 
 def test_a_new_task_passes_check_and_can_be_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -28,11 +32,43 @@ def test_a_new_task_keeps_the_whole_contract(tmp_path: Path) -> None:
 
 
 def test_an_edited_pair_becomes_another_task(tmp_path: Path) -> None:
-    """The scene and the class of the walk-through in CONTRIBUTING.md: pick a cube up."""
-    main(["new", "raise_cube", "--out", str(tmp_path)])
-    (tmp_path / "raise_cube.toml").write_text(SCENE)
-    (tmp_path / "raise_cube.py").write_text(TASK)
-    assert main(["check", "--task-file", str(tmp_path / "raise_cube.py"), "--episodes", "5", "--no-contract"]) == 0
+    """The scene and the class of the walk-through in CONTRIBUTING.md, put in the place of what `new` wrote."""
+    main(["new", "put_cube_on_square", "--out", str(tmp_path / "mine")])
+    for language in ("toml", "python"):
+        _write_files(language, tmp_path)
+    file = tmp_path / "mine" / "put_cube_on_square.py"
+    assert main(["check", "--task-file", str(file), "--episodes", "4", "--no-contract"]) == 0
+
+
+@pytest.mark.slow
+def test_the_walk_through_works_as_it_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every command and every file of CONTRIBUTING.md, in their order, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    steps = re.findall(r"```(bash|toml|python)\n(.*?)```", _walk_through(), re.DOTALL)
+    assert [language for language, _ in steps] == ["bash", "toml", "python", "bash"]
+    for language, text in steps:
+        if language != "bash":
+            _write_files(language, tmp_path)
+            continue
+        for line in text.splitlines():
+            program, *arguments = shlex.split(line)
+            assert program == "rlbench-pin"
+            assert main(arguments) == 0, line
+    assert "ok" in (tmp_path / "out" / "put_cube_on_square" / "report.md").read_text()
+    assert list((tmp_path / "out" / "demo").rglob("*.h5"))
+
+
+def _walk_through() -> str:
+    text = CONTRIBUTING.read_text(encoding="utf-8")
+    start = text.index("## From a reach to a pick-and-place")
+    return text[start : text.index("\n## ", start)]
+
+
+def _write_files(language: str, folder: Path) -> None:
+    """Write each block of a language to the file that its first line names, over what `new` wrote."""
+    for name, text in re.findall(rf"```{language}\n# (\S+)\n(.*?)```", _walk_through(), re.DOTALL):
+        assert (folder / name).is_file()
+        (folder / name).write_text(text, encoding="utf-8")
 
 
 @pytest.mark.parametrize(("name", "says"), [("Touch It", "no task name"), ("reach_target", "exists already")])
@@ -50,68 +86,3 @@ def test_existing_files_are_not_overwritten(tmp_path: Path, capsys: pytest.Captu
     assert main(["new", "touch_it", "--out", str(tmp_path)]) == 2
     assert "would be overwritten" in capsys.readouterr().err
     assert (tmp_path / "touch_it.py").read_text() == before
-
-
-SCENE = """\
-format = 1
-
-[placement]
-footprint = [0.1, 0.1]
-
-[[body]]
-name = "cube"
-asset = "objects/cube_small/cube_small.urdf"
-pose = [0.0, 0.0, 0.02]
-
-[[sensor]]
-name = "above"
-pose = [0.0, 0.0, 0.2]
-shape = "box"
-size = [0.1, 0.1, 0.05]
-
-[[waypoint]]
-name = "waypoint0"
-parent = "waypoint1"
-pose = [0.0, 0.0, -0.1]
-symmetry = 4
-
-[[waypoint]]
-name = "waypoint1"
-parent = "cube"
-pose = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
-ignore_collisions = true
-gripper = "close"
-symmetry = 4
-
-[[waypoint]]
-name = "waypoint2"
-parent = "waypoint1"
-pose = [0.0, 0.0, -0.18]
-ignore_collisions = true
-symmetry = 4
-"""
-
-TASK = '''\
-"""Raise a cube."""
-
-from __future__ import annotations
-
-import numpy as np
-
-from rlbench_pin.tasks import Detected, Grasped, Task
-
-
-class RaiseCube(Task):
-    """The cube has to be held 0.2 m above its place."""
-
-    def init_task(self) -> None:
-        self.register_graspable_objects(["cube"])
-        cube, above = self.scene.body("cube"), self.scene.sensor("above")
-        self.register_success_conditions([Grasped(self.gripper, cube), Detected(cube, above)])
-
-    def variation_count(self) -> int:
-        return 1
-
-    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        return ["Raise the cube."]
-'''
