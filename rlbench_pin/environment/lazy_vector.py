@@ -1,4 +1,4 @@
-"""A vector environment that builds its environments when it is first used, and frees them when it is closed."""
+"""Environments in processes of their own that start when they are first used, and end when they are closed."""
 
 from __future__ import annotations
 
@@ -6,44 +6,45 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import gymnasium
-from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv, VectorEnv
+from gymnasium.vector import AsyncVectorEnv, AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 AnyEnv = gymnasium.Env[Any, Any]
 
 
-class LazyVectorEnv(VectorEnv[Any, Any, Any]):
-    """Stands for a synchronous or asynchronous vector environment, so that many can be made and few exist at a time.
+class LazyAsyncVectorEnv(VectorEnv[Any, Any, Any]):
+    """Stands for an asynchronous vector environment, so that many can be made while few have processes.
 
-    After `close` it may be used again, and then builds everything anew.
+    The processes are spawned, and so share nothing with this one. After `close` it may be used again.
 
     Args:
-        makers: Make one environment each; they are sent to other processes when asynchronous.
+        makers: Make one environment each, in its process.
         like: An environment with the spaces and the metadata of all; it may be closed.
-        asynchronous: Each environment in a process of its own, which is spawned and so shares nothing with this one.
+        autoreset_mode: When an episode that has ended is followed by the next.
     """
 
-    def __init__(self, makers: Sequence[Callable[[], AnyEnv]], like: AnyEnv, asynchronous: bool = False) -> None:
-        self._makers, self._asynchronous = tuple(makers), asynchronous
-        self._running: SyncVectorEnv | AsyncVectorEnv | None = None
+    def __init__(
+        self, makers: Sequence[Callable[[], AnyEnv]], like: AnyEnv, autoreset_mode: AutoresetMode = AutoresetMode.NEXT_STEP
+    ) -> None:
+        self._makers, self._autoreset_mode = tuple(makers), autoreset_mode
+        self._running: AsyncVectorEnv | None = None
         self.num_envs = len(self._makers)
         self.single_observation_space, self.single_action_space = like.observation_space, like.action_space
         self.observation_space = batch_space(like.observation_space, self.num_envs)
         self.action_space = batch_space(like.action_space, self.num_envs)
         self.render_mode = like.render_mode
-        self.metadata = {**like.metadata, "autoreset_mode": gymnasium.vector.AutoresetMode.NEXT_STEP}
+        self.metadata = {**like.metadata, "autoreset_mode": autoreset_mode}
 
     @property
-    def running(self) -> SyncVectorEnv | AsyncVectorEnv:
-        """The vector environment itself, built now if need be."""
+    def running(self) -> AsyncVectorEnv:
+        """The vector environment itself, started now if need be."""
         if self._running is None:
-            build = _spawned if self._asynchronous else SyncVectorEnv
-            self._running = build(self._makers)
+            self._running = AsyncVectorEnv(self._makers, context="spawn", autoreset_mode=self._autoreset_mode)
         return self._running
 
     @property
     def is_running(self) -> bool:
-        """Whether the environments exist."""
+        """Whether the processes exist."""
         return self._running is not None
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
@@ -71,12 +72,7 @@ class LazyVectorEnv(VectorEnv[Any, Any, Any]):
         return self.running.render()
 
     def close(self, **kwargs: Any) -> None:
-        """Free all environments; may be called again."""
+        """End all processes; may be called again."""
         running, self._running = self._running, None
         if running is not None:
             running.close(**kwargs)
-
-
-def _spawned(makers: Sequence[Callable[[], AnyEnv]]) -> AsyncVectorEnv:
-    """Return a process for each environment."""
-    return AsyncVectorEnv(makers, context="spawn")

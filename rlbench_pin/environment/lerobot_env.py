@@ -15,13 +15,14 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 from gymnasium.utils import EzPickle
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 from rlbench_pin.environment.action_mode import ActionMode, MoveArmThenGripper
 from rlbench_pin.environment.gripper_actions import Discrete
 from rlbench_pin.environment.gymnasium_env import GymnasiumEnv
 from rlbench_pin.environment.gymnasium_spaces import CAMERAS, GymObservation
 from rlbench_pin.environment.joint_actions import JointPosition
-from rlbench_pin.environment.lazy_vector import LazyVectorEnv
+from rlbench_pin.environment.lazy_vector import LazyAsyncVectorEnv
 from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.gym_ids import MAX_EPISODE_STEPS
 from rlbench_pin.sim import RendererName
@@ -32,6 +33,10 @@ TASKS_VARIABLE = "RLBENCH_PIN_TASKS"
 """Environment variable with the tasks that `make_env` makes when it is not told, separated by commas."""
 NEW_ROLLOUT = "lerobot_new_rollout"
 """Option that LeRobot passes to `reset`; it means nothing to an environment."""
+AUTORESET = AutoresetMode.SAME_STEP
+"""Releases of LeRobot up to 0.4 look for success in `final_info` alone, which there is in this mode only."""
+
+Spaces = tuple[gymnasium.Space[Any], gymnasium.Space[Any]]
 
 
 class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
@@ -50,6 +55,7 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
         render_mode: `rgb_array` or `human`.
         action_mode: What actions mean; None is as above.
         renderer: Who draws: `cpu`, `egl` or `auto`.
+        like: Observation and action space, when known; then the world is built when it is first used. Otherwise at once.
 
     Attributes:
         task: Name of the task.
@@ -69,6 +75,7 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
         render_mode: Any = "rgb_array",
         action_mode: ActionMode | None = None,
         renderer: RendererName = "cpu",
+        like: Spaces | None = None,
     ) -> None:
         EzPickle.__init__(
             self,
@@ -80,10 +87,12 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
             render_mode=render_mode,
             action_mode=action_mode,
             renderer=renderer,
+            like=like,
         )
         if max_episode_steps < 1:
             raise TaskEnvironmentError(f"An episode has at least one step, not max_episode_steps={max_episode_steps}.")
-        self._env = GymnasiumEnv(
+        self._make = partial(
+            GymnasiumEnv,
             task,
             "vision",
             render_mode,
@@ -93,14 +102,20 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
             renderer=renderer,
             cameras=tuple(cameras),
         )
-        self.task, self.task_description = self._env.task_environment.get_name(), ""
-        self.render_mode, self.metadata = self._env.render_mode, self._env.metadata  # type: ignore[misc]
+        self._env: GymnasiumEnv | None = None
         self._max_episode_steps, self._steps, self._cameras = max_episode_steps, 0, tuple(cameras)
-        self.action_space = self._env.action_space
-        self.observation_space = self._space(len(self._env.task_environment.scene.description.arm_joints))  # type: ignore[assignment]
+        self.task, self.task_description, self.render_mode = task, "", render_mode
+        self.observation_space, self.action_space = like or (self._space(self.world), self.world.action_space)
 
-    def _space(self, joints: int) -> spaces.Dict:
-        seen = self._env.observation_space
+    @property
+    def world(self) -> GymnasiumEnv:
+        """The environment that is translated, built now if need be."""
+        if self._env is None:
+            self._env = self._make()
+        return self._env
+
+    def _space(self, world: GymnasiumEnv) -> spaces.Dict:
+        seen, joints = world.observation_space, len(world.task_environment.scene.description.arm_joints)
         assert isinstance(seen, spaces.Dict)
         high = np.append(np.full(joints, 2.0 * np.pi), 1.0).astype(np.float32)
         low = np.append(-high[:-1], 0.0).astype(np.float32)
@@ -113,13 +128,13 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
         """Start an episode; see `GymnasiumEnv.reset`."""
         super().reset(seed=seed)
         wanted = {name: value for name, value in (options or {}).items() if name != NEW_ROLLOUT}
-        observation, info = self._env.reset(seed=seed, options=wanted)
+        observation, info = self.world.reset(seed=seed, options=wanted)
         self._steps, self.task_description = 0, info["text_descriptions"][0]
         return self._translated(observation), self._told(info)
 
     def step(self, action: np.ndarray) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
         """Run one action; the episode is cut off after the last step that it may have."""
-        observation, reward, terminated, _, info = self._env.step(action)
+        observation, reward, terminated, _, info = self.world.step(action)
         self._steps += 1
         truncated = not terminated and self._steps >= self._max_episode_steps
         return self._translated(observation), reward, terminated, truncated, self._told(info)
@@ -135,21 +150,23 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
 
     def render(self) -> Any:
         """Return or show the scene from the side; see `GymnasiumEnv.render`."""
-        return self._env.render()
+        return self.world.render()
 
     def close(self) -> None:
-        """Free the world; may be called again."""
-        self._env.close()
+        """Free the world; may be called again. Using the environment afterwards builds it anew."""
+        env, self._env = self._env, None
+        if env is not None:
+            env.close()
 
 
 def make_env(
     n_envs: int = 1, use_async_envs: bool = False, cfg: Any = None, *, tasks: Sequence[str] | None = None, **settings: Any
 ) -> dict[str, dict[int, gymnasium.vector.VectorEnv[Any, Any, Any]]]:
-    """Return `{suite: {task id: vector environment}}`; no world is built before its vector environment is used.
+    """Return `{suite: {task id: vector environment}}`; no world is built before it is used.
 
     Args:
         n_envs: Environments in each vector environment.
-        use_async_envs: One process for each of them (spawned), instead of all in this process.
+        use_async_envs: A process for each of them, spawned when first used, instead of all in this process.
         cfg: LeRobot's environment settings; of these `task`, names separated by commas, and `episode_length` are heeded.
         tasks: Names of tasks; otherwise those of `cfg`, of the environment variable `RLBENCH_PIN_TASKS`, or all.
         settings: Further arguments of `LeRobotEnv`.
@@ -166,12 +183,11 @@ def make_env(
         settings.setdefault("max_episode_steps", int(length))
     probe = LeRobotEnv(names[0], **settings)
     probe.close()
-    return {
-        SUITE: {
-            task_names().index(name): LazyVectorEnv([partial(LeRobotEnv, name, **settings)] * n_envs, probe, use_async_envs)
-            for name in names
-        }
-    }
+    settings["like"] = (probe.observation_space, probe.action_space)
+    makers = {task_names().index(name): [partial(LeRobotEnv, name, **settings)] * n_envs for name in names}
+    if use_async_envs:
+        return {SUITE: {task: LazyAsyncVectorEnv(make, probe, AUTORESET) for task, make in makers.items()}}
+    return {SUITE: {task: SyncVectorEnv(make, autoreset_mode=AUTORESET) for task, make in makers.items()}}
 
 
 def _wanted_tasks(cfg: Any) -> tuple[str, ...]:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env, data_equivalence
 
-from rlbench_pin.environment.lazy_vector import LazyVectorEnv
+from rlbench_pin.environment.lazy_vector import LazyAsyncVectorEnv
 from rlbench_pin.environment.lerobot_env import TASKS_VARIABLE, LeRobotEnv, make_env
 from rlbench_pin.errors import TaskEnvironmentError, UnknownName
 from rlbench_pin.tasks import task_names
@@ -52,7 +54,7 @@ def rollout(env: Any, policy: Callable[[dict[str, Any]], np.ndarray], seeds: lis
             assert picture.dtype == np.uint8 and c < h and c < w
         sentences.append(list(env.call("task_description")))
         observation, reward, terminated, truncated, info = env.step(policy(observation))
-        successes.append(info["is_success"] & ~done)
+        successes.append(info.get("final_info", info)["is_success"] & ~done)
         rewards.append(reward * ~done)
         done |= terminated | truncated
         if done.all():
@@ -101,7 +103,7 @@ def test_recorded_actions_succeed() -> None:
     """Actions as they stand in a dataset, joint positions and gripper, reach the goal, and the evaluation sees it."""
     vector = make_env(tasks=["reach_target"], variation=0, max_episode_steps=60, **SMALL)["rlbench_pin"]
     env = vector[task_names().index("reach_target")]
-    demo = env.running.envs[0].unwrapped._env.task_environment.get_demos(1, live_demos=True, seed=4)[0]
+    demo = env.envs[0].unwrapped.world.task_environment.get_demos(1, live_demos=True, seed=4)[0]
     actions = iter([*(frame.misc["joint_position_action"] for frame in demo[1:])])
     result = rollout(env, lambda _: next(actions)[None].astype(np.float32), [4])
     env.close()
@@ -109,21 +111,20 @@ def test_recorded_actions_succeed() -> None:
 
 
 def test_nothing_is_built_before_it_is_used_and_closing_frees() -> None:
-    """All tasks can be asked for at once; a vector environment builds its worlds at the first call and frees them at the end."""
+    """All tasks can be asked for at once; a world is built when it is first used, freed at the end, and may be built again."""
     suite = make_env(n_envs=2, **SMALL)["rlbench_pin"]
     assert list(suite) == list(range(len(task_names())))
-    assert not any(env.is_running for env in suite.values())
-    env = suite[task_names().index("open_drawer")]
-    assert env.num_envs == 2 and env.single_action_space.shape == (8,)
-    observation, _ = env.reset(seed=[0, 1])
-    assert observation in env.observation_space and env.is_running
-    assert list(env.call("task")) == ["open_drawer"] * 2
-    env.close()
-    env.close()
-    assert not env.is_running
-    again, _ = env.reset(seed=[0, 1])
-    env.close()
-    assert data_equivalence(observation, again)
+    assert all(env.unwrapped._env is None for vector in suite.values() for env in vector.envs)
+    vector = suite[task_names().index("open_drawer")]
+    assert vector.num_envs == 2 and vector.single_action_space.shape == (8,)
+    observation, _ = vector.reset(seed=[0, 1])
+    assert observation in vector.observation_space
+    assert list(vector.call("task")) == ["open_drawer"] * 2
+    vector.close()
+    assert all(env.unwrapped._env is None for env in vector.envs)
+    again, _ = vector.envs[0].reset(seed=0)
+    vector.envs[0].close()
+    np.testing.assert_array_equal(again["agent_pos"], observation["agent_pos"][0])
 
 
 def test_tasks_come_from_settings_or_the_environment_variable(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -150,11 +151,14 @@ def test_hub_file_makes_four_processes_that_agree_with_one(monkeypatch: pytest.M
     for asynchronous in (False, True):
         env = hub_make_env()(n_envs=4, use_async_envs=asynchronous, cfg=SimpleNamespace(episode_length=6))
         vector = next(iter(env["rlbench_pin"].values()))
-        assert isinstance(vector, LazyVectorEnv)
+        assert isinstance(vector, LazyAsyncVectorEnv if asynchronous else gymnasium.vector.SyncVectorEnv)
+        assert not asynchronous or not vector.is_running
         results.append(rollout(vector, still, [1, 2, 3, 4]))
         pictures = vector.call("render")
         assert len(pictures) == 4 and pictures[0].shape == (360, 640, 3)
         vector.close()
+        vector.close()
+        assert not asynchronous or not vector.is_running
     assert data_equivalence(results[0], results[1])
     assert results[0]["steps"] == 6 and len(set(results[0]["sentences"][0])) > 1
 
@@ -173,3 +177,39 @@ def test_bad_arguments_are_errors_at_once(arguments: dict[str, Any], error: type
     """Mistakes show when the environments are asked for, not when they are first used."""
     with pytest.raises(error, match=says):
         make_env(**arguments)
+
+
+@pytest.mark.slow
+def test_lerobots_own_evaluation_plays_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """LeRobot loads the hub file, accepts what it returns, and its rollout with a recorded demonstration as policy succeeds."""
+    pytest.importorskip("lerobot")
+    torch = pytest.importorskip("torch")
+    utils = importlib.import_module("lerobot.envs.utils")
+    evaluation = importlib.import_module("lerobot.scripts.lerobot_eval")
+    monkeypatch.setenv(TASKS_VARIABLE, "reach_target")
+    made = utils._load_module_from_path(str(HUB_FILE)).make_env(n_envs=1, use_async_envs=False)
+    env = utils._normalize_hub_result(made)["rlbench_pin"][task_names().index("reach_target")]
+    task = env.envs[0].unwrapped.world.task_environment
+    demo = task.get_demos(1, live_demos=True, seed=4)[0]
+    task.set_variation(-1)
+
+    class Recorded(torch.nn.Module):  # type: ignore[misc, name-defined]
+        """Says what was recorded, and keeps what it was shown."""
+
+        def reset(self) -> None:
+            self.actions, self.seen = iter(demo[1:]), []
+
+        def select_action(self, observation: dict[str, Any]) -> Any:
+            self.seen.append(observation)
+            return torch.tensor(next(self.actions).misc["joint_position_action"], dtype=torch.float32)[None]
+
+    def same(x: Any) -> Any:
+        return x
+
+    policy = Recorded()
+    result = evaluation.rollout(env, policy, same, same, same, same, seeds=[4])
+    env.close()
+    assert result["success"].any() and result["done"][0, -1] and result["reward"].sum() == 1.0
+    assert policy.seen[0]["observation.images.front"].shape == (1, 3, 256, 256)
+    assert policy.seen[0]["observation.state"].shape == (1, 8)
+    assert "ball" in policy.seen[0]["task"][0] or "sphere" in policy.seen[0]["task"][0]
