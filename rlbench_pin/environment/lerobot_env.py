@@ -51,7 +51,7 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
         max_episode_steps: Steps after which an episode is cut off.
         variation: Variation of every episode; -1 draws one for each from the seed.
         cameras: Names of the cameras.
-        image_size: Width and height of pictures [px].
+        image_size: Width and height of pictures [px]; those that the policy was trained on.
         render_mode: `rgb_array` or `human`.
         action_mode: What actions mean; None is as above.
         renderer: Who draws: `cpu`, `egl` or `auto`.
@@ -71,7 +71,7 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
         max_episode_steps: int = MAX_EPISODE_STEPS,
         variation: int = -1,
         cameras: Sequence[str] = CAMERAS,
-        image_size: tuple[int, int] = (256, 256),
+        image_size: tuple[int, int] = (128, 128),
         render_mode: Any = "rgb_array",
         action_mode: ActionMode | None = None,
         renderer: RendererName = "cpu",

@@ -210,6 +210,6 @@ def test_lerobots_own_evaluation_plays_it(monkeypatch: pytest.MonkeyPatch) -> No
     result = evaluation.rollout(env, policy, same, same, same, same, seeds=[4])
     env.close()
     assert result["success"].any() and result["done"][0, -1] and result["reward"].sum() == 1.0
-    assert policy.seen[0]["observation.images.front"].shape == (1, 3, 256, 256)
+    assert policy.seen[0]["observation.images.front"].shape == (1, 3, 128, 128)
     assert policy.seen[0]["observation.state"].shape == (1, 8)
     assert "ball" in policy.seen[0]["task"][0] or "sphere" in policy.seen[0]["task"][0]
