@@ -62,6 +62,7 @@ def build(out: Path, only: str | None = None) -> None:
             build_objects(aside)
         if only != "objects":
             build_robots(aside)
+        out.mkdir(parents=True, exist_ok=True)
         for made in sorted(aside.iterdir()):
             if made.is_dir():
                 replace_folder(made, out / made.name)

@@ -25,9 +25,9 @@ def _assert_same(made: dict[str, bytes], kept: dict[str, bytes]) -> None:
 
 
 def test_objects_rebuild_to_the_same_bytes(tmp_path: Path) -> None:
-    """Objects, room, catalogue and licences."""
+    """Objects, room, textures, catalogue and licences."""
     subprocess.run([sys.executable, str(SCRIPT), "--only", "objects", "--out", str(tmp_path)], check=True)
-    names = ("objects", "room", "CATALOGUE.md", "LICENSES.md")
+    names = ("objects", "room", "textures", "CATALOGUE.md", "LICENSES.md")
     _assert_same(_files(tmp_path, names), _files(ASSETS, names))
 
 
