@@ -1,0 +1,50 @@
+"""What is installed: everything that the package needs at run time, and not much more."""
+
+from __future__ import annotations
+
+import io
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "rlbench_pin"
+MAX_BYTES = 25_000_000
+
+
+def _files() -> list[Path]:
+    return [p for p in sorted(PACKAGE.rglob("*")) if p.is_file() and "__pycache__" not in p.parts]
+
+
+def test_the_package_is_small() -> None:
+    """Compressed as in a wheel, code and assets together stay under 25 MB."""
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for file in _files():
+            archive.write(file, file.relative_to(ROOT))
+    assert 100_000 < packed.tell() < MAX_BYTES
+
+
+@pytest.mark.slow
+def test_the_wheel_holds_the_whole_package(tmp_path: Path) -> None:
+    """Every scene, asset and module is in it, nothing of tests and scripts is, and it is small."""
+    pytest.importorskip("hatchling")
+    arguments = [
+        "wheel",
+        "--no-deps",
+        "--no-build-isolation",
+        "--disable-pip-version-check",
+        "-q",
+        "-w",
+        str(tmp_path),
+        str(ROOT),
+    ]
+    subprocess.run([sys.executable, "-m", "pip", *arguments], check=True, timeout=300)
+    (wheel,) = tmp_path.glob("*.whl")
+    assert wheel.stat().st_size < MAX_BYTES
+    with zipfile.ZipFile(wheel) as archive:
+        names = {name for name in archive.namelist() if ".dist-info/" not in name}
+    assert names == {file.relative_to(ROOT).as_posix() for file in _files()}
