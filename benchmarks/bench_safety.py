@@ -1,8 +1,8 @@
 """Random joint velocities of full range through the safety filter, in simulated task scenes: what is violated, and what it costs.
 
-Usage: python benchmarks/bench_safety.py [--actions 200000] [--tasks NAME ...] [--out FILE]
-Every tick is measured: joint positions, velocities and accelerations against their limits, contacts of the arm, and the smallest
-distance to the world, which must stay above the margin minus 1 mm.
+Usage: python benchmarks/bench_safety.py [--actions 200000] [--held 20000] [--tasks NAME ...] [--out docs/results]
+Writes safety.json and safety.md. Every tick is measured: joint positions, velocities and accelerations against their limits,
+contacts of the arm in the simulator, and the smallest distances to the world and within the arm, each against its own margin.
 """
 
 from __future__ import annotations
@@ -11,13 +11,14 @@ import argparse
 import json
 import time
 from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from harness import Result
+from safety_report import report
 
-from rlbench_pin.control.safety_filter import SafetyConfig
+from rlbench_pin.control.safety_filter import SafetyConfig, SafetyFilter
 from rlbench_pin.environment import (
     Discrete,
     Environment,
@@ -27,8 +28,10 @@ from rlbench_pin.environment import (
     SafeArm,
     TaskEnvironment,
 )
-from rlbench_pin.environment.safe_arm import LIMIT_MARGIN
+from rlbench_pin.environment.safe_arm import LIMIT_MARGIN, wanted_velocity
+from rlbench_pin.environment.scene import Scene
 from rlbench_pin.robot.distances import DistanceModel
+from rlbench_pin.spatial import FloatArray
 
 TASKS = (
     "reach_target", "push_button", "pick_and_lift", "take_lid_off_saucepan", "open_drawer",
@@ -36,85 +39,168 @@ TASKS = (
 )  # fmt: skip
 CONFIG = SafetyConfig(limit_margin=LIMIT_MARGIN)
 EPISODE = 200
-PERCENTILES = {"median": 50, "p95": 95, "p99": 99}
+HOLD = 12
+"""Ticks for which the second policy keeps an action: long enough for full speed."""
 SLACK = 0.001
-"""How much below the margin the distance may be [m]."""
+"""How much below its margin a distance may be [m]."""
+State = tuple[FloatArray, FloatArray, FloatArray]
 
 
-def measure(task: TaskEnvironment, arm: SafeArm, config: SafetyConfig, actions: int, seed: int) -> dict[str, Any]:
-    """Run `actions` random actions, 200 per episode, and count violations."""
-    rng, limits, dt = np.random.default_rng(seed), task.scene.model.limits, task.world.control_dt
-    distances = DistanceModel(task.scene.model)
-    count = dict.fromkeys(("position", "velocity", "acceleration", "contact", "distance"), 0)
-    nearest, ticks, interventions, stops, seconds = np.inf, 0, 0, 0, []
-    while ticks < actions:
-        task.reset(seed=seed + ticks)
-        v = task.world.robot.joint_velocities
-        for _ in range(min(EPISODE, actions - ticks)):
-            began = time.perf_counter()
-            task.step(np.append(rng.uniform(-limits.velocity, limits.velocity), 1.0))
-            seconds.append(time.perf_counter() - began)
-            q, now = task.world.robot.joint_positions, task.world.robot.joint_velocities
-            count["position"] += bool((q < limits.lower - 1e-6).any() or (q > limits.upper + 1e-6).any())
-            count["velocity"] += bool((np.abs(now) > limits.velocity * 1.001).any())
-            count["acceleration"] += bool((np.abs(now - v) / dt > limits.acceleration * 1.01).any())
-            count["contact"] += bool(task.world.robot.touching())
-            distances.update(task.world.snapshot())
-            pairs = distances.nearest(q, 1)
-            nearest = min(nearest, pairs[0].distance if pairs else np.inf)
-            count["distance"] += bool(pairs and pairs[0].distance < min(config.margin, config.self_margin) - SLACK)
-            v = now
-            ticks += 1
-            interventions += arm.last is not None and arm.last.intervened
-            stops += arm.last is not None and arm.last.stopped
-    return {
-        "actions": ticks,
-        "violations": count,
-        "nearest_m": round(float(nearest), 5),
-        "interventions": round(interventions / ticks, 4),
-        "stops": round(stops / ticks, 4),
-        **{f"step_{name}_us": round(1e6 * float(np.percentile(seconds, p)), 1) for name, p in PERCENTILES.items()},
-    }
+@dataclass
+class Figures:
+    """What was measured in one scene."""
+
+    actions: int = 0
+    position: int = 0
+    velocity: int = 0
+    acceleration: int = 0
+    """Ticks at which a joint was beyond its limit of this kind."""
+    contact: int = 0
+    """Ticks at which the arm touched something."""
+    distance: int = 0
+    """Ticks at which a distance was below its margin by more than the slack."""
+    nearest_world_m: float = np.inf
+    nearest_self_m: float = np.inf
+    clipped: int = 0
+    """Commands changed for the sake of joint limits alone: a random velocity asks for more than any motor can accelerate."""
+    avoided: int = 0
+    """Commands changed for the sake of distances."""
+    stops: int = 0
+    """Commands that were the hardest braking, for want of anything better."""
+    tick_us: dict[str, float] = field(default_factory=dict)
+    """Processor time of the filter by itself, on the states of the last episode."""
+    loop_tick_us: dict[str, float] = field(default_factory=dict)
+    """And of the filter as it ran, between steps of physics."""
+
+    def violations(self) -> int:
+        """Return ticks with a violation, of all kinds."""
+        return self.position + self.velocity + self.acceleration + self.contact + self.distance
+
+
+class TimedArm(SafeArm):
+    """Keeps the states that the filter saw in the last episode, and what each call took [s]."""
+
+    def __init__(self) -> None:
+        super().__init__(JointVelocity(), CONFIG)
+        self.states: list[State] = []
+        self.seconds: list[float] = []
+
+    def _command(self, scene: Scene) -> None:
+        q, v = scene.robot.joint_positions, scene.robot.joint_velocities
+        self.states.append((q, v, wanted_velocity(scene, q, v).copy()))
+        began = time.process_time()
+        super()._command(scene)
+        self.seconds.append(time.process_time() - began)
+
+    def alone(self, scene: Scene) -> list[float]:
+        """Filter the states again, and nothing else; return the processor time of each [s]."""
+        guard: SafetyFilter = self._filter_for(scene)
+        seconds = []
+        for state in self.states:
+            began = time.process_time()
+            guard.filter(*state)
+            seconds.append(time.process_time() - began)
+        return seconds
+
+
+class Judge:
+    """Measures the simulated arm after every tick."""
+
+    def __init__(self, task: TaskEnvironment) -> None:
+        self.task, self.limits, self.dt = task, task.scene.model.limits, task.world.control_dt
+        self.distances = DistanceModel(task.scene.model)
+        self.figures = Figures()
+
+    def look(self) -> None:
+        """Begin an episode."""
+        self.v = self.task.world.robot.joint_velocities
+
+    def judge(self, arm: SafeArm) -> None:
+        """Measure one tick."""
+        f, robot, limits = self.figures, self.task.world.robot, self.limits
+        q, v = robot.joint_positions, robot.joint_velocities
+        f.actions += 1
+        f.position += bool((q < limits.lower - 1e-6).any() or (q > limits.upper + 1e-6).any())
+        f.velocity += bool((np.abs(v) > limits.velocity * 1.001).any())
+        f.acceleration += bool((np.abs(v - self.v) / self.dt > limits.acceleration * 1.01).any())
+        f.contact += bool(robot.touching())
+        self.v = v
+        self._judge_distances(q)
+        reasons = set(arm.last.reasons) if arm.last is not None else set()
+        f.clipped += reasons == {"limits"}
+        f.avoided += bool(reasons - {"limits"})
+        f.stops += arm.last is not None and arm.last.stopped
+
+    def _judge_distances(self, q: FloatArray) -> None:
+        f, model = self.figures, self.distances
+        model.update(self.task.world.snapshot())
+        model.place(q)
+        near = np.flatnonzero(model.counts & (model.bounds < 0.1))  # bounds from below
+        distances, world = model.measure(near), model.crosses[near]
+        to_world, to_self = distances[world].min(initial=np.inf), distances[~world].min(initial=np.inf)
+        f.nearest_world_m, f.nearest_self_m = min(f.nearest_world_m, to_world), min(f.nearest_self_m, to_self)
+        f.distance += bool(to_world < CONFIG.margin - SLACK or to_self < CONFIG.self_margin - SLACK)
+
+
+def measure_scene(name: str, actions: int, hold: int = 1, seed: int = 0) -> Figures:
+    """Run random actions, each held for some ticks, in the scene of one task, 200 per episode."""
+    arm, observations, rng = TimedArm(), ObservationConfig(), np.random.default_rng(seed)
+    observations.set_all(False)
+    with Environment(MoveArmThenGripper(arm, Discrete()), obs_config=observations, seed=0) as env:
+        task = env.get_task(name)
+        judge, fastest = Judge(task), task.scene.model.limits.velocity
+        for tick in range(actions):
+            if tick % EPISODE == 0:
+                arm.states.clear()
+                task.reset(seed=seed + tick)
+                judge.look()
+            if tick % EPISODE % hold == 0:
+                action = np.append(rng.uniform(-fastest, fastest), 1.0)
+            task.step(action)
+            judge.judge(arm)
+        judge.figures.loop_tick_us, judge.figures.tick_us = _percentiles(arm.seconds), _percentiles(arm.alone(task.scene))
+    return judge.figures
+
+
+def _percentiles(seconds: Sequence[float]) -> dict[str, float]:
+    return {name: round(1e6 * float(np.percentile(seconds, p)), 1) for name, p in (("median", 50), ("p95", 95), ("p99", 99))}
 
 
 def benchmark(actions: int = 1000, tasks: Sequence[str] = TASKS[:2]) -> list[Result]:
     """Measure few actions in few scenes."""
-    results = []
-    for name in tasks:
-        figures = measure_scene(name, actions)
-        violations = sum(figures["violations"].values())
-        note = (
-            f"{violations} violations, {1e3 * figures['nearest_m']:.1f} mm at least, {figures['interventions']:.0%} interventions"
-        )
-        times = {key: 1e-6 * figures[f"step_{key}_us"] for key in PERCENTILES}
-        results.append(Result(f"safe step, {name}", actions, **times, note=note, extra={"violations": float(violations)}))
-    return results
+    return [_result(f"safe tick, {name}", measure_scene(name, actions)) for name in tasks]
 
 
-def measure_scene(name: str, actions: int) -> dict[str, Any]:
-    """Run random actions in the scene of one task."""
-    arm = SafeArm(JointVelocity(), CONFIG)
-    observations = ObservationConfig()
-    observations.set_all(False)
-    with Environment(MoveArmThenGripper(arm, Discrete()), obs_config=observations, seed=0) as env:
-        return measure(env.get_task(name), arm, CONFIG, actions, 0)
+def _result(name: str, f: Figures) -> Result:
+    nearest = f"{1e3 * f.nearest_world_m:.1f} mm from the world, {1e3 * f.nearest_self_m:.1f} mm from itself at least"
+    note = f"{f.violations()} violations, {nearest}, distances heeded in {f.avoided / f.actions:.0%}"
+    times = {key: 1e-6 * value for key, value in f.tick_us.items()}
+    return Result(name, f.actions, **times, note=note, extra={"violations": float(f.violations())})
 
 
 def main() -> None:
-    """Measure, print one line per scene, write JSON when asked."""
+    """Measure, print one line per scene, write both files."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--actions", type=int, default=200_000)
+    parser.add_argument("--actions", type=int, default=200_000, help="actions in all, each new")
+    parser.add_argument("--held", type=int, default=20_000, help=f"actions in all, each kept for {HOLD} ticks")
     parser.add_argument("--tasks", nargs="+", default=TASKS)
-    parser.add_argument("--out", type=Path)
+    parser.add_argument("--out", type=Path, default=Path("docs/results"), help="folder for safety.json and safety.md")
     options = parser.parse_args()
-    results = {}
-    for name in options.tasks:
-        results[name] = measure_scene(name, options.actions // len(options.tasks))
-        print(name, json.dumps(results[name]))
-    if options.out is not None:
-        options.out.write_text(
-            json.dumps({"margin_m": CONFIG.margin, "self_margin_m": CONFIG.self_margin, "scenes": results}, indent=1) + "\n"
-        )
+    results: dict[str, dict[str, Figures]] = {"fresh": {}, "held": {}}
+    for policy, actions, hold in (("held", options.held, HOLD), ("fresh", options.actions, 1)):
+        for name in options.tasks:
+            results[policy][name] = measure_scene(name, actions // len(options.tasks), hold)
+            print(policy, _result(name, results[policy][name]).line(), flush=True)
+            _write(results, options.out)
+
+
+def _write(results: dict[str, dict[str, Figures]], out: Path) -> None:
+    """Write what there is so far."""
+    out.mkdir(parents=True, exist_ok=True)
+    scenes = {policy: {name: asdict(f) for name, f in scenes.items()} for policy, scenes in results.items()}
+    content = {"margin_m": CONFIG.margin, "self_margin_m": CONFIG.self_margin, "slack_m": SLACK, "hold_ticks": HOLD, **scenes}
+    (out / "safety.json").write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+    (out / "safety.md").write_text(report(content), encoding="utf-8")
 
 
 if __name__ == "__main__":

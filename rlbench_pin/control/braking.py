@@ -55,9 +55,19 @@ class Piece:
         return Piece(self.q, self.start, middle, duration), Piece(self.at(0.5), middle, self.end, duration)
 
 
-def way_to_standstill(bounds: JointBounds, q: FloatArray, v: FloatArray, command: FloatArray) -> list[Piece]:
-    """Return the tick of `command` and the braking ticks after it, from `q` [rad] moving at `v` [rad/s]."""
-    held = bounds.hold == "velocity"
+def ways_to_standstill(bounds: JointBounds, q: FloatArray, v: FloatArray, command: FloatArray) -> list[list[Piece]]:
+    """Return the ways that `command` and the braking after it may take: one, or with `hold="any"` the shortest and the longest."""
+    if bounds.hold != "any":
+        return [_way(bounds, q, v, command, bounds.hold == "velocity")]
+    late = np.where(np.abs(command) > np.abs(v), command, v)
+    return [_way(bounds, q, v, command, True), _way(bounds, q, late, command, False)]
+
+
+def _way(bounds: JointBounds, q: FloatArray, v: FloatArray, command: FloatArray, held: bool) -> list[Piece]:
+    """Return the tick of `command` and the braking ticks after it, from `q` [rad] moving at `v` [rad/s].
+
+    Velocities are held over a tick, or change linearly.
+    """
     pieces = [Piece(q, command if held else v, command, bounds.dt)]
     while command.any():
         slower = bounds.braking(command)
@@ -90,9 +100,12 @@ class BrakingCheck:
         keep = now - levers @ travel < floors[which]
         if not keep.any():
             return which[:0]
-        return self._walk(
-            way_to_standstill(self.bounds, q, v, command), which[keep], levers[keep], now[keep], floors[which[keep]]
-        )
+        which, levers, now = which[keep], levers[keep], now[keep]
+        for way in ways_to_standstill(self.bounds, q, v, command):
+            bad = self._walk(way, which, levers, now, floors[which])
+            if len(bad):
+                return bad
+        return which[:0]
 
     def _walk(
         self, pieces: list[Piece], which: IndexArray, levers: FloatArray, now: FloatArray, floors: FloatArray

@@ -11,7 +11,9 @@ increasing and piecewise linear. With the room m = (upper - q) / (a dt^2) the la
     g(m) = (m + n (n + 1) / 2) / (n + 1),    n = floor((sqrt(1 + 8 m) - 1) / 2)              (2)
 
 With velocities that change linearly over the tick (`hold="acceleration"`), the trapezoidal sum of (1) telescopes to the same f
-with the room taken less dt v / 2. The lower limit is the mirror image. The next velocity lies in
+with the room taken less dt v / 2. Motors of limited torque do something between; with `hold="any"` the worst of both is taken,
+a first tick of dt max(u, (u + v) / 2) and trapezoids after it, and the room is taken less dt max(u, v) / 2. The lower limit
+is the mirror image. The next velocity lies in
 
     [max(-v_max, -g_lower, v - a dt), min(v_max, g_upper, v + a dt)].                        (3)
 
@@ -31,8 +33,8 @@ import numpy as np
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.spatial import FloatArray
 
-Hold = Literal["velocity", "acceleration"]
-"""What stays constant over a control tick."""
+Hold = Literal["velocity", "acceleration", "any"]
+"""What stays constant over a control tick: motors reach the next velocity at once, at its end, or nobody knows when."""
 
 
 def largest_step(room: float, unit: float) -> float:
@@ -70,9 +72,9 @@ class JointBounds:
         self.velocity = np.array(limits.velocity)
         self.step = limits.acceleration * dt
         """Largest change of velocity in one tick, shape (n,), [rad/s]."""
-        self._lead = 0.0 if hold == "velocity" else 0.5
         reach, change = dt * self.velocity, dt * self.step
         stop = change * stopping_room(self.velocity / self.step)
+        stop += 0.0 if hold == "velocity" else 0.5 * reach
         lower, upper = limits.lower + margin, limits.upper - margin
         self._joints = list(zip(*(x.tolist() for x in (reach, change, lower, upper, lower + stop, upper - stop)), strict=True))
 
@@ -81,20 +83,28 @@ class JointBounds:
 
         Plain numbers and comparisons: for n = 7 they take a third of the time that arrays take.
         """
-        dt, lead = self.dt, self._lead
+        dt = self.dt
         lowest, highest = [], []
         for x, speed, (reach, change, lower, upper, free_above, free_below) in zip(q.tolist(), v.tolist(), self._joints):
             drift = dt * speed
             bottom, top = drift - change, drift + change
             least, most = -reach, reach
-            x += lead * drift
             if x < free_above:
-                least = min(max(-reach, -largest_step(x - lower, change)), reach)
+                least = min(max(-reach, -self._step(x - lower, -drift, change)), reach)
             if x > free_below:
-                most = max(min(reach, largest_step(upper - x, change)), -reach)
+                most = max(min(reach, self._step(upper - x, drift, change)), -reach)
             lowest.append(bottom if least <= bottom else least if least < top else top)
             highest.append(top if most >= top else most if most > bottom else bottom)
         return lowest, highest
+
+    def _step(self, room: float, drift: float, change: float) -> float:
+        """Return the largest displacement of the next tick towards a limit `room` away, with dt v = `drift` towards it."""
+        if self.hold == "velocity":
+            return largest_step(room, change)
+        if self.hold == "acceleration":
+            return largest_step(room - 0.5 * drift, change)
+        step = largest_step(room - 0.5 * max(drift, 0.0), change)
+        return step if step <= max(drift, 0.0) else max(drift, largest_step(room - 0.5 * step, change))
 
     def interval(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return lowest and highest next velocity, each (n,), [rad/s], of joints at `q` [rad] moving at `v` [rad/s]."""
@@ -108,7 +118,11 @@ class JointBounds:
     def travel(self, v: FloatArray, command: FloatArray) -> FloatArray:
         """Return how far each joint (n,) travels at most in the tick of `command` and the braking after it, [rad].
 
-        It is dt (a dt) f(|command|) by (1); with `hold="acceleration"` the joint starts from `v` and dt |v| / 2 comes on top.
+        It is dt (a dt) f(|command|) by (1); with `hold="acceleration"` the joint starts from `v` and dt |v| / 2 comes on top,
+        with `hold="any"` half of the faster one.
         """
-        way = self.dt * self.step * stopping_room(np.abs(command) / self.step)
-        return way if self.hold == "velocity" else way + 0.5 * self.dt * np.abs(v)
+        speed = np.abs(command)
+        way = self.dt * self.step * stopping_room(speed / self.step)
+        if self.hold == "velocity":
+            return way
+        return way + 0.5 * self.dt * (np.abs(v) if self.hold == "acceleration" else np.maximum(np.abs(v), speed))

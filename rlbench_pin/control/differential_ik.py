@@ -49,7 +49,7 @@ class DifferentialIKConfig:
     limit_margin: float = 0.0
     """Distance kept from the joint position limits [rad]."""
     hold: Hold = "velocity"
-    """Whether a velocity command is reached at once and held, or linearly over the tick."""
+    """Whether a velocity command is reached at once and held, linearly over the tick, or anywhere between."""
 
 
 class TipController:

@@ -57,7 +57,7 @@ class SafetyConfig:
     dt: float = 0.05
     """Control tick [s]."""
     hold: Hold = "velocity"
-    """Whether a commanded velocity is reached at once and held, or linearly over the tick."""
+    """Whether a commanded velocity is reached at once and held, linearly over the tick, or anywhere between."""
     margin: float = 0.01
     """Minimum distance to the world [m]."""
     self_margin: float = 0.005
@@ -145,6 +145,7 @@ class SafetyFilter:
         self._braking = BrakingCheck(self.distances, self.bounds)
         self._solver: QPSolver = solver or OsqpSolver(self.bounds.velocity, ROWS, rho=0.1, tolerance=1e-6, iterations=4000)
         self._weight = self.bounds.velocity**-2.0
+        self._crosses, self._allowed = np.zeros(0, dtype=bool), np.zeros(0)
 
     def filter(self, q: ArrayLike, v: ArrayLike, wanted: ArrayLike) -> SafeCommand:
         """Return the safe joint velocity of the next tick.
@@ -186,10 +187,12 @@ class SafetyFilter:
     ) -> tuple[FloatArray, tuple[Reason, ...], IndexArray]:
         """Return the velocity in the box nearest to `wanted` that keeps the dampers, why it differs, and the pairs it heeds."""
         which, gradients, least = self._dampers(wanted)
+        if not len(which):
+            return wanted, (), which
         if self.config.hold == "acceleration":  # the tick moves by the mean of both velocities
             gradients, least = 0.5 * gradients, least - 0.5 * gradients @ v
         slack = gradients @ wanted - least
-        if not len(which) or slack.min() >= 0.0:
+        if slack.min() >= 0.0:
             return wanted, (), which[:0]
         infinite = np.full(len(which), np.inf)
         problem = QuadraticProgram(np.diag(self._weight), -self._weight * wanted, gradients, least, infinite, lowest, highest)
@@ -204,20 +207,24 @@ class SafetyFilter:
         """Return pairs that are near or might come near, gradients of their distances, and the least rates of change [m/s]."""
         model, config = self.distances, self.config
         heeded = self._minimum() + config.buffer
-        spare = model.bounds - heeded
-        fast = model.motion.approach(np.abs(velocity))
-        near = np.flatnonzero(((spare < config.influence) | (config.gain * spare < fast)) & model.counts)
+        reach = np.maximum(model.motion.approach(np.abs(velocity)) / config.gain, config.influence)  # of the dampers
+        near = np.flatnonzero((model.bounds - heeded < reach) & model.counts)
+        if not len(near):
+            return near, np.zeros((0, model.model.size)), np.zeros(0)
         spare = model.measure(near) - heeded[near]
-        keep = (spare < config.influence) | (config.gain * spare < fast[near])
+        keep = spare < reach[near]
         near, spare = near[keep], spare[keep]
         if len(near) > ROWS:
-            pressing = np.argsort(config.gain * spare - np.minimum(fast[near], 1.0), kind="stable")[:ROWS]
+            pressing = np.argsort(spare - np.minimum(reach[near], 1.0 / config.gain), kind="stable")[:ROWS]
             near, spare = near[pressing], spare[pressing]
         return near, model.gradients(near), np.minimum(-config.gain * spare, config.recovery_speed)
 
     def _minimum(self) -> FloatArray:
         """Return the smallest distance allowed, shape (pairs,), [m]."""
-        return np.where(self.distances.crosses, self.config.margin, self.config.self_margin)
+        if self._crosses is not self.distances.crosses:
+            self._crosses = self.distances.crosses
+            self._allowed = np.where(self._crosses, self.config.margin, self.config.self_margin)
+        return self._allowed
 
     # Checking -----------------------------------------------------------------------------------------------------
 

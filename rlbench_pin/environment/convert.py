@@ -1,4 +1,8 @@
-"""One demonstration in any action space, and the proof that it still works there."""
+"""One demonstration in any action space, and the proof that it still works there.
+
+`convert_demo` needs the demonstration alone and follows the motion of the arm model. What is said relative to measured
+velocities, and torques, drift away from such a motion; `convert_playing` finds them by playing the demonstration again.
+"""
 
 from __future__ import annotations
 
@@ -57,13 +61,18 @@ def convert_demo(demo: Demo, action_mode: ActionMode, model: RobotModel, dt: flo
         DemoError: The demonstration lacks what the conversion needs.
         InvalidActionError: The mode cannot express a demonstration.
     """
-    moments = _moments(demo)
-    finger = _finger_conversion(action_mode, model)
+    moments = demo_moments(demo)
+    finger = finger_conversion(action_mode, model)
     mode = getattr(action_mode.arm_action_mode, "mode", action_mode.arm_action_mode)
     return [np.append(arm, finger(m)) for arm, m in zip(_arm_actions(mode, moments, model, dt), moments, strict=True)]
 
 
-def _moments(demo: Demo) -> list[Moment]:
+def demo_moments(demo: Demo) -> list[Moment]:
+    """Return the ticks of a demonstration.
+
+    Raises:
+        DemoError: It lacks joint positions, velocities or actions.
+    """
     moments: list[Moment] = []
     amount = 1.0
     for before, after in zip(demo[:-1], demo[1:], strict=True):
@@ -89,7 +98,7 @@ def _arm_actions(mode: object, moments: Sequence[Moment], model: RobotModel, dt:
     if isinstance(mode, EndEffectorVelocity):
         return _tip_velocities(mode, moments, model, dt)
     if isinstance(mode, PoseMode) and not isinstance(mode, ERJointViaIK):
-        return (_pose(m, mode, model) for m in moments)
+        return (tip_pose_action(m, mode, model) for m in moments)
     raise InvalidActionError(f"A demonstration cannot be written as actions of {type(mode).__name__}.")
 
 
@@ -111,22 +120,23 @@ def _tip_velocities(mode: EndEffectorVelocity, moments: Sequence[Moment], model:
     q, v = moments[0].q.copy(), np.zeros_like(moments[0].q)
     for m in moments:
         here, goal = model.tip_se3(q), model.tip_se3(m.target)
-        shift = np.concatenate([goal.translation - here.translation, pin.log3(goal.rotation @ here.rotation.T)]) / dt
-        twist = _in_axes(shift, here, in_tip)
+        twist = tip_twist(here, goal, in_tip, dt)
         yield twist if mode.absolute_mode else twist - model.jacobian(q, axes) @ v
         joint_velocity = solver.velocity_for_twist(q, v, twist, axes)
         q = q + dt * joint_velocity
         v = np.zeros_like(v) if m.hand_moves else joint_velocity
 
 
-def _in_axes(twist: FloatArray, here: pin.SE3, in_tip: bool) -> FloatArray:
-    """Express a world twist in tip axes when asked."""
+def tip_twist(here: pin.SE3, goal: pin.SE3, in_tip: bool, dt: float) -> FloatArray:
+    """Return the velocity (6,), [m/s, rad/s], that brings the tip from `here` to `goal` in `dt`, along world or tip axes."""
+    twist = np.concatenate([goal.translation - here.translation, pin.log3(goal.rotation @ here.rotation.T)]) / dt
     if not in_tip:
         return twist
     return np.concatenate([here.rotation.T @ twist[:3], here.rotation.T @ twist[3:]])
 
 
-def _pose(m: Moment, mode: PoseMode, model: RobotModel) -> FloatArray:
+def tip_pose_action(m: Moment, mode: PoseMode, model: RobotModel) -> FloatArray:
+    """Return the pose, or its difference to the tip's, that a moment leads to, as `mode` has it, shape (7,)."""
     goal, here = model.tip_pose(m.target), model.tip_pose(m.q)
     if mode.frame is RelativeFrame.EE:
         return relative(goal, here)
@@ -136,7 +146,12 @@ def _pose(m: Moment, mode: PoseMode, model: RobotModel) -> FloatArray:
     return np.append(goal[:3] - here[:3], turn[3:])
 
 
-def _finger_conversion(action_mode: ActionMode, model: RobotModel) -> Callable[[Moment], float]:
+def finger_conversion(action_mode: ActionMode, model: RobotModel) -> Callable[[Moment], float]:
+    """Return what turns the hand of a moment into the last number of an action.
+
+    Raises:
+        InvalidActionError: The mode moves fingers by differences.
+    """
     if isinstance(action_mode.gripper_action_mode, GripperJointPosition) or isinstance(action_mode, JointPositionActionMode):
         if not getattr(action_mode.gripper_action_mode, "absolute_mode", True):
             raise InvalidActionError("A demonstration says where the fingers go, not by how much; use absolute finger positions.")

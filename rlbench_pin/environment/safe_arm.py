@@ -13,7 +13,7 @@ from rlbench_pin.environment.scene import Scene
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray
 
-LIMIT_MARGIN = 0.02
+LIMIT_MARGIN = 0.01
 """Distance kept from joint limits, for what motors overshoot [rad]."""
 SHARE = 0.95
 """Share of the velocity and acceleration limits that is used, for what motors miss."""
@@ -27,7 +27,7 @@ class SafeArm:
 
     Args:
         mode: The mode to make safe.
-        config: Margins and gains; the control tick is the world's.
+        config: Margins and gains; the control tick is the world's, and motors reach velocities when their torque lets them.
 
     Attributes:
         last: The filter's last command; None before the first.
@@ -81,7 +81,7 @@ class SafeArm:
         if self._filter is None or self._filter.model is not scene.model:
             limits = scene.model.limits
             reduced = replace(limits, velocity=SHARE * limits.velocity, acceleration=SHARE * limits.acceleration)
-            self._filter = SafetyFilter(scene.model, replace(self.config, dt=scene.world.control_dt), limits=reduced)
+            self._filter = SafetyFilter(scene.model, replace(self.config, dt=scene.world.control_dt, hold="any"), limits=reduced)
             self._world = None
         return self._filter
 

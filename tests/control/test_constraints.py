@@ -20,7 +20,7 @@ def test_the_largest_step_is_the_one_that_just_stops() -> None:
     assert largest_step(-0.1, 0.3) == -0.1
 
 
-@pytest.mark.parametrize("hold", ["velocity", "acceleration"])
+@pytest.mark.parametrize("hold", ["velocity", "acceleration", "any"])
 @pytest.mark.parametrize("policy", ["random", "outward"])
 def test_limits_hold_whatever_is_chosen_inside_the_interval(model: RobotModel, hold: Hold, policy: str) -> None:
     """Choosing any point of the interval for long keeps position, velocity and acceleration limits, and never empties it."""
@@ -35,7 +35,8 @@ def test_limits_hold_whatever_is_chosen_inside_the_interval(model: RobotModel, h
         u = slowest + share * (fastest - slowest)
         assert np.all(np.abs(u) <= limits.velocity + 1e-12)
         assert np.all(np.abs(u - v) <= DT * limits.acceleration + 1e-12)
-        q = q + DT * (u if hold == "velocity" else 0.5 * (u + v))
+        late = {"velocity": 0.0, "acceleration": 0.5, "any": 0.5 * rng.random(model.size)}[hold]
+        q = q + DT * (u + late * (v - u))
         v = u
         assert limits.contains(q, 1e-9)
 
