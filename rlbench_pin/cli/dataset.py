@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import importlib
 import json
+from collections.abc import Callable
 from contextlib import closing
 from dataclasses import asdict, dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 from tqdm import tqdm
@@ -14,14 +17,16 @@ from tqdm import tqdm
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
 from rlbench_pin.cli.record import EngineName, make_engine, tell
 from rlbench_pin.datasets import stored_tasks, task_faults
+from rlbench_pin.datasets.foreign import stored_episodes
 from rlbench_pin.datasets.info import TaskInfo, task_info
 from rlbench_pin.datasets.merge import merge, plan_merge
 from rlbench_pin.environment.record_config import PictureConfig
 from rlbench_pin.environment.rerender import rerender, seeds_of, write_seeds
-from rlbench_pin.errors import DatasetError
+from rlbench_pin.errors import DatasetError, MissingExtra
 from rlbench_pin.observation import CAMERAS
 
 Root = tyro.conf.Positional[Path]
+ExportFormat = Literal["lerobot", "robomimic", "rlbench", "peract", "zarr"]
 
 
 @dataclass(frozen=True)
@@ -125,6 +130,54 @@ class Seeds:
 
 
 @dataclass(frozen=True)
+class Export:
+    """Write a dataset in the format of another library."""
+
+    format: tyro.conf.Positional[ExportFormat]
+    """`lerobot` (LeRobotDataset v3), `robomimic` (one HDF5 file), `rlbench` or `peract` (folders of PNG files), `zarr`."""
+    root: Root
+    """Folder of the dataset."""
+    out: tyro.conf.Positional[Path]
+    """The new folder or file."""
+    tasks: tuple[str, ...] = ()
+    """Only these tasks."""
+    cameras: tuple[str, ...] = ()
+    """Cameras whose pictures go along; all stored ones when none is named. Folders always get all."""
+
+    def run(self) -> int:
+        """Export and say where it is."""
+        export = find_exporter(self.format, self.cameras)
+        total = len(stored_episodes(self.root, self.tasks))
+        with tqdm(total=total, unit="episode", desc=f"export {self.format}") as bar:
+            export(self.root, self.out, tasks=self.tasks, on_episode=lambda _: bar.update() and None)
+        print(f"{total} episodes in {self.out}")
+        return 0
+
+
+def find_exporter(name: ExportFormat, cameras: tuple[str, ...] = ()) -> Callable[..., Path]:
+    """Return the function that writes a format.
+
+    Raises:
+        MissingExtra: The library that the format needs is not installed.
+    """
+    module, function, options, extra = _EXPORTERS[name]
+    try:
+        export: Callable[..., Path] = getattr(importlib.import_module(f"rlbench_pin.datasets.{module}"), function)
+    except ImportError as error:
+        raise MissingExtra(f"The export to '{name}'", error.name or extra, extra) from error
+    return partial(export, **options) if module == "rlbench_folders" else partial(export, cameras=cameras)
+
+
+_EXPORTERS: dict[str, tuple[str, str, dict[str, str], str]] = {
+    "lerobot": ("lerobot", "export_lerobot", {}, "lerobot"),
+    "robomimic": ("robomimic", "export_robomimic", {}, ""),
+    "rlbench": ("rlbench_folders", "export_rlbench", {"layout": "upstream"}, ""),
+    "peract": ("rlbench_folders", "export_rlbench", {"layout": "peract"}, ""),
+    "zarr": ("zarr_buffer", "export_zarr", {}, "zarr"),
+}
+
+
+@dataclass(frozen=True)
 class Dataset:
     """Look after stored demonstrations."""
 
@@ -134,6 +187,7 @@ class Dataset:
         | Annotated[Merge, tyro.conf.subcommand("merge")]
         | Annotated[Rerender, tyro.conf.subcommand("rerender")]
         | Annotated[Seeds, tyro.conf.subcommand("seeds")]
+        | Annotated[Export, tyro.conf.subcommand("export")]
     ] = field()
     """What to do."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from pathlib import Path
 
 import numpy as np
@@ -98,7 +98,13 @@ def stored_demos(
 
 
 def select(
-    episodes: list[Path], what: str, amount: int, *, from_episode_number: int | None, rng: np.random.Generator | None
+    episodes: list[Path],
+    what: str,
+    amount: int,
+    *,
+    from_episode_number: int | None,
+    rng: np.random.Generator | None,
+    number: Callable[[Path], int] = episode_number,
 ) -> list[Path]:
     """Choose `amount` episodes, -1 for all.
 
@@ -108,6 +114,7 @@ def select(
         amount: How many.
         from_episode_number: First episode, taken in order; None draws them at random.
         rng: Draws them.
+        number: The number of an episode.
 
     Raises:
         DatasetError: There are too few.
@@ -115,7 +122,7 @@ def select(
     if amount < -1:
         raise DatasetError(f"{amount} demos cannot be read; ask for 0 or more, or for all with -1.")
     if from_episode_number is not None:
-        episodes = [path for path in episodes if episode_number(path) >= from_episode_number]
+        episodes = [path for path in episodes if number(path) >= from_episode_number]
         what += f" from episode {from_episode_number}" if from_episode_number else ""
     if amount > len(episodes):
         raise DatasetError(

@@ -26,9 +26,13 @@ class VideoWriter:
         path: The file, replaced when it exists.
         size: Width and height [px], both even.
         fps: Pictures per second [1/s].
+        key_frames: Every so many pictures can be read without those before it; None leaves it to the encoder.
+        quality: Constant rate factor of H.264, lower is better.
     """
 
-    def __init__(self, path: Path, size: tuple[int, int], fps: int = 20) -> None:
+    def __init__(
+        self, path: Path, size: tuple[int, int], fps: int = 20, *, key_frames: int | None = None, quality: int = 20
+    ) -> None:
         if size[0] % 2 or size[1] % 2:
             raise DatasetError(f"A video of {size[0]} x {size[1]} px cannot be encoded; choose an even width and height.")
         self.path, self.size, self.frames = Path(path), size, 0
@@ -36,7 +40,13 @@ class VideoWriter:
         self._temporary = self.path.with_name(f".{self.path.stem}.{os.getpid()}.part.mp4")
         self._container = av.open(str(self._temporary), mode="w", options={"movflags": "faststart"})
         codec, options = _available_codec()
+        options = {name: str(quality) if name == "crf" else value for name, value in options.items()}
+        options |= {} if key_frames is None else {"g": str(key_frames)}
+        self.bytes_written = 0
+        """Size of the encoded pictures so far."""
         self._stream = cast(av.VideoStream, self._container.add_stream(codec, rate=fps, options=options))
+        self.codec = str(self._stream.codec.canonical_name)
+        """Name of the encoding."""
         self._stream.width, self._stream.height = size
         self._stream.pix_fmt = "yuv420p"
         self._stream.codec_context.time_base = Fraction(1, fps)
@@ -51,7 +61,11 @@ class VideoWriter:
         frame.pts = self.frames
         self.frames += 1
         for packet in self._stream.encode(frame):
-            self._container.mux(packet)
+            self._mux(packet)
+
+    def _mux(self, packet: av.Packet) -> None:
+        self.bytes_written += packet.size
+        self._container.mux(packet)
 
     def close(self) -> Path:
         """Finish the file and return its path."""
@@ -59,7 +73,7 @@ class VideoWriter:
             self.discard()
             raise DatasetError(f"The video '{self.path}' has no pictures.")
         for packet in self._stream.encode(None):
-            self._container.mux(packet)
+            self._mux(packet)
         self._container.close()
         os.replace(self._temporary, self.path)
         return self.path

@@ -1,13 +1,17 @@
-"""Stored demonstrations, trimmed to what an observation config asks for."""
+"""Stored demonstrations, as an observation config asks for them."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
-from rlbench_pin.datasets import stored_demos
+from rlbench_pin.datasets import checked_task_name, stored_demos
+from rlbench_pin.datasets.rlbench_reader import folder_demos, folder_episodes
 from rlbench_pin.environment.observation_config import ObservationConfig
+from rlbench_pin.environment.stored_fit import fit, wanted_fields
 from rlbench_pin.errors import DatasetError
-from rlbench_pin.observation import CAMERAS, LOW_DIM, PRODUCTS, Demo
+from rlbench_pin.observation import Demo
 
 
 def read_stored_demos(
@@ -24,6 +28,9 @@ def read_stored_demos(
 ) -> list[Demo]:
     """Read `amount` stored demonstrations of one task and variation (-1: all of either).
 
+    The root may hold our episode files or RLBench-style folders. With `image_paths`, picture fields hold the path of a PNG file
+    in the latter, and in the former a text that `datasets.read_picture` turns into the picture.
+
     Raises:
         DatasetError: No dataset root was given, something is missing or broken, or more are wanted than stored.
     """
@@ -32,25 +39,26 @@ def read_stored_demos(
             "No dataset root was given, so there are no stored demonstrations. "
             "Pass `Environment(dataset_root=...)`, or ask for `live_demos=True`."
         )
-    demos = stored_demos(
-        dataset_root,
-        task_name,
-        amount,
-        variation,
-        image_paths=image_paths,
-        random_selection=random_selection,
-        from_episode_number=from_episode_number,
-        rng=rng,
-    )
-    for demo in demos:
-        _trim(demo, config)
+    fields = wanted_fields(config)
+    if _holds_folders(Path(dataset_root), task_name):
+        first = None if random_selection else from_episode_number
+        demos = folder_demos(
+            dataset_root, task_name, amount, variation,
+            image_paths=image_paths, from_episode_number=first, rng=rng, fields=fields,
+        )  # fmt: skip
+    else:
+        demos = stored_demos(
+            dataset_root, task_name, amount, variation,
+            image_paths=image_paths, random_selection=random_selection, from_episode_number=from_episode_number,
+            rng=rng, fields=fields,
+        )  # fmt: skip
+    if not image_paths:
+        for demo in demos:
+            for observation in demo:
+                fit(observation, config)
     return demos
 
 
-def _trim(demo: Demo, config: ObservationConfig) -> None:
-    """Set to None what the config does not ask for."""
-    unwanted = [name for name in (*LOW_DIM, "gripper_matrix") if not getattr(config, name, True)]
-    unwanted += [f"{c}_{p}" for c in CAMERAS for p in PRODUCTS if not getattr(getattr(config, f"{c}_camera"), p)]
-    for observation in demo:
-        for name in unwanted:
-            setattr(observation, name, None)
+def _holds_folders(root: Path, task: str) -> bool:
+    """Whether a task is stored as RLBench-style folders."""
+    return not (root / checked_task_name(task) / "manifest.json").exists() and bool(folder_episodes(root, task))

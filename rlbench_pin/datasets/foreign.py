@@ -1,0 +1,136 @@
+"""What all exporters share: which episodes, and what a policy is told of them at every frame."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from rlbench_pin.datasets.episode import Episode
+from rlbench_pin.datasets.layout import manifest_path, stored_tasks
+from rlbench_pin.datasets.manifest import EpisodeEntry, read_manifest
+from rlbench_pin.datasets.storage import storing
+from rlbench_pin.errors import DatasetConflict, DatasetError
+from rlbench_pin.observation import CAMERAS
+
+FPS = 20
+"""Frames of a demonstration in a second of simulated time [1/s]."""
+Watch = Callable[[int], None]
+"""Called with the number of episodes written so far."""
+
+
+@dataclass(frozen=True)
+class StoredEpisode:
+    """One episode to be exported."""
+
+    task: str
+    entry: EpisodeEntry
+    path: Path
+
+    def open(self) -> Episode:
+        """Open it, after its SHA-256 was checked."""
+        return Episode(self.path, self.entry.sha256)
+
+
+def stored_episodes(root: Path, tasks: Sequence[str] = ()) -> list[StoredEpisode]:
+    """Return what a dataset holds, task by task, in the order of the manifests.
+
+    Raises:
+        DatasetError: A task is not stored, or nothing is.
+    """
+    stored = stored_tasks(root)
+    if missing := sorted(set(tasks) - set(stored)):
+        raise DatasetError(f"'{root}' holds no task {missing}, only {list(stored)}.")
+    episodes = [
+        StoredEpisode(task, entry, manifest_path(root, task).parent / entry.file)
+        for task in tasks or stored
+        for entry in read_manifest(root, task)
+    ]
+    if not episodes:
+        raise DatasetError(f"'{root}' lists no episodes. `rlbench-pin record TASK --out {root}` makes some.")
+    return episodes
+
+
+def actions(episode: Episode) -> np.ndarray:
+    """Return the commands of an episode, shape (frames - 1, n + 1): row t leads from frame t to frame t + 1.
+
+    The first n numbers are absolute joint positions [rad], the last is the hand: 1 open, 0 closed.
+    """
+    commands = episode.misc("joint_position_action")[1:]
+    if not commands or any(c is None for c in commands):
+        raise DatasetError(f"'{episode.path}' holds no `joint_position_action` for every frame. Record it live.")
+    return np.array(commands, dtype=np.float64)
+
+
+def joint_state(episode: Episode) -> np.ndarray:
+    """Return joint positions [rad] and the hand (1 open) of every frame, shape (frames, n + 1)."""
+    return np.column_stack([episode.array("joint_positions"), episode.array("gripper_open")])
+
+
+def joint_names(count: int) -> list[str]:
+    """Return names for the numbers of states and actions."""
+    return [*(f"joint_{i}" for i in range(1, count)), "gripper"]
+
+
+def rgb_cameras(episodes: Sequence[StoredEpisode], wanted: Sequence[str] = ()) -> dict[str, tuple[int, int, int]]:
+    """Return the cameras whose colours are stored, and the shape of their pictures.
+
+    Raises:
+        DatasetError: A camera that is wanted has no pictures, or pictures of one camera differ in size.
+    """
+    shapes: dict[str, tuple[int, int, int]] | None = None
+    for stored in episodes:
+        with Episode(stored.path) as episode:
+            names = [c for c in CAMERAS if f"{c}_rgb" in episode.fields and (not wanted or c in wanted)]
+            found = {name: _picture_shape(episode, f"{name}_rgb") for name in names}
+        if missing := sorted(set(wanted) - set(found)):
+            raise DatasetError(f"'{stored.path}' holds no colours of {missing}, only of {sorted(found)}.")
+        if shapes is not None and shapes != found:
+            raise DatasetConflict(
+                f"'{stored.path}' holds pictures {found}, episodes before it {shapes}. "
+                "Make them alike with `rlbench-pin dataset rerender` first."
+            )
+        shapes = found
+    return shapes or {}
+
+
+def _picture_shape(episode: Episode, field: str) -> tuple[int, int, int]:
+    height, width, _ = episode.shape(field)
+    return height, width, 3
+
+
+@contextmanager
+def new_folder(out: Path) -> Iterator[Path]:
+    """Yield a folder beside `out` to write to; it becomes `out` when the block ends well, and vanishes otherwise.
+
+    Raises:
+        DatasetConflict: `out` exists.
+        StorageError: The disk refused.
+    """
+    out = Path(out)
+    if out.exists():
+        raise DatasetConflict(f"'{out}' exists. Choose a new folder or file for the export.")
+    aside = out.with_name(f".{out.name}.{os.getpid()}.part")
+    with storing(out):
+        aside.parent.mkdir(parents=True, exist_ok=True)
+        shutil.rmtree(aside, ignore_errors=True)
+        aside.mkdir()
+        try:
+            yield aside
+            os.replace(aside, out)
+        finally:
+            shutil.rmtree(aside, ignore_errors=True)
+
+
+def moments(values: np.ndarray) -> dict[str, list[float]]:
+    """Return minimum, maximum, mean, standard deviation, quantiles and count of the rows of an array (n, k)."""
+    rows = np.asarray(values, dtype=np.float64).reshape(len(values), -1)
+    quantiles = np.quantile(rows, [0.01, 0.10, 0.50, 0.90, 0.99], axis=0)
+    named = dict(zip(("q01", "q10", "q50", "q90", "q99"), quantiles, strict=True))
+    table = {"min": rows.min(0), "max": rows.max(0), "mean": rows.mean(0), "std": rows.std(0), **named}
+    return {**{name: value.tolist() for name, value in table.items()}, "count": [len(rows)]}

@@ -1,0 +1,131 @@
+"""The pickled files of RLBench-style folders, without trusting them and without the package that defines their classes.
+
+This is the one place with pickle, and only for that foreign format. Reading goes through a table of names: whatever else a file
+asks for is refused before anything runs. Writing puts the class paths of that package into the file, which is data and no
+import; the names of numpy's functions are written as all its versions know them.
+"""
+
+from __future__ import annotations
+
+import codecs
+import io
+import pickle
+import pickletools
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rlbench_pin.errors import EpisodeFileError
+
+_PROTOCOL = 2
+
+
+class PickledDemo:
+    """Stands for a demonstration in such a file; its attributes are whatever the file says."""
+
+
+class PickledObservation:
+    """Stands for an observation in such a file; its attributes are whatever the file says."""
+
+
+_CLASS_PATHS = {
+    PickledDemo: ("rlbench.demo", "Demo"),
+    PickledObservation: ("rlbench.backend.observation", "Observation"),
+}
+_WRITTEN_AS = {(cls.__module__, cls.__name__): path for cls, path in _CLASS_PATHS.items()} | {
+    ("numpy._core.multiarray", "_reconstruct"): ("numpy.core.multiarray", "_reconstruct"),
+    ("numpy._core.multiarray", "scalar"): ("numpy.core.multiarray", "scalar"),
+}
+
+
+def dump(value: object) -> bytes:
+    """Pickle plain values, numpy arrays and the two stand-ins."""
+    data = pickle.dumps(value, protocol=_PROTOCOL)
+    parts, end = [], 0
+    for opcode, argument, position in pickletools.genops(data):
+        if opcode.name == "GLOBAL" and position is not None:
+            module, name = str(argument).split(" ", 1)
+            parts += [data[end:position], "c{}\n{}\n".format(*_WRITTEN_AS.get((module, name), (module, name))).encode()]
+            end = position + len(f"c{module}\n{name}\n".encode())
+    return b"".join([*parts, data[end:]])
+
+
+def load(path: Path) -> Any:
+    """Read a file that may have come from anywhere.
+
+    Raises:
+        EpisodeFileError: It is missing or damaged, or asks for anything but demonstrations, observations and arrays.
+    """
+    try:
+        data = Path(path).read_bytes()
+        return _Reader(io.BytesIO(data)).load()
+    except FileNotFoundError as error:
+        raise EpisodeFileError(path, f"'{path}' does not exist.") from error
+    except _Refused as error:
+        raise EpisodeFileError(path, f"'{path}' asks for {error}, which no demonstration needs. Do not trust it.") from error
+    except Exception as error:  # damaged pickles raise nearly everything
+        raise EpisodeFileError(path, f"'{path}' is truncated or damaged ({type(error).__name__}: {error}).") from error
+
+
+class _Refused(Exception):
+    """A file asks for something that is not in the table."""
+
+
+def _reconstruct(_: type, shape: tuple[int, ...], kind: bytes) -> np.ndarray:
+    """Begin an array, as numpy's own function does, but always a plain one."""
+    return np.ndarray(shape, np.dtype(kind.decode("ascii") if isinstance(kind, bytes) else kind))
+
+
+def _scalar(dtype: np.dtype, data: Any = None) -> Any:
+    if not isinstance(dtype, np.dtype) or dtype.hasobject:
+        raise _Refused(f"a scalar of type {dtype}")
+    return np.frombuffer(bytes(data), dtype=dtype, count=1)[0]
+
+
+def _from_buffer(data: Any, dtype: np.dtype, shape: tuple[int, ...], order: str) -> np.ndarray:
+    if not isinstance(dtype, np.dtype) or dtype.hasobject:
+        raise _Refused(f"an array of type {dtype}")
+    return np.frombuffer(bytes(data), dtype=dtype).reshape(shape, order="F" if order == "F" else "C").copy()
+
+
+def _encode(text: str, encoding: str = "latin1") -> bytes:
+    if encoding.lower().replace("-", "") not in ("latin1", "utf8", "ascii"):
+        raise _Refused(f"the encoding {encoding!r}")
+    return codecs.encode(text, encoding)
+
+
+def _new_object(cls: type, base: type, state: object) -> object:
+    """Make an object as protocols 0 and 1 do."""
+    if cls not in _CLASS_PATHS or base is not object or state is not None:
+        raise _Refused(f"an object of {cls!r}")
+    return cls()
+
+
+_ALLOWED: Mapping[tuple[str, str], Callable[..., Any]] = {
+    ("rlbench.demo", "Demo"): PickledDemo,
+    ("rlbench.backend.observation", "Observation"): PickledObservation,
+    **{(f"numpy.{core}.multiarray", "_reconstruct"): _reconstruct for core in ("core", "_core")},
+    **{(f"numpy.{core}.multiarray", "scalar"): _scalar for core in ("core", "_core")},
+    **{(f"numpy.{core}.numeric", "_frombuffer"): _from_buffer for core in ("core", "_core")},
+    ("numpy", "ndarray"): np.ndarray,
+    ("numpy", "dtype"): np.dtype,
+    ("_codecs", "encode"): _encode,
+    **{(module, "_reconstructor"): _new_object for module in ("copyreg", "copy_reg")},
+    **{(module, "object"): object for module in ("builtins", "__builtin__")},
+}
+
+
+class _Reader(pickle.Unpickler):
+    """Knows the names of the table and no others."""
+
+    def find_class(self, module: str, name: str) -> Callable[..., Any]:
+        """Return what stands for a name."""
+        if (module, name) not in _ALLOWED:
+            raise _Refused(f"'{module}.{name}'")
+        return _ALLOWED[(module, name)]
+
+    def persistent_load(self, key: object) -> object:
+        """Refuse references to things outside the file."""
+        raise _Refused(f"the outside thing {key!r}")
