@@ -12,8 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from PIL import Image
 
-from rlbench_pin import Discrete, Environment, JointVelocity, MoveArmThenGripper, ObservationConfig
-from rlbench_pin.environment import SafeArm
+from rlbench_pin import Discrete, Environment, JointVelocity, MoveArmThenGripper, ObservationConfig, SafeArm
 
 STEPS = 100
 PICTURE = "safe_policy.png"

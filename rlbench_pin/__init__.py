@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         JointVelocity,
         MoveArmThenGripper,
         ObservationConfig,
+        SafeArm,
         TaskEnvironment,
     )
     from rlbench_pin.errors import RlbenchPinError
@@ -44,6 +45,7 @@ __all__ = [
     "Observation",
     "ObservationConfig",
     "RlbenchPinError",
+    "SafeArm",
     "TaskEnvironment",
     "task_class",
     "task_names",

@@ -56,7 +56,7 @@ class Piece:
 
 
 def ways_to_standstill(bounds: JointBounds, q: FloatArray, v: FloatArray, command: FloatArray) -> list[list[Piece]]:
-    """Return the ways that `command` and the braking after it may take: one, or with `hold="any"` the shortest and the longest."""
+    """Return the ways of `command` and the braking after it: one, or with `hold="any"` the shortest and the longest."""
     if bounds.hold != "any":
         return [_way(bounds, q, v, command, bounds.hold == "velocity")]
     late = np.where(np.abs(command) > np.abs(v), command, v)

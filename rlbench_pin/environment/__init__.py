@@ -4,6 +4,7 @@ from rlbench_pin.environment.action_mode import ActionMode, JointPositionActionM
 from rlbench_pin.environment.action_spec import ActionSpec
 from rlbench_pin.environment.arm_actions import ArmActionMode, RelativeFrame
 from rlbench_pin.environment.convert import convert_demo, verify
+from rlbench_pin.environment.convert_playing import convert_by_playing
 from rlbench_pin.environment.demonstrate import DemoOutcome, LegReport
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.extra_cameras import ExtraCamera
@@ -53,6 +54,7 @@ __all__ = [
     "Scene",
     "TaskEnvironment",
     "VisualRandomizationConfig",
+    "convert_by_playing",
     "convert_demo",
     "verify",
 ]
