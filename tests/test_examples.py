@@ -21,6 +21,6 @@ def test_example_runs(example: Path, tmp_path: Path) -> None:
     """Each ends well, says something, and reaches the goal that it shows."""
     if example.stem in NEEDS:
         pytest.importorskip(NEEDS[example.stem])
-    result = subprocess.run([sys.executable, example], capture_output=True, text=True, timeout=600, cwd=tmp_path)
+    result = subprocess.run([sys.executable, example], capture_output=True, text=True, timeout=1800, cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     assert SAYS.get(example.stem, "reward 1.0") in result.stdout
