@@ -29,13 +29,16 @@ state in which the leg began. Torques are commanded 240 times a second, all else
   most, median / maximum.
 * `violations`: ticks beyond the limits of joint position / velocity / acceleration.
 * `touched`: legs on which something was touched that was not touched at the start. `clearance`: smallest distance to the world
-  as it stood when the leg began. Neither is judged on legs that may touch.
+  as it stood when the leg began. On legs that may touch, touching is often the purpose, and a negative clearance is how far the
+  arm got into the place of what it pushed away.
 * `filtered`, `stops`: shares of commands that a safety filter changed, and that were braking.
 * `us`: median cost of a command.
 
 What to know when reading it:
 
-* Controllers of the tip leave the elbow free, so their joint errors say where the elbow went, not how well they follow.
+* Torque controllers know the weight of what the hand holds at the start of a leg. `OperationalSpaceQP` and `CartesianImpedance`
+  pull with bounded or springy forces, so where something holds the arm back they lag instead of pushing through.
+* Other controllers of the tip leave the elbow free, so their joint errors say where the elbow went, not how well they follow.
 * `DifferentialIK, poses` brakes for each pose as if it were the last; timed motions are better followed by twists.
 * Filter and prediction keep 3 mm, also where a plan passes nearer, and the filter slows what approaches: it needs longer where a
   leg ends near something. On legs that may touch, both forgive only what is touched at the start, so they refuse to press.

@@ -7,7 +7,9 @@ With inertia M, Coriolis and gravity h, tip Jacobian J, the torques tau = M a + 
                  (u_min - v) / dt <= a <= (u_max - v) / dt
 
 * x'' = x''_d + D (x'_d - x') + K e pulls the tip back to its target with e the position error and the rotation vector of
-  R_d R^T, both along world axes; K = omega^2 and D = 2 omega make that critically damped.
+  R_d R^T, both along world axes; K = omega^2 and D = 2 omega make that critically damped. The pull K e is bounded in size: an
+  arm that something holds back presses with a bounded force instead of winding up, and a far target is approached at
+  the speed at which the damping equals the bound.
 * a_p = omega_p^2 (q_p - q) - 2 omega_p v keeps the freedom that is left near a posture; w is small, and damps near
   singularities.
 * [u_min, u_max] is the interval of next velocities that keeps position, velocity and acceleration limits for ever
@@ -43,8 +45,12 @@ class OperationalSpaceConfig:
     """Time for which a torque is held [s]."""
     tip_frequency: float = 25.0
     """omega: how fast tip errors decay [rad/s]."""
-    posture_frequency: float = 4.0
-    """omega_p [rad/s]."""
+    pull: float = 10.0
+    """Largest acceleration by which a position error is corrected [m/s^2]."""
+    turning_pull: float = 40.0
+    """Largest acceleration by which a rotation error is corrected [rad/s^2]."""
+    posture_frequency: float = 10.0
+    """omega_p [rad/s]: stiff enough that a contact at the tip does not swing the elbow."""
     rotation_weight: float = 0.1
     """Weight of 1 rad/s^2 at the tip; 1 m/s^2 weighs 1."""
     posture_weight: float = 1e-4
@@ -135,7 +141,10 @@ class OperationalSpaceQP:
         drift = pin.getFrameClassicalAcceleration(model, data, tip, pin.LOCAL_WORLD_ALIGNED).vector
         error = np.concatenate([goal.translation - now.translation, pin.log3(goal.rotation @ now.rotation.T)])
         omega, omega_p = config.tip_frequency, config.posture_frequency
-        wanted = acceleration + 2.0 * omega * (twist - jacobian @ v) + omega * omega * error - drift
+        pull = omega * omega * error
+        pull[:3] *= _shrink(pull[:3], config.pull)
+        pull[3:] *= _shrink(pull[3:], config.turning_pull)
+        wanted = acceleration + 2.0 * omega * (twist - jacobian @ v) + pull - drift
         rest = omega_p * omega_p * (self.posture - q) - 2.0 * omega_p * v
         weighted = jacobian.T * self._weights
         P = weighted @ jacobian + config.posture_weight * np.eye(len(q))
@@ -144,3 +153,9 @@ class OperationalSpaceQP:
         linear = -weighted @ wanted - config.posture_weight * rest
         low, high = (slowest - v) / config.dt, (fastest - v) / config.dt
         return QuadraticProgram(P, linear, mass, -effort - bias, effort - bias, low, high), mass, bias
+
+
+def _shrink(vector: FloatArray, longest: float) -> float:
+    """Return the factor that makes a vector at most `longest` long."""
+    length = float(np.linalg.norm(vector))
+    return 1.0 if length <= longest else longest / length

@@ -32,10 +32,10 @@ class ControllerSummary:
     """Ticks beyond the limits of joint position, velocity, acceleration."""
     ticks: int
     """Control ticks in all."""
-    touched: int | None
-    """Legs on which something was touched that was not touched at the start; None on contact legs."""
+    touched: int
+    """Legs on which something was touched that was not touched at the start."""
     clearance_mm: float | None
-    """Smallest distance to the world; None on contact legs."""
+    """Smallest distance to the world as it stood at the start of a leg; None where nothing is near."""
     interventions: float
     """Share of commands that a safety filter changed."""
     stops: float
@@ -74,7 +74,7 @@ def _summary(name: str, kind: str, trials: Sequence[LegTrial]) -> ControllerSumm
         overtime_max_s=round(max(overtimes), 3),
         violations={key: sum(t.violations[key] for t in trials) for key in trials[0].violations},
         ticks=0 if name == PLAN else len(tip),
-        touched=sum(bool(t.touched) for t in trials) if kind == "free" else None,
+        touched=sum(bool(t.touched) for t in trials),
         clearance_mm=_thousandths(nearest) if math.isfinite(nearest) else None,
         interventions=round(sum(t.interventions for t in trials) / commands, 4),
         stops=round(sum(t.stops for t in trials) / commands, 4),
@@ -113,7 +113,7 @@ def _row(s: ControllerSummary) -> tuple[str, ...]:
         f"{s.end_max_mm:.2f}",
         f"{s.overtime_median_s:.2f} / {s.overtime_max_s:.2f}",
         " / ".join(str(count) for count in s.violations.values()),
-        "" if s.touched is None else str(s.touched),
+        str(s.touched),
         clearance,
         f"{s.interventions:.1%}",
         f"{s.stops:.1%}",

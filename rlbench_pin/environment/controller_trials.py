@@ -1,8 +1,8 @@
 """Controllers as fairly as policies: each follows the very legs that a demonstration planned, from the very same state.
 
 A leg is free when its motion was planned around obstacles, and a contact leg when it may touch: pressing, pushing, pulling
-along an arc. Distances and safety filters have a meaning on free legs only, and there the world stands still but for what
-the hand holds.
+along an arc. On free legs the world stands still but for what the hand holds; on contact legs touching may be the purpose,
+and what is pushed away counts where it stood.
 """
 
 from __future__ import annotations
@@ -64,9 +64,9 @@ class LegTrial:
     violations: Mapping[str, int]
     """Ticks at which joint positions, velocities or accelerations were beyond their limits, by name."""
     touched: tuple[str, ...]
-    """Bodies that were touched, but not at the start; empty on contact legs."""
+    """Bodies that were touched, but not at the start; on contact legs that may be the purpose."""
     clearance: float
-    """Smallest distance to the world [m]; infinite on contact legs."""
+    """Smallest distance to what was not touched at the start, as the world stood then [m]; negative inside of what moved away."""
     interventions: int
     """Commands that a safety filter changed."""
     stops: int
@@ -148,9 +148,8 @@ def follow_leg(scene: Scene, leg: Leg, controller: str) -> LegTrial:
             violations["acceleration"] += bool((np.abs(now - v) > 1.01 * dt * limits.acceleration).any())
             tip_errors.append(float(np.linalg.norm((scene.model.tip_pose(q) - scene.model.tip_pose(goal))[:3])))
             joint_errors.append(float(np.abs(q - goal).max()))
-            if leg.free:
-                nearest = min(nearest, clearance(q, nearest))
-                touched |= set(scene.touching()) - before
+            nearest = min(nearest, clearance(q, nearest))
+            touched |= set(scene.touching()) - before
             v, rest = now, max(0.0, (k + 1) * dt - leg.trajectory.duration)
             if k + 1 >= ticks and np.abs(v).max() < REST_SPEED and tip_errors[-1] < ARRIVED:
                 break
@@ -164,9 +163,8 @@ def plan_trial(scene: Scene, leg: Leg) -> LegTrial:
     """Return what a perfect controller would get: no errors, and the clearance of the planned motion."""
     errand, clearance = _prepare(scene, leg)
     nearest = np.inf
-    if leg.free:
-        for t in np.arange(0.0, leg.trajectory.duration + errand.control_dt, errand.control_dt):
-            nearest = min(nearest, clearance(leg.trajectory.sample(float(t))[0], nearest))
+    for t in np.arange(0.0, leg.trajectory.duration + errand.control_dt, errand.control_dt):
+        nearest = min(nearest, clearance(leg.trajectory.sample(float(t))[0], nearest))
     return LegTrial(PLAN, leg, np.zeros(1), np.zeros(1), 0.0, {}, (), nearest, 0, 0, np.zeros(0))
 
 

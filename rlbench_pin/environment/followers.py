@@ -13,10 +13,13 @@ import numpy as np
 import pinocchio as pin
 
 from rlbench_pin.control import (
+    CartesianImpedance,
     CartesianMPC,
     ComputedTorque,
     DifferentialIK,
     DifferentialIKConfig,
+    DifferentialIKQP,
+    JointImpedance,
     OperationalSpaceConfig,
     OperationalSpaceQP,
     PredictiveConfig,
@@ -27,13 +30,18 @@ from rlbench_pin.control import (
 from rlbench_pin.environment.safe_arm import LIMIT_MARGIN
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.robot.payload import payload_inertia
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.sim.sim_robot import Mode
-from rlbench_pin.spatial import FloatArray, pose_to_se3
+from rlbench_pin.spatial import FloatArray, pose_to_se3, se3_to_pose
 
 MARGIN = 0.003
 """Distance to the world that filters and predictions keep [m]: little, because planned motions come near what they grasp."""
+JOINT_STIFFNESS = (600.0, 600.0, 600.0, 600.0, 250.0, 150.0, 50.0)
+"""[N m/rad]: springs of joint impedance control; stiff, to follow, and softer than the motors' own position control."""
+TIP_STIFFNESS = (3000.0, 3000.0, 3000.0, 150.0, 150.0, 150.0)
+"""[N/m, N m/rad]: the spring of Cartesian impedance control."""
 OVERTIME = 20
 """Control ticks that a controller may take to arrive after the end of the motion."""
 
@@ -51,6 +59,12 @@ class Errand:
     """[s]"""
     physics_dt: float
     """[s]"""
+
+    def loaded(self) -> RobotModel:
+        """Return a model of the arm that carries what the hand holds at the start."""
+        model = RobotModel(self.model.description, se3_to_pose(self.model.base))
+        model.carry(payload_inertia(self.model, self.world))
+        return model
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +103,7 @@ def follow_velocities(errand: Errand) -> Follower:
 
 def compute_torques(errand: Errand) -> Follower:
     """`ComputedTorque` in every physics step."""
-    backend = ComputedTorque(errand.model, errand.physics_dt)
+    backend = ComputedTorque(errand.loaded(), errand.physics_dt)
     return Follower("torque", lambda k, q, v: Command(backend.command(errand.trajectory, k * backend.dt, q, v)))
 
 
@@ -101,7 +115,17 @@ def chase_poses(errand: Errand) -> Follower:
 
 def follow_twists(errand: Errand) -> Follower:
     """`DifferentialIK` with the tip velocity that reaches the pose one tick ahead."""
-    solver, poses = _differential_ik(errand), _tip_poses(errand, errand.control_dt)
+    return _twists(errand, _differential_ik(errand))
+
+
+def follow_twists_written_out(errand: Errand) -> Follower:
+    """`DifferentialIKQP`, the same problem by OSQP."""
+    config = DifferentialIKConfig(dt=errand.control_dt)
+    return _twists(errand, DifferentialIKQP(errand.model, config, posture=errand.trajectory.q[-1]))
+
+
+def _twists(errand: Errand, solver: DifferentialIK | DifferentialIKQP) -> Follower:
+    poses = _tip_poses(errand, errand.control_dt)
 
     def command(k: int, q: FloatArray, v: FloatArray) -> Command:
         here, goal = errand.model.tip_se3(q), pose_to_se3(_at(poses, k + 1))
@@ -133,15 +157,40 @@ def predict_with_distances(errand: Errand) -> Follower:
 
 
 def accelerate_tip(errand: Errand) -> Follower:
-    """`OperationalSpaceQP` in every physics step, with tip pose, twist and acceleration."""
-    config = OperationalSpaceConfig(dt=errand.physics_dt)
-    solver = OperationalSpaceQP(errand.model, config, posture=errand.trajectory.q[-1])
-    poses, motion = _tip_poses(errand, errand.physics_dt), _tip_motion(errand, errand.physics_dt)
+    """`OperationalSpaceQP` in every physics step, with tip pose, twist and acceleration, and the motion's elbow."""
+    config = OperationalSpaceConfig(dt=errand.physics_dt, limit_margin=LIMIT_MARGIN)
+    solver = OperationalSpaceQP(errand.loaded(), config)
+    postures, poses = _configurations(errand, errand.physics_dt), _tip_poses(errand, errand.physics_dt)
+    motion = _tip_motion(errand, errand.physics_dt)
 
     def command(k: int, q: FloatArray, v: FloatArray) -> Command:
         twist, acceleration = _at(motion, k)
+        solver.posture = _at(postures, k)
         result = solver.command(q, v, _at(poses, k), twist, acceleration)
         return Command(result.torque, result.stopped)
+
+    return Follower("torque", command)
+
+
+def hold_joints(errand: Errand) -> Follower:
+    """`JointImpedance` in every physics step: springs along the motion, with its velocities and accelerations."""
+    controller, dt = JointImpedance(errand.loaded(), np.diag(JOINT_STIFFNESS[: errand.model.size])), errand.physics_dt
+
+    def command(k: int, q: FloatArray, v: FloatArray) -> Command:
+        return Command(controller.torque(q, v, *errand.trajectory.sample(k * dt)))
+
+    return Follower("torque", command)
+
+
+def hold_tip(errand: Errand) -> Follower:
+    """`CartesianImpedance` in every physics step: a spring along the tip's motion, and a soft one along the elbow's."""
+    controller = CartesianImpedance(errand.loaded(), TIP_STIFFNESS)
+    postures, poses = _configurations(errand, errand.physics_dt), _tip_poses(errand, errand.physics_dt)
+    motion = _tip_motion(errand, errand.physics_dt)
+
+    def command(k: int, q: FloatArray, v: FloatArray) -> Command:
+        controller.posture = _at(postures, k)
+        return Command(controller.torque(q, v, _at(poses, k), _at(motion, k)[0]))
 
     return Follower("torque", command)
 
@@ -170,11 +219,14 @@ FOLLOWERS: Mapping[str, Callable[[Errand], Follower]] = {
     "VelocityFollowing + SafetyFilter": made_safe(follow_velocities),
     "DifferentialIK, poses": chase_poses,
     "DifferentialIK, twists": follow_twists,
+    "DifferentialIKQP, twists": follow_twists_written_out,
     "DifferentialIK, twists + SafetyFilter": made_safe(follow_twists),
     "CartesianMPC": predict,
     "CartesianMPC, distances": predict_with_distances,
     "ComputedTorque": compute_torques,
     "OperationalSpaceQP": accelerate_tip,
+    "JointImpedance": hold_joints,
+    "CartesianImpedance": hold_tip,
 }
 """Name -> how to build it for one motion."""
 

@@ -126,7 +126,11 @@ class RobotModel:
         """
         load = pin.Inertia(mass, np.asarray(center, dtype=float), np.zeros((3, 3)) if inertia is None else np.asarray(inertia))
         T_joint_tip = self.arm.frames[self.tip_id].placement
-        self.arm.inertias[self.size] = self._bare_inertia + T_joint_tip.act(load) if mass > 0.0 else self._bare_inertia.copy()
+        self.carry(T_joint_tip.act(load) if mass > 0.0 else pin.Inertia.Zero())
+
+    def carry(self, payload: pin.Inertia) -> None:
+        """Add an inertia, in the frame of the last joint, to the dynamics of the hand; it replaces what was added before."""
+        self.arm.inertias[self.size] = self._bare_inertia + payload if payload.mass > 0.0 else self._bare_inertia.copy()
         self.data = self.arm.createData()
 
 
