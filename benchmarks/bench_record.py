@@ -1,0 +1,148 @@
+"""Recording at scale: demonstrations a minute with and without pictures, by one worker and by two, their size, a worker's memory.
+
+    python benchmarks/bench_record.py --out docs/results/record.json
+
+Rates are those between the first and the last episode, so the start of the workers is left out; a figure by processor time
+(which other programs on the machine do not change) stands beside those by the clock. It also writes a table beside the JSON.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import multiprocessing
+import os
+import platform
+import resource
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from rlbench_pin.environment.record_config import PictureConfig, RecordConfig
+from rlbench_pin.environment.record_engines import ProcessEngine
+from rlbench_pin.environment.recording import RecordReport, record
+from rlbench_pin.environment.task_environment import library_versions
+
+TASKS = ("reach_target", "pick_and_lift", "push_button", "open_drawer", "put_rubbish_in_bin")
+PRODUCTS: tuple[tuple[str, ...], ...] = ((), ("rgb", "depth", "mask"))
+
+
+@dataclass(frozen=True)
+class Figures:
+    """What one recording came to."""
+
+    what: str
+    workers: int
+    episodes: int
+    a_minute: float
+    """Episodes a minute, by the clock."""
+    processor_seconds: float
+    """Processor time of the workers for each episode, their start included [s]."""
+    frames: float
+    """Frames of an episode, on average."""
+    kilobytes: float
+    """Size of an episode file, on average [kB]."""
+    kilobytes_a_frame: float
+    failed_tries: int
+    memory_early: float
+    """Resident memory of a worker after a tenth of the episodes [MB]."""
+    memory_late: float
+    """The same at the end [MB]."""
+
+
+class Stopwatch:
+    """Notes when episodes come in, and what the workers hold of the memory then."""
+
+    def __init__(self) -> None:
+        self.times: list[float] = []
+        self.memory: list[float] = []
+
+    def __call__(self, report: RecordReport) -> None:
+        """Note one."""
+        if report.recorded > len(self.times):
+            self.times.append(time.perf_counter())
+            self.memory.append(max((_resident(p.pid) for p in multiprocessing.active_children()), default=0.0))
+
+    @property
+    def a_minute(self) -> float:
+        """Episodes a minute between the first and the last."""
+        return 60.0 * (len(self.times) - 1) / (self.times[-1] - self.times[0])
+
+
+def measure(tasks: Sequence[str], episodes: int, products: tuple[str, ...], workers: int) -> Figures:
+    """Record into a folder that is thrown away."""
+    config = RecordConfig(tasks=tuple(tasks), episodes=episodes, seed=1, pictures=PictureConfig(products=products))
+    watch, before = Stopwatch(), _children()
+    with tempfile.TemporaryDirectory() as folder:
+        report = record(config, folder, engine=ProcessEngine(workers), on_progress=watch)
+    early = watch.memory[max(len(watch.memory) // 10, 2)]
+    return Figures(
+        what="5 cameras of 128 px: rgb, depth, mask" if products else "no pictures",
+        workers=workers,
+        episodes=report.recorded,
+        a_minute=round(watch.a_minute, 1),
+        processor_seconds=round((_children() - before) / report.recorded, 3),
+        frames=round(report.frames / report.recorded, 1),
+        kilobytes=round(report.num_bytes / report.recorded / 1e3, 1),
+        kilobytes_a_frame=round(report.num_bytes / report.frames / 1e3, 2),
+        failed_tries=sum(report.causes.values()),
+        memory_early=round(early, 1),
+        memory_late=round(watch.memory[-1], 1),
+    )
+
+
+def table(figures: Sequence[Figures]) -> str:
+    """Return the figures for people."""
+    head = "| Episodes hold | Workers | Episodes | A minute | Processor s each | Frames each | kB each | kB a frame | Worker MB |"
+    lines = [head, "|---|---|---|---|---|---|---|---|---|"]
+    lines += [
+        f"| {f.what} | {f.workers} | {f.episodes} | {f.a_minute} | {f.processor_seconds} | {f.frames} | {f.kilobytes} "
+        f"| {f.kilobytes_a_frame} | {f.memory_early} to {f.memory_late} |"
+        for f in figures
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _children() -> float:
+    """Processor time of all processes that were started here and have ended [s]."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
+def _resident(pid: int | None) -> float:
+    """Resident memory of a process [MB]."""
+    try:
+        pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
+    except OSError:
+        return 0.0
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+def main() -> None:
+    """Measure, print, save."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--tasks", nargs="+", default=list(TASKS))
+    parser.add_argument("--episodes", type=int, nargs=2, default=(20, 6), help="of each task, without and with pictures")
+    parser.add_argument("--workers", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--out", type=Path)
+    options = parser.parse_args()
+    load = os.getloadavg()[0]
+    figures = [
+        measure(options.tasks, episodes, products, workers)
+        for episodes, products in zip(options.episodes, PRODUCTS, strict=True)
+        for workers in options.workers
+    ]
+    text = table(figures)
+    print(text)
+    print(f"Load of the machine before it began: {load:.1f} on {os.cpu_count()} cores")
+    if options.out is not None:
+        machine = {"machine": platform.machine(), "cores": os.cpu_count(), "load_before": round(load, 2), "tasks": options.tasks}
+        content = {"machine": machine, "versions": library_versions(), "results": [asdict(f) for f in figures]}
+        options.out.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+        options.out.with_suffix(".md").write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
