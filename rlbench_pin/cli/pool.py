@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
+import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -47,7 +49,7 @@ def _results(items: Sequence[Item], workers: int) -> Iterator[tuple[Item, list[T
         yield from ((item, work(item)) for item in items)
         return
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, context, max_tasks_per_child=_ITEMS_PER_PROCESS) as pool:
+    with ProcessPoolExecutor(workers, context, _die_with_parent, max_tasks_per_child=_ITEMS_PER_PROCESS) as pool:
         futures = {pool.submit(work, item): item for item in items}
         try:
             for future in as_completed(futures):
@@ -55,6 +57,18 @@ def _results(items: Sequence[Item], workers: int) -> Iterator[tuple[Item, list[T
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
+
+
+def _die_with_parent() -> None:
+    """End this worker when the process that started it is killed; else it would wait for work for ever."""
+    parent = multiprocessing.parent_process()
+
+    def watch() -> None:
+        if parent is not None:
+            parent.join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def _result(future: Future[list[Trial]], item: Item) -> list[Trial]:

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -160,3 +164,32 @@ def test_the_number_of_workers_changes_nothing_but_speed(tmp_path: Path, capsys:
         reports.append(_without_times(json.loads(file.read_text())))
     assert "reach_target" in capsys.readouterr().out
     assert reports[0] == reports[1]
+
+
+@pytest.mark.slow
+def test_a_killed_check_leaves_no_worker_and_goes_on(tmp_path: Path) -> None:
+    """Killed without warning, its workers end by themselves, and the next one keeps what was done."""
+    arguments = ["check", "reach_target", "--episodes", "40", "--no-contract", "--no-pictures", "--out", str(tmp_path)]
+    command = [sys.executable, "-m", "rlbench_pin.cli.main", *arguments, "--workers", "2"]
+    journal = tmp_path / "trials.jsonl"
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as running:
+        assert _soon(lambda: journal.is_file() and len(journal.read_text().splitlines()) >= 2)
+        children = Path(f"/proc/{running.pid}/task/{running.pid}/children").read_text().split()
+        running.kill()
+    assert len(children) >= 2
+    assert _soon(lambda: not any(Path(f"/proc/{child}").exists() for child in children), 60)
+    before = journal.read_text().splitlines()
+    assert main(arguments) == 0
+    assert journal.read_text().splitlines()[: len(before) - 1] == before[:-1]
+    keys = [json.loads(json.loads(line)["key"]) for line in journal.read_text().splitlines()]
+    if len({key["mark"] for key in keys}) > 1:
+        pytest.skip("the package was edited meanwhile, so that old trials are void")
+    assert sorted(seed for key in keys for seed in key["seeds"]) == list(range(40))
+
+
+def _soon(holds: Callable[[], bool], seconds: float = 240.0) -> bool:
+    """Wait until something holds."""
+    end = time.monotonic() + seconds
+    while not holds() and time.monotonic() < end:
+        time.sleep(0.1)
+    return holds()
