@@ -25,7 +25,7 @@ HEAD = (
 )
 NOTE = (
     "{episodes} demonstrations per task, seeds {seed} to {last}, at most {max_variations} variations each. "
-    "*Replay*: the recorded joint-position actions succeed again. "
+    "*Replay*: the recorded joint-position actions succeed again ({replays} demonstrations). "
     "*Rest*, *flail*: goals reached by doing nothing or by random motion for 200 steps (a flailing arm may hit a reach target). "
     "*Length*, *planning*: median of a demonstration. *x real time*: simulated over process time of reset and demonstration. "
     "Written by `make sweep`; [the whole report](docs/results/demo_success.md) has variations, legs and causes of failures."
@@ -35,9 +35,12 @@ NOTE = (
 def task_table(results: dict[str, Any]) -> str:
     """Return the table of tasks as Markdown."""
     lines = [HEAD.format(tries=results["max_attempts"]), *(_row(name, task) for name, task in results["tasks"].items())]
-    note = NOTE.format(
-        **{k: results[k] for k in ("episodes", "seed", "max_variations")}, last=results["seed"] + results["episodes"] - 1
+    settings = {key: results[key] for key in ("episodes", "seed", "max_variations")}
+    last, replays = (
+        results["seed"] + results["episodes"] - 1,
+        min(results["episodes"], results.get("replays", results["episodes"])),
     )
+    note = NOTE.format(**settings, last=last, replays=replays)
     return "\n".join([*lines, "", note])
 
 
