@@ -20,7 +20,7 @@ SAMPLE_DT = 1.0 / 240.0
 """Longest time between two samples of the trajectory [s]."""
 GRID_STEP = 0.04
 """Joint distance between grid points of the timing problem [rad]."""
-SHORT = 1e-3
+SHORT = 3e-3
 """Paths shorter than this in joint space are timed by a cubic polynomial [rad]."""
 _GRID_RANGE = (40, 160)
 _RESERVE = 0.98
