@@ -19,6 +19,13 @@ def test_success_needs_no_explanation() -> None:
     assert explain_failure("reach_target", 0, 0)[0].endswith("succeeds.")
 
 
+def test_a_task_file_is_explained_as_well(tmp_path: Path) -> None:
+    """A path stands for the task in that file."""
+    assert main(["new", "touch_it", "--out", str(tmp_path)]) == 0
+    (line,) = explain_failure(str(tmp_path / "touch_it.py"), 0, 0)
+    assert line == "touch_it seed 0 variation 0 attempt 0: the demonstration succeeds."
+
+
 def test_a_failure_is_explained_and_drawn(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """The reason, what is known, and the scene at that moment."""
 
