@@ -14,10 +14,11 @@ HANDLE = (-DOOR[0] - 0.052, 0.0, 0.235)
 """Centre of the handle bar in the door frame [m]."""
 BAR_RADIUS, BAR_LENGTH = 0.006, 0.24
 RACK = (0.32, 0.32)
-RACK_FLOOR, RIM, TRAVEL = 0.115, 0.18, 0.24
-"""Heights of the rack's base and of its rim when it is in, and how far it slides out [m]."""
-PLATE_X, CRADLE = -0.065, 0.045
-"""Middle of the place for the plate in the rack, and half the distance of the rods that carry it [m]."""
+RACK_X, RACK_FLOOR, RIM, TRAVEL = -0.012, 0.115, 0.155, 0.24
+"""Middle of the rack, heights of its base and of its rim when it is in, and how far it slides out [m]."""
+RIM_RADIUS = 0.005
+PLATE_PLACE, CRADLE = (-0.053, 0.06), 0.045
+"""Where the plate stands in the rack, aside from where a hand pulls; half the distance of the rods that carry it [m]."""
 PLATE_RADIUS, PLATE_HEIGHT = 0.08, 0.015
 STEEL, DARK, WIRE, SILVER = (0.86, 0.87, 0.88), (0.16, 0.17, 0.19), (0.30, 0.45, 0.70), (0.70, 0.71, 0.74)
 HALF_PI = 1.57079633
@@ -81,17 +82,23 @@ def _door_link() -> Link:
 
 
 def _rack_solids() -> tuple[Box, ...]:
-    """Return base, rim, corner posts, cradle and pins of the rack; its origin is the middle of its base."""
+    """Return base, rim but for its front, corner posts, cradle and pins of the rack; its origin is the middle of its base."""
     lx, ly = RACK
     rise = RIM - RACK_FLOOR
-    rims = [((0.008, ly, 0.008), (s * (lx - 0.008) / 2.0, 0.0, rise)) for s in (-1, 1)]
+    rims = [((0.008, ly, 0.008), ((lx - 0.008) / 2.0, 0.0, rise))]
     rims += [((lx, 0.006, 0.006), (0.0, s * (ly - 0.006) / 2.0, rise)) for s in (-1, 1)]
     posts = [
         ((0.006, 0.006, rise), (sx * (lx - 0.006) / 2.0, sy * (ly - 0.006) / 2.0, rise / 2.0)) for sx in (-1, 1) for sy in (-1, 1)
     ]
-    cradle = [((0.006, 0.05, 0.012), (PLATE_X + s * CRADLE, 0.0, 0.009)) for s in (-1, 1)]
-    pins = [((0.004, 0.004, 0.055), (PLATE_X + sx * 0.05, sy * 0.011, 0.0305)) for sx in (-1, 1) for sy in (-1, 1)]
+    x, y = PLATE_PLACE
+    cradle = [((0.006, 0.05, 0.012), (x + s * CRADLE, y, 0.009)) for s in (-1, 1)]
+    pins = [((0.004, 0.004, 0.055), (x + sx * 0.05, y + sy * 0.011, 0.0305)) for sx in (-1, 1) for sy in (-1, 1)]
     return (((lx, ly, 0.006), (0.0, 0.0, 0.0)), *rims, *posts, *cradle, *pins)
+
+
+def _rim_place() -> tuple[float, float]:
+    """Return x and z of the front rim in the rack's frame; it is round, for the hand to pull."""
+    return -RACK[0] / 2.0 + RIM_RADIUS, RIM - RACK_FLOOR
 
 
 def _rack_mesh() -> Mesh:
@@ -99,14 +106,19 @@ def _rack_mesh() -> Mesh:
     lx, ly = RACK
     wires = [box((lx, 0.004, 0.005), (0.0, -ly / 2.0 + ly * k / 10.0, 0.0)) for k in range(11)]
     wires += [box((0.004, ly, 0.005), (-lx / 2.0 + lx * k / 6.0, 0.0, 0.0)) for k in range(7)]
-    rows = [box((0.004, 0.004, 0.04), (x, y, 0.02)) for x in (-0.11, -0.02, 0.08) for y in (-0.12, -0.08, 0.08, 0.12)]
-    return merge([*wires, *rows, _merged(_rack_solids()[1:])])
+    rows = [box((0.004, 0.004, 0.04), (x, y, 0.02)) for x in (-0.11, -0.02, 0.08) for y in (-0.12, -0.07, -0.02, 0.12)]
+    x, z = _rim_place()
+    rim = rod((x, -ly / 2.0, z), (x, ly / 2.0, z), RIM_RADIUS, 10)
+    return merge([*wires, *rows, rim, _merged(_rack_solids()[1:])])
 
 
 def _rack_link() -> Link:
     wheels = merge(rod((x, y - 0.004, -0.006), (x, y + 0.004, -0.006), 0.006, 10) for x in (-0.1, 0.1) for y in (-0.15, 0.15))
     visuals = (Visual(mesh_shape("rack", _rack_mesh()), WIRE), Visual(mesh_shape("wheels", wheels), SILVER))
-    return Link("rack_link", 0.5, visuals, tuple(box_shape(size, center) for size, center in _rack_solids()))
+    x, z = _rim_place()
+    rim = cylinder_shape(RIM_RADIUS, RACK[1], (x, 0.0, z), (HALF_PI, 0.0, 0.0))
+    shapes = (rim, *(box_shape(size, center) for size, center in _rack_solids()))
+    return Link("rack_link", 0.5, visuals, shapes, friction=0.8)
 
 
 def _plate() -> Model:
@@ -126,16 +138,16 @@ def _plate() -> Model:
 def models() -> tuple[Model, ...]:
     """Return the models of this family."""
     door = Joint("door", "revolute", "dishwasher", "door_link", HINGE, (0.0, -1.0, 0.0), 0.0, 1.57, damping=0.05)
-    place = (0.0, 0.0, RACK_FLOOR)
+    place = (RACK_X, 0.0, RACK_FLOOR)
     rack = Joint("rack", "prismatic", "dishwasher", "rack_link", place, (-1.0, 0.0, 0.0), 0.0, TRAVEL, damping=2.0)
     rest = PLATE_REST - RACK_FLOOR
     notes = (
         "front faces -x; the door folds down towards -x about its lower edge, as that of the oven",
-        f"link `door_link` has its origin on the hinge {HINGE}; handle bar along y, diameter {2 * BAR_RADIUS}, length {BAR_LENGTH}, "
-        f"centre {HANDLE} in `door_link`",
-        f"link `rack_link` has its origin in the middle of its base, z = {RACK_FLOOR}; front rim along y at x = {-(RACK[0] - 0.008) / 2.0}, "
-        f"z = {RIM - RACK_FLOOR:.3f} there, 0.008 thick",
-        f"a plate on edge, facing y, stands at ({PLATE_X}, 0, {rest:.4f}) in `rack_link`",
+        f"link `door_link` has its origin on the hinge {HINGE}; handle bar along y, diameter {2 * BAR_RADIUS}, "
+        f"length {BAR_LENGTH}, centre {HANDLE} in `door_link`",
+        f"link `rack_link` has its origin in the middle of its base, x = {RACK_X}, z = {RACK_FLOOR}; front rim along y "
+        f"at x = {_rim_place()[0]}, z = {_rim_place()[1]:.3f} there, {2 * RIM_RADIUS} thick",
+        f"a plate on edge, facing y, stands at ({PLATE_PLACE[0]}, {PLATE_PLACE[1]}, {rest:.4f}) in `rack_link`",
     )
     links = (_body_link(), _door_link(), _rack_link())
     return Model("dishwasher", "objects/dishwasher", "bottom centre", links, (door, rack), notes), _plate()

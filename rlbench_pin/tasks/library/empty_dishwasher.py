@@ -1,0 +1,31 @@
+"""Take the plate out of a dishwasher that is shut."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, Task, Waypoint
+
+
+class EmptyDishwasher(Task):
+    """The plate must be out of the rack, wherever the rack is; it need not be let go."""
+
+    def init_task(self) -> None:
+        self.plate = self.scene.body("plate")
+        self.register_graspable_objects(["plate"])
+        self.register_success_conditions([Detected(self.plate, self.scene.sensor("rack_space"), negated=True)])
+        self.register_waypoint_ability_start(10, self._aim_at_plate)
+
+    def variation_count(self) -> int:
+        return 1
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        return [
+            "Fetch the plate from the dishwasher.",
+            "Fold the dishwasher's door down, slide out its rack and lift the plate off.",
+            "The dishes are done, take the clean plate out of the machine.",
+        ]
+
+    def _aim_at_plate(self, waypoint: Waypoint) -> None:
+        """Go for the plate where the rack has brought it."""
+        self.scene.frame("plate_place").set_position(self.plate.position)
