@@ -17,6 +17,7 @@ from rlbench_pin.cli.list_tasks import ListTasks
 from rlbench_pin.cli.new import New
 from rlbench_pin.cli.problems import Problems
 from rlbench_pin.cli.record import Record
+from rlbench_pin.cli.replay import Replay
 from rlbench_pin.cli.video import Video
 from rlbench_pin.cli.view import View
 from rlbench_pin.errors import RlbenchPinError, TaskEnvironmentError, UnknownName
@@ -37,6 +38,7 @@ COMMANDS: dict[str, Callable[..., Command]] = {
     "demo": RecordDemos,
     "record": Record,
     "dataset": Dataset,
+    "replay": Replay,
     "check": Check,
     "view": View,
     "video": Video,

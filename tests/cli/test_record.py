@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -13,10 +15,11 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+import tyro
 from demos_for_tests import make_demo
 
-from rlbench_pin.cli.main import main
-from rlbench_pin.datasets import DatasetWriter, episode_files, read_demo, read_manifest, task_faults
+from rlbench_pin.cli.main import COMMANDS, main
+from rlbench_pin.datasets import DatasetWriter, episode_files, read_demo, read_manifest, task_faults, write_demo
 
 Capture = pytest.CaptureFixture[str]
 TASK = "reach_target"
@@ -196,6 +199,32 @@ def test_rerender_refuses_nonsense(made_up: Path, tmp_path: Path, capsys: Captur
     assert "holds no list of seeds" in capsys.readouterr().err
     assert _exit_code("dataset", "rerender", str(made_up), "--out", str(tmp_path / "out"), "--tasks", "push_button") == 1
     assert "push_button" in capsys.readouterr().err
+
+
+def test_replay_tells_what_still_succeeds(tmp_path: Path, capsys: Capture) -> None:
+    """A recorded episode reaches its goal again; one whose actions were stilled does not, and the exit code says so."""
+    assert _exit_code(*HERE, "--episodes", "1", "--out", str(tmp_path)) == 0
+    (path,) = episode_files(tmp_path, TASK)
+    assert _exit_code("replay", str(tmp_path)) == 0
+    assert f"reached  {path}" in capsys.readouterr().out
+    demo = read_demo(path)
+    for observation in demo[1:]:
+        observation.misc["joint_position_action"] = demo[1].misc["joint_position_action"]
+    write_demo(demo, path)
+    assert _exit_code("replay", str(path)) == 1
+    assert f"MISSED   {path}" in capsys.readouterr().out
+    assert _exit_code("replay", str(tmp_path / "nothing.h5")) == 1
+    assert "does not exist" in capsys.readouterr().err
+
+
+def test_the_commands_of_the_page_exist() -> None:
+    """Every command line of docs/datasets.md is one that the program takes."""
+    page = (Path(__file__).parents[2] / "docs" / "datasets.md").read_text(encoding="utf-8")
+    lines: list[str] = re.findall(r"^rlbench-pin (.*)$", page, re.MULTILINE)
+    assert len(lines) > 12
+    for line in lines:
+        command = tyro.extras.subcommand_cli_from_dict(COMMANDS, args=shlex.split(line, comments=True))
+        assert callable(command.run)
 
 
 # Kills ----------------------------------------------------------------------------------------------------------------

@@ -5,7 +5,9 @@ from __future__ import annotations
 import errno
 import json
 import os
+import subprocess
 import threading
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +15,7 @@ import numpy as np
 import pytest
 from engines_for_tests import MadeUpEngine
 
-from rlbench_pin.datasets import episode_files, read_demo, read_manifest, task_faults, verify_task
+from rlbench_pin.datasets import episode_files, read_demo, read_manifest, stored_demos, task_faults, verify_task
 from rlbench_pin.datasets.layout import episode_path
 from rlbench_pin.environment.record_config import PictureConfig, RecordConfig, item_seed, plan_items
 from rlbench_pin.environment.record_engines import SerialEngine
@@ -275,6 +277,40 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path, monkeypatch: p
     with pytest.raises(StorageError, match=r"data.*choose another folder") as caught:
         record(CONFIG, tmp_path / "data", engine=MadeUpEngine())
     assert caught.value.errno == code
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A disk of 300 kB of its own, where this machine lets tests mount one."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    if (
+        os.geteuid() != 0
+        or subprocess.run(["mount", "-t", "tmpfs", "-o", "size=300k", "tmpfs", str(folder)], check=False).returncode
+    ):
+        pytest.skip("no disk can be mounted here")
+    yield folder
+    subprocess.run(["umount", str(folder)], check=True)
+
+
+def test_a_disk_that_is_really_full(small_disk: Path, undisturbed: Path) -> None:
+    """A file that fills the disk is found out, removed, and made when there is room; a read-only disk is still read."""
+    ballast = small_disk / "ballast"
+    ballast.write_bytes(bytes(150_000))
+    with pytest.raises(StorageError, match="No space left") as caught:
+        record(CONFIG, small_disk / "data", engine=MadeUpEngine(retried=[1]))
+    assert caught.value.errno == errno.ENOSPC
+    root = small_disk / "data"
+    stored = len(read_manifest(root, TASK))
+    assert 0 < stored < 6
+    assert task_faults(root, TASK) == []
+    ballast.unlink()
+    assert record(CONFIG, root, engine=MadeUpEngine(retried=[1]), resume=True).found == stored
+    assert manifest(root) == manifest(undisturbed)
+    subprocess.run(["mount", "-o", "remount,ro", str(small_disk)], check=True)
+    with pytest.raises(StorageError, match="read-only"):
+        record(replace(CONFIG, episodes=8), root, engine=MadeUpEngine(), resume=True)
+    assert len(stored_demos(root, TASK, -1, -1, random_selection=False)) == 6
 
 
 def test_a_file_in_the_way_is_named(tmp_path: Path) -> None:
