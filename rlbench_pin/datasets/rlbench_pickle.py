@@ -60,7 +60,7 @@ def load(path: Path) -> Any:
     """
     try:
         data = Path(path).read_bytes()
-        return _Reader(io.BytesIO(data)).load()
+        return _plain(_Reader(io.BytesIO(data)).load(), {})
     except FileNotFoundError as error:
         raise EpisodeFileError(path, f"'{path}' does not exist.") from error
     except _Refused as error:
@@ -73,21 +73,76 @@ class _Refused(Exception):
     """A file asks for something that is not in the table."""
 
 
-def _reconstruct(_: type, shape: tuple[int, ...], kind: bytes) -> np.ndarray:
-    """Begin an array, as numpy's own function does, but always a plain one."""
-    return np.ndarray(shape, np.dtype(kind.decode("ascii") if isinstance(kind, bytes) else kind))
+class _ArrayType:
+    """Stands for `numpy.ndarray`, which a file only names and may not call."""
 
 
-def _scalar(dtype: np.dtype, data: Any = None) -> Any:
-    if not isinstance(dtype, np.dtype) or dtype.hasobject:
-        raise _Refused(f"a scalar of type {dtype}")
-    return np.frombuffer(bytes(data), dtype=dtype, count=1)[0]
+class _Dtype:
+    """A type of numbers or texts. Numpy's own may be told by a file that bytes are objects; this one may not."""
+
+    def __init__(self, code: str, align: object = False, copy: object = False) -> None:
+        found = np.dtype(code)
+        if found.kind not in "biufcSUO":
+            raise _Refused(f"an array of type {code!r}")
+        self.value = found
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None:
+        if state[1] in ("<", ">"):
+            self.value = self.value.newbyteorder(state[1])
 
 
-def _from_buffer(data: Any, dtype: np.dtype, shape: tuple[int, ...], order: str) -> np.ndarray:
-    if not isinstance(dtype, np.dtype) or dtype.hasobject:
-        raise _Refused(f"an array of type {dtype}")
-    return np.frombuffer(bytes(data), dtype=dtype).reshape(shape, order="F" if order == "F" else "C").copy()
+class _Array:
+    """An array in the making; `_plain` puts the finished one in its place."""
+
+    value: np.ndarray
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None:
+        _, shape, dtype, fortran, data = state
+        self.value = _array(data, dtype, shape, "F" if fortran else "C")
+
+
+def _array(data: Any, dtype: Any, shape: Any, order: str) -> np.ndarray:
+    if not isinstance(dtype, _Dtype):
+        raise _Refused(f"an array of type {dtype!r}")
+    if dtype.value.kind == "O":
+        if not isinstance(data, list):
+            raise _Refused("an array of objects made from bytes")
+        flat = np.empty(len(data), dtype=object)
+        flat[:] = data
+    else:
+        raw = data.encode("latin1") if isinstance(data, str) else bytes(data)
+        flat = np.frombuffer(raw, dtype=dtype.value).copy()
+    return flat.reshape(shape, order="F" if order == "F" else "C")
+
+
+def _reconstruct(kind: object, shape: object, code: object) -> _Array:
+    if kind is not _ArrayType:
+        raise _Refused(f"an array of class {kind!r}")
+    return _Array()
+
+
+def _scalar(dtype: Any, data: Any = b"") -> Any:
+    return _array(data, dtype, (1,), "C")[0]
+
+
+def _plain(value: Any, seen: dict[int, Any]) -> Any:
+    """Put finished arrays in the place of those in the making, in containers and stand-ins of any depth."""
+    if isinstance(value, _Array):
+        return value.value
+    if isinstance(value, tuple):
+        return tuple(_plain(v, seen) for v in value)
+    if id(value) in seen:
+        return value
+    if isinstance(value, list):
+        seen[id(value)] = value
+        value[:] = [_plain(v, seen) for v in value]
+    elif isinstance(value, dict):
+        seen[id(value)] = value
+        value.update({k: _plain(v, seen) for k, v in value.items()})
+    elif isinstance(value, PickledDemo | PickledObservation):
+        seen[id(value)] = value
+        _plain(value.__dict__, seen)
+    return value
 
 
 def _encode(text: str, encoding: str = "latin1") -> bytes:
@@ -108,9 +163,9 @@ _ALLOWED: Mapping[tuple[str, str], Callable[..., Any]] = {
     ("rlbench.backend.observation", "Observation"): PickledObservation,
     **{(f"numpy.{core}.multiarray", "_reconstruct"): _reconstruct for core in ("core", "_core")},
     **{(f"numpy.{core}.multiarray", "scalar"): _scalar for core in ("core", "_core")},
-    **{(f"numpy.{core}.numeric", "_frombuffer"): _from_buffer for core in ("core", "_core")},
-    ("numpy", "ndarray"): np.ndarray,
-    ("numpy", "dtype"): np.dtype,
+    **{(f"numpy.{core}.numeric", "_frombuffer"): _array for core in ("core", "_core")},
+    ("numpy", "ndarray"): _ArrayType,
+    ("numpy", "dtype"): _Dtype,
     ("_codecs", "encode"): _encode,
     **{(module, "_reconstructor"): _new_object for module in ("copyreg", "copy_reg")},
     **{(module, "object"): object for module in ("builtins", "__builtin__")},
