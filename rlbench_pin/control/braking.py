@@ -18,14 +18,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rlbench_pin.control.constraints import JointBounds
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.motion_bounds import IndexArray
 from rlbench_pin.spatial import FloatArray
 
+BoolArray = NDArray[np.bool_]
 RESOLUTION = 2e-3
 """Motion [m] of a piece that is not halved any more; its pairs may be below their floor by half of it, and are so by far less."""
+CARRIERS = 2
+"""Joints at the base whose load can keep their motors from reaching a velocity at once; the others bear little."""
 TOLERANCE = 1e-6
 """Distances below the floor by this much are forgiven [m]: rounding."""
 
@@ -56,24 +60,27 @@ class Piece:
 
 
 def ways_to_standstill(bounds: JointBounds, q: FloatArray, v: FloatArray, command: FloatArray) -> list[list[Piece]]:
-    """Return the ways of `command` and the braking after it: one, or with `hold="any"` the shortest and the longest."""
-    if bounds.hold != "any":
-        return [_way(bounds, q, v, command, bounds.hold == "velocity")]
-    late = np.where(np.abs(command) > np.abs(v), command, v)
-    return [_way(bounds, q, v, command, True), _way(bounds, q, late, command, False)]
+    """Return the ways that `command` and the braking after it may take, from `q` [rad] moving at `v` [rad/s].
 
-
-def _way(bounds: JointBounds, q: FloatArray, v: FloatArray, command: FloatArray, held: bool) -> list[Piece]:
-    """Return the tick of `command` and the braking ticks after it, from `q` [rad] moving at `v` [rad/s].
-
-    Velocities are held over a tick, or change linearly.
+    One, or with `hold="any"` two: all joints reach velocities at once, and those that carry the arm only at the end of a tick.
     """
-    pieces = [Piece(q, command if held else v, command, bounds.dt)]
+    late = np.full(len(command), bounds.hold == "acceleration")
+    ways = [_way(bounds, q, v, command, late)]
+    if bounds.hold == "any":
+        late = np.arange(len(command)) < CARRIERS
+        ways.append(_way(bounds, q, np.where(np.abs(command) > np.abs(v), command, v), command, late))
+    return ways
+
+
+def _way(bounds: JointBounds, q: FloatArray, v: FloatArray, command: FloatArray, late: BoolArray) -> list[Piece]:
+    """Return the tick of `command` and the braking ticks after it; velocities of `late` joints (n,) change linearly in a tick."""
+    pieces = [Piece(q, np.where(late, v, command), command, bounds.dt)]
+    lagging = bool(late.any())
     while command.any():
         slower = bounds.braking(command)
-        if held and not slower.any():
+        if not lagging and not slower.any():
             break
-        pieces.append(Piece(pieces[-1].at(1.0), slower if held else command, slower, bounds.dt))
+        pieces.append(Piece(pieces[-1].at(1.0), np.where(late, command, slower), slower, bounds.dt))
         command = slower
     return pieces
 

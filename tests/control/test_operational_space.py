@@ -41,6 +41,18 @@ def test_a_circle_is_followed(model: RobotModel, radius: float) -> None:
     assert worst < 2e-3
 
 
+def test_the_pull_is_bounded(model: RobotModel) -> None:
+    """However far the target, the tip is accelerated towards it by 10 m/s^2 at most: what holds the arm back is not crushed."""
+    controller, q = OperationalSpaceQP(model), model.home + [0, 0.2, 0, -1.0, 0, 1.0, 0]
+    pose, pulls = model.tip_pose(q), []
+    for distance in (0.01, 0.1, 0.4):
+        command = controller.command(q, np.zeros(7), pose - [0, 0, distance, 0, 0, 0, 0])
+        pulls.append(float(-(model.jacobian(q) @ command.acceleration)[2]))
+    assert pulls[0] == pytest.approx(6.25, rel=0.05)
+    assert pulls[1] == pytest.approx(pulls[2], rel=1e-3)
+    assert 7.0 < pulls[1] < 10.1
+
+
 def test_a_far_target_is_approached_within_all_limits(model: RobotModel) -> None:
     """Asked for a pose far away and out of reach, torque, velocity and position limits hold."""
     controller, plant, limits = OperationalSpaceQP(model), RobotModel(model.description), model.limits

@@ -14,6 +14,7 @@ from rlbench_pin.environment import (
     JointTorque,
     JointVelocity,
     MoveArmThenGripper,
+    convert_by_playing,
     convert_demo,
     verify,
 )
@@ -42,6 +43,22 @@ def test_a_converted_demo_still_succeeds(arm: ArmActionMode) -> None:
         (demo,) = task.get_demos(1, live_demos=True, seed=3)
         actions = convert_demo(demo, mode, task.scene.model)
         assert len(actions) == len(demo) - 1
+        assert all(action.shape == env.action_shape for action in actions)
+        assert verify(task, demo, actions)
+
+
+PLAYED = [JointTorque(), JointTorque(absolute_mode=False), JointVelocity(absolute_mode=False), EndEffectorVelocity(False)]
+
+
+@pytest.mark.parametrize("arm", PLAYED, ids=lambda a: f"{type(a).__name__}-{a.absolute_mode}")
+def test_torques_and_differences_are_found_by_playing(arm: ArmActionMode) -> None:
+    """What drifts when it is worked out from the model alone succeeds when it was worked out from what was measured."""
+    mode = MoveArmThenGripper(arm, Discrete())
+    with Environment(mode, obs_config=low_dim(), seed=0) as env:
+        task = env.get_task("pick_and_lift")
+        (demo,) = task.get_demos(1, live_demos=True, seed=3)
+        actions = convert_by_playing(task, demo)
+        assert 1 < len(actions) <= len(demo) - 1
         assert all(action.shape == env.action_shape for action in actions)
         assert verify(task, demo, actions)
 
