@@ -100,12 +100,12 @@ def _demo(pickled: Any, frames: list[Observation], variation: int, path: Path) -
         random_seed=seed if isinstance(seed, int) else None,
         num_reset_attempts=attempts if isinstance(attempts, int) else None,
         variation_number=variation,
-        instructions=_descriptions(path),
+        instructions=folder_descriptions(path),
         task_name=path.parents[2].name,
     )
 
 
-def _descriptions(path: Path) -> tuple[str, ...]:
+def folder_descriptions(path: Path) -> tuple[str, ...]:
     """Return the sentences of an episode; a file that holds something else, as some old ones do, counts as none."""
     for folder in (path, path.parents[1]):
         if (folder / DESCRIPTIONS_FILE).is_file():

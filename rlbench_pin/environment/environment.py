@@ -21,7 +21,7 @@ from rlbench_pin.environment.randomize import (
 )
 from rlbench_pin.environment.randomizer import Randomizer
 from rlbench_pin.environment.scene import Scene
-from rlbench_pin.environment.stored import read_stored_demos
+from rlbench_pin.environment.stored import read_stored_demos, read_stored_descriptions
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DatasetError, EnvironmentClosed, TaskEnvironmentError, UnknownName
 from rlbench_pin.observation import CAMERAS, Demo
@@ -198,6 +198,15 @@ class Environment:
             from_episode_number=from_episode_number,
             rng=self._seeds,
         )
+
+    def get_task_descriptions_with_episode(self, task_name: str, episode_number: int) -> list[str]:
+        """Return the sentences of a stored episode, counted through all variations.
+
+        Raises:
+            DatasetError: There is no dataset root, or no such episode.
+            UnknownName: No task has this name.
+        """
+        return read_stored_descriptions(self._dataset_root, task_class(task_name).get_name(), episode_number)
 
     # What it offers ---------------------------------------------------------------------------------------------
 

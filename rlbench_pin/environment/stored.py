@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rlbench_pin.datasets import checked_task_name, stored_demos
-from rlbench_pin.datasets.rlbench_reader import folder_demos, folder_episodes
+from rlbench_pin.datasets import Episode, checked_task_name, episode_files, stored_demos
+from rlbench_pin.datasets.rlbench_reader import folder_demos, folder_descriptions, folder_episodes
 from rlbench_pin.environment.observation_config import ObservationConfig
 from rlbench_pin.environment.stored_fit import fit, wanted_fields
 from rlbench_pin.errors import DatasetError
@@ -57,6 +57,25 @@ def read_stored_demos(
             for observation in demo:
                 fit(observation, config)
     return demos
+
+
+def read_stored_descriptions(dataset_root: str, task_name: str, episode: int) -> list[str]:
+    """Return the sentences of one stored episode, counted through all variations in natural order.
+
+    Raises:
+        DatasetError: There is no dataset root, or no such episode.
+    """
+    root = Path(dataset_root)
+    if not dataset_root:
+        raise DatasetError("No dataset root was given, so there are no stored sentences. Pass `Environment(dataset_root=...)`.")
+    folders = _holds_folders(root, task_name)
+    paths = folder_episodes(root, task_name) if folders else list(episode_files(root, task_name))
+    if not 0 <= episode < len(paths):
+        raise DatasetError(f"'{root}' holds {len(paths)} episodes of '{task_name}', so there is no episode {episode}.")
+    if folders:
+        return list(folder_descriptions(paths[episode]))
+    with Episode(paths[episode]) as stored:
+        return list(stored.instructions)
 
 
 def _holds_folders(root: Path, task: str) -> bool:

@@ -141,6 +141,15 @@ def test_paths_of_pictures(stored: Path) -> None:
     assert demo[2].joint_positions is not None
 
 
+def test_sentences_of_an_episode(stored: Path) -> None:
+    """They are read without the episode, counted through all variations; a number too high is explained."""
+    env = environment(stored)
+    demos = env.get_demos(TASK, -1, -1, random_selection=False)
+    assert [tuple(env.get_task_descriptions_with_episode(TASK, i)) for i in range(4)] == [d.instructions for d in demos]
+    with pytest.raises(DatasetError, match="holds 4 episodes"):
+        env.get_task_descriptions_with_episode(TASK, 4)
+
+
 def test_bad_requests_are_explained(stored: Path, tmp_path: Path) -> None:
     """No root, no such task, no such folder, more than there are, and amounts that are none."""
     env = environment(stored)
