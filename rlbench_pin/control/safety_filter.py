@@ -204,19 +204,27 @@ class SafetyFilter:
         return velocity, ("distance",), which[gradients @ velocity - least < 1e-4]
 
     def _dampers(self, velocity: FloatArray) -> tuple[IndexArray, FloatArray, FloatArray]:
-        """Return pairs that are near or might come near, gradients of their distances, and the least rates of change [m/s]."""
+        """Return pairs that are near or might come near, gradients of their distances, and the least rates of change [m/s].
+
+        Nothing when `velocity` cannot break any damper.
+        """
         model, config = self.distances, self.config
         heeded = self._minimum() + config.buffer
-        reach = np.maximum(model.motion.approach(np.abs(velocity)) / config.gain, config.influence)  # of the dampers
-        near = np.flatnonzero((model.bounds - heeded < reach) & model.counts)
-        if not len(near):
-            return near, np.zeros((0, model.model.size)), np.zeros(0)
+        spare = np.where(model.counts, model.bounds - heeded, np.inf)
+        pressing = model.motion.approach(np.abs(velocity)) / config.gain  # within this, `velocity` may break a damper
+        none = np.zeros(0, dtype=np.intp), np.zeros((0, model.model.size)), np.zeros(0)
+        if (spare >= pressing).all():
+            return none
+        reach = np.maximum(pressing, config.influence)
+        near = np.flatnonzero(spare < reach)
         spare = model.measure(near) - heeded[near]
+        if (spare >= pressing[near]).all():
+            return none
         keep = spare < reach[near]
         near, spare = near[keep], spare[keep]
         if len(near) > ROWS:
-            pressing = np.argsort(spare - np.minimum(reach[near], 1.0 / config.gain), kind="stable")[:ROWS]
-            near, spare = near[pressing], spare[pressing]
+            first = np.argsort(spare - np.minimum(reach[near], 1.0 / config.gain), kind="stable")[:ROWS]
+            near, spare = near[first], spare[first]
         return near, model.gradients(near), np.minimum(-config.gain * spare, config.recovery_speed)
 
     def _minimum(self) -> FloatArray:
