@@ -58,8 +58,8 @@ UNPLAYED = ("tip pose, planning",)
 
 INTRODUCTION = """# Demonstrations in every action space
 
-Written by `python benchmarks/bench_actions.py`. {demos} demonstrations of each task are converted to every action space and
-played again from their start; a cell says how many still succeed, `alone / played`.
+Written by `python benchmarks/bench_actions.py`. Up to {demos} demonstrations of each task are converted to every action space
+and played again from their start; a cell says how many still succeed, `alone / played`.
 
 * `alone`: by `convert_demo`, from the demonstration and the arm model, without the simulator.
 * `played`: by `convert_by_playing`, which plays the demonstration once more in the new space and works every action out from

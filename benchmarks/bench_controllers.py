@@ -32,7 +32,7 @@ state in which the leg began. Torques are commanded 240 times a second, all else
   as it stood when the leg began. On legs that may touch, touching is often the purpose, and a negative clearance is how far the
   arm got into the place of what it pushed away.
 * `filtered`, `stops`: shares of commands that a safety filter changed, and that were braking.
-* `us`: median cost of a command.
+* `us`: median processor time of a command.
 
 What to know when reading it:
 

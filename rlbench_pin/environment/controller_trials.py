@@ -72,7 +72,7 @@ class LegTrial:
     stops: int
     """Commands that were braking, for want of anything better."""
     seconds: FloatArray
-    """What each command took, one number per command [s]."""
+    """Processor time of each command, one number per command [s]."""
 
 
 # Recording legs ------------------------------------------------------------------------------------------------------
@@ -227,9 +227,9 @@ class _Runner:
 
     def _ask(self, k: int) -> FloatArray:
         q, v = self.scene.robot.joint_positions, self.scene.robot.joint_velocities
-        began = time.perf_counter()
+        began = time.process_time()
         command = self.follower.command(k, q, v)
-        self.seconds.append(time.perf_counter() - began)
+        self.seconds.append(time.process_time() - began)
         self.commands.append(command)
         return command.values
 

@@ -42,6 +42,8 @@ JOINT_STIFFNESS = (600.0, 600.0, 600.0, 600.0, 250.0, 150.0, 50.0)
 """[N m/rad]: springs of joint impedance control; stiff, to follow, and softer than the motors' own position control."""
 TIP_STIFFNESS = (3000.0, 3000.0, 3000.0, 150.0, 150.0, 150.0)
 """[N/m, N m/rad]: the spring of Cartesian impedance control."""
+ELBOW_STIFFNESS = 10.0
+"""[N m/rad]: its spring on what the tip leaves free."""
 OVERTIME = 20
 """Control ticks that a controller may take to arrive after the end of the motion."""
 
@@ -184,7 +186,7 @@ def hold_joints(errand: Errand) -> Follower:
 
 def hold_tip(errand: Errand) -> Follower:
     """`CartesianImpedance` in every physics step: a spring along the tip's motion, and a soft one along the elbow's."""
-    controller = CartesianImpedance(errand.loaded(), TIP_STIFFNESS)
+    controller = CartesianImpedance(errand.loaded(), TIP_STIFFNESS, posture_stiffness=ELBOW_STIFFNESS)
     postures, poses = _configurations(errand, errand.physics_dt), _tip_poses(errand, errand.physics_dt)
     motion = _tip_motion(errand, errand.physics_dt)
 
