@@ -18,6 +18,8 @@ def made_up_demo(item: WorkItem) -> Demo:
     """Return a demo that follows from its item alone."""
     demo = make_demo(frames=2, seed=item.seed % 1000, variation=item.variation, task=item.name)
     demo.random_seed, demo.attempt = item.seed, 0
+    for observation in demo:
+        observation.front_rgb = observation.front_depth = observation.front_mask = observation.wrist_point_cloud = None
     return demo
 
 

@@ -56,6 +56,12 @@ class PictureConfig:
                 setattr(camera, product, True)
         return config
 
+    def fields(self) -> dict[str, tuple[int, ...]]:
+        """Return the picture fields of an episode and their shapes."""
+        plain = self.image_size[::-1]
+        shapes = {"rgb": (*plain, 3), "depth": plain, "mask": plain, "point_cloud": (*plain, 3)}
+        return {f"{camera}_{product}": shapes[product] for camera in self.cameras for product in self.products}
+
     def environment(self) -> Environment:
         """Return an environment that delivers these pictures; its actions are those that demonstrations record."""
         mode = MoveArmThenGripper(JointPosition(), Discrete())

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from rlbench_pin.datasets import DatasetWriter, EpisodeEntry, checked_task_name, fold_journal, read_manifest, stored_tasks
+from rlbench_pin.datasets.info import stored_pictures
 from rlbench_pin.datasets.layout import episode_path
 from rlbench_pin.datasets.storage import remove_leftovers, storing, write_whole
 from rlbench_pin.environment.record_config import PictureConfig, RecordConfig, WorkItem, plan_items
@@ -116,6 +117,7 @@ def run_items(
     stop = stop or threading.Event()
     began = time.perf_counter()
     pending = _pending(root, items)
+    _check_pictures(root, items, {item.key for item in pending}, pictures)
     report = RecordReport(len(items), len(items) - len(pending))
     watch(report)
     writer = DatasetWriter(root)
@@ -203,6 +205,18 @@ def _is_stored(root: Path, item: WorkItem, entry: EpisodeEntry | None) -> bool:
     if entry.random_seed != item.seed:
         raise DatasetConflict(f"'{path}' shows seed {entry.random_seed}, but {item.seed} belongs there. Choose another folder.")
     return path.is_file() and path.stat().st_size == entry.num_bytes
+
+
+def _check_pictures(root: Path, items: Sequence[WorkItem], pending: set[tuple[str, int, int]], pictures: PictureConfig) -> None:
+    """Raise DatasetConflict when a stored episode of a task holds other pictures than the new ones would."""
+    stored = {item.name: episode_path(root, *item.key) for item in items if item.key not in pending}
+    for path in stored.values():
+        with suppress(EpisodeFileError):  # damaged: `verify` finds it
+            if (found := stored_pictures(path)) != pictures.fields():
+                asked = pictures.fields()
+                raise DatasetConflict(
+                    f"'{path}' holds the pictures {found}, asked for are {asked}. Choose the same, or another folder."
+                )
 
 
 def _fold(root: Path, tasks: set[str]) -> None:

@@ -161,6 +161,9 @@ def test_rerender_gives_the_same_motion_new_pictures(tmp_path: Path, capsys: Cap
         assert np.asarray(new[0].front_rgb).shape == (16, 24, 3)
         assert new[0].front_depth is None
         assert new.random_seed == old.random_seed
+    larger = ("--workers", "0", "--cameras", "front", "--products", "rgb", "mask", "--image-size", "48", "32")
+    assert _exit_code("dataset", "rerender", str(source), "--out", str(outs[0]), *larger) == 1
+    assert "Choose the same, or another folder" in capsys.readouterr().err
     manifests = [(out / TASK / "manifest.json").read_bytes() for out in outs]
     assert manifests[0] == manifests[1] == manifests[2]
 

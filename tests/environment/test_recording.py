@@ -296,7 +296,8 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
 def test_a_disk_that_is_really_full(small_disk: Path, undisturbed: Path) -> None:
     """A file that fills the disk is found out, removed, and made when there is room; a read-only disk is still read."""
     ballast = small_disk / "ballast"
-    ballast.write_bytes(bytes(150_000))
+    needed = sum(path.stat().st_size for path in episode_files(undisturbed, TASK))
+    ballast.write_bytes(bytes(300 * 1024 - needed * 2 // 3))
     with pytest.raises(StorageError, match="No space left") as caught:
         record(CONFIG, small_disk / "data", engine=MadeUpEngine(retried=[1]))
     assert caught.value.errno == errno.ENOSPC
