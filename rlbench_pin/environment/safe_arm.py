@@ -13,7 +13,7 @@ from rlbench_pin.environment.scene import Scene
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray
 
-LIMIT_MARGIN = 0.01
+LIMIT_MARGIN = 0.02
 """Distance kept from joint limits, for what motors overshoot [rad]."""
 SHARE = 0.95
 """Share of the velocity and acceleration limits that is used, for what motors miss."""
