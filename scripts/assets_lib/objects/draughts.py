@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from assets_lib.mesh import Mesh, box, lathe, merge
 from assets_lib.prisms import bevelled_box
-from assets_lib.urdf import Link, Model, Visual, box_shape, cylinder_shape, mesh_shape
+from assets_lib.urdf import Link, Model, Visual, box_shape, mesh_shape
 
 BOARD = (0.40, 0.40, 0.015)
 SQUARE = 0.046
 INLAY = 0.0004
 """How far the squares stand out, for the eye only [m]."""
 RADIUS, THICKNESS = 0.0175, 0.012
+BAR = (2.0 * RADIUS, 0.8 * RADIUS)
+"""Sides of the two crossed boxes that stand for a disc: a cylinder on a board rocks for ever in the physics, boxes rest [m]."""
 FRAME, DARK, LIGHT = (0.33, 0.19, 0.10), (0.36, 0.24, 0.16), (0.93, 0.85, 0.68)
 COLORS = {"light": ((0.95, 0.91, 0.80), (0.78, 0.70, 0.54)), "dark": ((0.10, 0.09, 0.09), (0.30, 0.27, 0.25))}
 
@@ -56,8 +58,12 @@ def _piece(color: str) -> Model:
     body, ring = _disc()
     plain, accent = COLORS[color]
     visuals = (Visual(mesh_shape("disc", body), plain, crease=0.5), Visual(mesh_shape("ring", ring), accent, crease=0.5))
-    link = Link(f"draught_{color}", 0.02, visuals, (cylinder_shape(RADIUS, THICKNESS),), friction=0.9)
-    notes = (f"diameter {2 * RADIUS}, {THICKNESS} thick; rests with its origin at {THICKNESS / 2.0} m",)
+    solids = (box_shape((*BAR, THICKNESS)), box_shape((BAR[1], BAR[0], THICKNESS)))
+    link = Link(f"draught_{color}", 0.02, visuals, solids, friction=0.9)
+    notes = (
+        f"diameter {2 * RADIUS}, {THICKNESS} thick; rests with its origin at {THICKNESS / 2.0} m",
+        "two crossed boxes to what touches it, which rest on a board without rocking",
+    )
     return Model(f"draught_{color}", f"objects/draught_{color}", "centre", (link,), notes=notes)
 
 
