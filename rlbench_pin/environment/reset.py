@@ -15,6 +15,7 @@ from rlbench_pin.tasks import place_task
 
 MAX_RESET_ATTEMPTS = 40
 SETTLE_TICKS = 10
+_MAX_ROUNDS = 10
 
 
 @dataclass(frozen=True)

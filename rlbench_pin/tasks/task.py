@@ -220,6 +220,11 @@ class Task:
         """Return the waypoints in order, up to the stop index."""
         return self._waypoints[: self._stop_at]
 
+    @property
+    def repeats_waypoints(self) -> bool:
+        """Whether the task may ask for its waypoints again."""
+        return self._repeat is not None
+
     def should_repeat_waypoints(self) -> bool:
         """Return whether the waypoint list is to be played again; asked once after the last waypoint."""
         return self._repeat is not None and bool(self._repeat())
