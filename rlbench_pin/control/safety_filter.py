@@ -26,7 +26,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from rlbench_pin.control.braking import BrakingCheck
 from rlbench_pin.control.checks import as_state, as_vector
@@ -145,7 +145,7 @@ class SafetyFilter:
         self._braking = BrakingCheck(self.distances, self.bounds)
         self._solver: QPSolver = solver or OsqpSolver(self.bounds.velocity, ROWS, rho=0.1, tolerance=1e-6, iterations=4000)
         self._weight = self.bounds.velocity**-2.0
-        self._crosses, self._allowed = np.zeros(0, dtype=bool), np.zeros(0)
+        self._counts: NDArray[np.bool_] | None = None
 
     def filter(self, q: ArrayLike, v: ArrayLike, wanted: ArrayLike) -> SafeCommand:
         """Return the safe joint velocity of the next tick.
@@ -209,8 +209,8 @@ class SafetyFilter:
         Nothing when `velocity` cannot break any damper.
         """
         model, config = self.distances, self.config
-        heeded = self._minimum() + config.buffer
-        spare = np.where(model.counts, model.bounds - heeded, np.inf)
+        heeded = self._floors() + config.buffer
+        spare = model.bounds - heeded
         pressing = model.motion.approach(np.abs(velocity)) / config.gain  # within this, `velocity` may break a damper
         none = np.zeros(0, dtype=np.intp), np.zeros((0, model.model.size)), np.zeros(0)
         if (spare >= pressing).all():
@@ -227,11 +227,13 @@ class SafetyFilter:
             near, spare = near[first], spare[first]
         return near, model.gradients(near), np.minimum(-config.gain * spare, config.recovery_speed)
 
-    def _minimum(self) -> FloatArray:
-        """Return the smallest distance allowed, shape (pairs,), [m]."""
-        if self._crosses is not self.distances.crosses:
-            self._crosses = self.distances.crosses
-            self._allowed = np.where(self._crosses, self.config.margin, self.config.self_margin)
+    def _floors(self) -> FloatArray:
+        """Return the smallest distance allowed, shape (pairs,), [m]; minus infinity for pairs that do not count."""
+        model = self.distances
+        if self._counts is not model.counts:  # `update` makes new arrays
+            self._counts = model.counts
+            minimum = np.where(model.crosses, self.config.margin, self.config.self_margin)
+            self._allowed = np.where(model.counts, minimum, -np.inf)
         return self._allowed
 
     # Checking -----------------------------------------------------------------------------------------------------
@@ -239,10 +241,10 @@ class SafetyFilter:
     def _checked(self, q: FloatArray, v: FloatArray, command: FloatArray) -> tuple[FloatArray, IndexArray, bool]:
         """Return the first of `command`, commands between it and braking, and braking, whose way to standstill is clear."""
         model = self.distances
-        floors = np.where(model.counts, self._minimum(), -np.inf)
-        below = model.bounds < floors  # perhaps, or for sure: bounds are exact where it matters
-        if below.any():
-            which = np.flatnonzero(below)
+        floors = self._floors()
+        which = np.flatnonzero(model.bounds < floors)  # perhaps, or for sure: bounds are exact where it matters
+        if len(which):
+            floors = floors.copy()
             floors[which] = np.minimum(floors[which], model.measure(which) - SLACK)
         refused = self._braking.unsafe(q, v, command, floors)
         if not len(refused):

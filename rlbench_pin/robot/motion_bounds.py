@@ -49,10 +49,11 @@ class MotionBounds:
         second_farther = depth[ends[:, 1]] >= depth[ends[:, 0]]
         order = np.empty(len(shapes), dtype=np.intp)
         order[moving] = np.arange(len(moving))
-        self._ball = order[np.where(second_farther, ends[:, 1], ends[:, 0])]
-        self._other = np.where(second_farther, ends[:, 0], ends[:, 1])
-        self._spread = self._radius[self._ball, 0] + self._other_radius[self._other]
-        rows = np.concatenate([self._ball[:, None], np.abs(self.sign)], axis=1)
+        ball = order[np.where(second_farther, ends[:, 1], ends[:, 0])]
+        other = np.where(second_farther, ends[:, 0], ends[:, 1])
+        self._spread = self._radius[ball, 0] + self._other_radius[other]
+        self._cell = ball * len(shapes) + other
+        rows = np.concatenate([ball[:, None], np.abs(self.sign)], axis=1)
         rows, self._row = np.unique(rows, axis=0, return_inverse=True)
         self._row_ball, self._row_between = rows[:, 0].astype(np.intp), rows[:, 1:]
         self._reaches = self._chain_reaches()[self._row_ball] * self._row_between
@@ -76,7 +77,7 @@ class MotionBounds:
     def _index_boxes(self, shapes: Sequence[pin.GeometryObject], moving: IndexArray) -> None:
         """Put a box along world axes around each shape that stands still; a moving one gets its ball's centre at each `place`."""
         self._moving = moving
-        self._low, self._high = np.zeros((len(shapes), 3)), np.zeros((len(shapes), 3))
+        self._low, self._high = np.zeros((3, 1, len(shapes))), np.zeros((3, 1, len(shapes)))  # numpy is fast along the last axis
         self._other_radius = np.zeros(len(shapes))
         self._other_radius[moving] = self._radius[:, 0]
         self._fixed = np.setdiff1d(np.arange(len(shapes)), moving)
@@ -90,7 +91,7 @@ class MotionBounds:
             box, placement = shapes[i].geometry.aabb_local, shapes[i].placement
             center = placement.act(np.asarray(box.center()))
             half = 0.5 * np.abs(placement.rotation) @ np.array([box.width(), box.height(), box.depth()])
-            self._low[i], self._high[i] = center - half, center + half
+            self._low[:, 0, i], self._high[:, 0, i] = center - half, center + half
 
     def _chain_reaches(self) -> FloatArray:
         """Return for each moving shape and joint how far from the joint's axis any of its points can get, shape (moving, n), [m].
@@ -127,10 +128,11 @@ class MotionBounds:
         placements = np.array([data.oMi[joint].homogeneous for joint in self._joints])[self._carrier]
         centers = (placements[:, :3, :3] @ self._center[:, :, None])[:, :, 0] + placements[:, :3, 3]
         self._place_levers(centers, jacobian)
-        self._low[self._moving] = self._high[self._moving] = centers
-        balls = centers[self._ball]
-        gap = np.maximum(np.maximum(self._low[self._other] - balls, balls - self._high[self._other]), 0.0)
-        return np.sqrt(np.einsum("ij,ij->i", gap, gap)) - self._spread
+        self._low[:, 0, self._moving] = self._high[:, 0, self._moving] = centers.T
+        balls = centers.T[:, :, None]
+        gap = np.maximum(np.maximum(self._low - balls, balls - self._high), 0.0)
+        gap *= gap
+        return np.sqrt((gap[0] + gap[1] + gap[2]).ravel()[self._cell]) - self._spread
 
     def _place_levers(self, centers: FloatArray, jacobian: FloatArray) -> None:
         """Compute levers: with a the axis and o its point next to the world's origin, sqrt(|c - o|^2 - (a c)^2) from centre c."""
