@@ -15,9 +15,6 @@ from rlbench_pin.cli.journal import Journal
 from rlbench_pin.cli.trials import Item, Trial, work
 from rlbench_pin.errors import RlbenchPinError
 
-_ITEMS_PER_PROCESS = 40
-"""A worker is replaced after so many, so that whatever a physics server keeps is freed now and then."""
-
 
 def do_all(items: Sequence[Item], workers: int, journal: Journal) -> list[Trial]:
     """Do what the journal does not hold yet, write it there, and return the trials of all items.
@@ -49,7 +46,7 @@ def _results(items: Sequence[Item], workers: int) -> Iterator[tuple[Item, list[T
         yield from ((item, work(item)) for item in items)
         return
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, context, _die_with_parent, max_tasks_per_child=_ITEMS_PER_PROCESS) as pool:
+    with ProcessPoolExecutor(workers, context, _die_with_parent) as pool:
         futures = {pool.submit(work, item): item for item in items}
         try:
             for future in as_completed(futures):
