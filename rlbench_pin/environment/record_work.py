@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ctypes
+import gc
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +16,11 @@ from rlbench_pin.environment.record_replay import replay_demo
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import ResetError, RlbenchPinError
 from rlbench_pin.observation import LOW_DIM, Demo
+
+_TIDY_EVERY = 30_000_000
+"""So many bytes of episodes are made before memory is tidied."""
+_TRIM = getattr(ctypes.CDLL(None), "malloc_trim", None)
+"""Hands free memory back to the system; only glibc has it."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +48,7 @@ class Recorder:
         self._environment: Environment | None = None
         self._task: TaskEnvironment | None = None
         self._loaded = ""
+        self._made = 0
 
     def make(self, item: WorkItem) -> ItemResult:
         """Make one episode; whatever goes wrong in a try is told in the result."""
@@ -59,6 +67,7 @@ class Recorder:
                 continue
             if demo is not None:
                 data = encode_demo(demo, self.config.compression)
+                self._tidy(len(data))
                 return ItemResult(item, tuple(failures), data, episode_entry(demo, data, item.index, failures))
         return ItemResult(item, tuple(failures))
 
@@ -67,6 +76,15 @@ class Recorder:
         if self._environment is not None:
             self._environment.shutdown()
         self._environment, self._task, self._loaded = None, None, ""
+
+    def _tidy(self, made: int) -> None:
+        """Give memory back after every few episodes with pictures, whose raw frames take tens of megabytes each."""
+        self._made += made
+        if self._made > _TIDY_EVERY:
+            self._made = 0
+            gc.collect()
+            if _TRIM is not None:
+                _TRIM(0)
 
     def _try(self, item: WorkItem, attempt: int, failures: list[str]) -> Demo | None:
         task = self._load(item.task)
