@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from math import cos, sin, tan
+
 from assets_lib.mesh import Mesh, box, lathe, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, cylinder_shape, mesh_shape
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
 
 DEPTH, WIDTH, HEIGHT, WALL = 0.36, 0.40, 0.42, 0.015
 FLOOR, CEILING = 0.10, 0.345
@@ -17,7 +19,7 @@ RACK = (0.32, 0.32)
 RACK_X, RACK_FLOOR, RIM, TRAVEL = -0.012, 0.115, 0.155, 0.24
 """Middle of the rack, heights of its base and of its rim when it is in, and how far it slides out [m]."""
 RIM_RADIUS = 0.005
-PLATE_PLACE, CRADLE = (-0.053, 0.06), 0.045
+PLATE_PLACE, CRADLE = (-0.053, 0.06), 0.031
 """Where the plate stands in the rack, aside from where a hand pulls; half the distance of the rods that carry it [m]."""
 PLATE_RADIUS, PLATE_HEIGHT = 0.08, 0.015
 STEEL, DARK, WIRE, SILVER = (0.86, 0.87, 0.88), (0.16, 0.17, 0.19), (0.30, 0.45, 0.70), (0.70, 0.71, 0.74)
@@ -92,7 +94,7 @@ def _rack_solids() -> tuple[Box, ...]:
     ]
     x, y = PLATE_PLACE
     cradle = [((0.006, 0.05, 0.012), (x + s * CRADLE, y, 0.009)) for s in (-1, 1)]
-    pins = [((0.004, 0.004, 0.055), (x + sx * 0.05, y + sy * 0.011, 0.0305)) for sx in (-1, 1) for sy in (-1, 1)]
+    pins = [((0.004, 0.004, 0.055), (x + sx * 0.05, y + sy * 0.010, 0.0305)) for sx in (-1, 1) for sy in (-1, 1)]
     return (((lx, ly, 0.006), (0.0, 0.0, 0.0)), *rims, *posts, *cradle, *pins)
 
 
@@ -121,6 +123,13 @@ def _rack_link() -> Link:
     return Link("rack_link", 0.5, visuals, shapes, friction=0.8)
 
 
+def _plate_solids() -> tuple[Shape, ...]:
+    """Return six crossed boxes, together a prism with twelve sides: on edge, a cylinder rocks for ever in the physics."""
+    half = HALF_PI / 6.0
+    size = (2.0 * PLATE_RADIUS * cos(half), 2.0 * PLATE_RADIUS * sin(half), PLATE_HEIGHT)
+    return tuple(box_shape(size, (0.0, 0.0, 0.0), (0.0, 0.0, (2 * k + 1) * half)) for k in range(6))
+
+
 def _plate() -> Model:
     """Return a plate that lies in the plane z = 0; its upper side faces z."""
     h, r = PLATE_HEIGHT / 2.0, PLATE_RADIUS
@@ -130,8 +139,8 @@ def _plate() -> Model:
         Visual(mesh_shape("china", lathe(outline, 32)), (0.96, 0.96, 0.94)),
         Visual(mesh_shape("ring", ring), (0.80, 0.15, 0.15)),
     )
-    link = Link("plate", 0.15, visuals, (cylinder_shape(r, PLATE_HEIGHT),), friction=0.8)
-    notes = (f"diameter {2 * r}, {PLATE_HEIGHT} high; one solid disc to what touches it",)
+    link = Link("plate", 0.15, visuals, _plate_solids(), friction=0.8)
+    notes = (f"diameter {2 * r}, {PLATE_HEIGHT} high; a solid with twelve sides to what touches it, a corner towards -y",)
     return Model("dinner_plate", "objects/dinner_plate", "centre", (link,), notes=notes)
 
 
@@ -153,5 +162,5 @@ def models() -> tuple[Model, ...]:
     return Model("dishwasher", "objects/dishwasher", "bottom centre", links, (door, rack), notes), _plate()
 
 
-PLATE_REST = RACK_FLOOR + 0.015 + (PLATE_RADIUS**2 - (CRADLE - 0.003) ** 2) ** 0.5
-"""Height of the middle of the plate on edge, on the inner edges of the two rods [m]."""
+PLATE_REST = RACK_FLOOR + 0.015 + PLATE_RADIUS - (CRADLE - 0.003) * tan(HALF_PI / 6.0)
+"""Height of the middle of the plate on edge: its lowest two sides lie on the inner edges of the two rods [m]."""
