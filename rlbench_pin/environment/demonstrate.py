@@ -5,21 +5,26 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import zip_longest
 
 import numpy as np
 
 from rlbench_pin.environment.motion import follow, move_gripper
 from rlbench_pin.environment.scene import Scene
 from rlbench_pin.environment.turns import poses_of, rank_turns, runs
-from rlbench_pin.errors import DemoError, NoWaypointsError, PlanningError, RlbenchPinError, WaypointError
+from rlbench_pin.errors import DemoError, NotStraight, NoWaypointsError, PlanningError, RlbenchPinError, WaypointError
 from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.planning.planner import Plan
+from rlbench_pin.planning.straight import curve_path, straight_path
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Waypoint
 
 DEMO_FINGER_SPEED = 0.04
 """Finger speed in demonstrations [m/s]."""
 _EXTRA_TICKS = 10
+_NEAR = 0.15
+"""A leg without collision checks that is no longer than this should be straight [m]."""
+_OTHER_WAYS = 8
 _MAX_ROUNDS = 40
 
 
@@ -74,6 +79,7 @@ class DemoPlayer:
         self.frames: list[Observation] = []
         self.legs: list[LegReport] = []
         self.waypoint: Waypoint | None = None
+        self._following: Waypoint | None = None
         self._amount = 1.0
         self._target = scene.robot.joint_positions
         self._chosen_turn = 0.0
@@ -115,8 +121,8 @@ class DemoPlayer:
         waypoints = self.scene.task.get_waypoints()
         for run in runs(waypoints):
             turns: list[float] | None = None
-            for waypoint in run:
-                self.waypoint = waypoint
+            for waypoint, following in zip_longest(run, run[1:]):
+                self.waypoint, self._following = waypoint, following
                 waypoint.run_start_hook()
                 if waypoint.skip:
                     continue
@@ -148,7 +154,7 @@ class DemoPlayer:
         error: PlanningError | None = None
         for turn in turns:
             try:
-                plan = self._plan_turn(waypoint, turn)
+                plan = self._looking_ahead(waypoint, turn, self._plan_turn(waypoint, turn))
             except PlanningError as failure:
                 error = error or failure
                 continue
@@ -173,6 +179,40 @@ class DemoPlayer:
             allowed=scene.touching(),
             rng=rng,
         )
+
+    def _looking_ahead(self, waypoint: Waypoint, turn: float, plan: Plan) -> Plan:
+        """Return the plan, or one to another configuration at the same pose if the arm could not go on straight from its end."""
+        if waypoint.path != "plan" or self._goes_on(plan.path[-1], turn):
+            return plan
+        scene, rng = self.scene, self.scene.planning_rng
+        q, pose = scene.robot.joint_positions, poses_of(waypoint, turn, scene.robot.tip_pose())[0]
+        limits, blind, allowed = scene.planner.limits, waypoint.ignore_collisions, scene.touching()
+        for _ in range(_OTHER_WAYS):
+            start = rng.uniform(limits.lower, limits.upper)
+            try:
+                goal = scene.planner.reachable(start, pose, rng, ignore_collisions=blind, allowed=allowed)
+                if self._goes_on(goal, turn):
+                    return scene.planner.plan_to_configuration(q, goal, ignore_collisions=blind, allowed=allowed, rng=rng)
+            except PlanningError:
+                continue
+        return plan
+
+    def _goes_on(self, q: FloatArray, turn: float) -> bool:
+        """Whether the next leg, if it has to be a line or a curve, can be followed from configuration `q` (n,)."""
+        following, model = self._following, self.scene.model
+        if following is None:
+            return True
+        tip = model.tip_pose(q)
+        poses = poses_of(following, turn, tip)
+        near = following.ignore_collisions and np.linalg.norm(poses[-1][:3] - tip[:3]) <= _NEAR
+        try:
+            if following.path == "curve":
+                curve_path(model, q, poses)
+            elif following.path == "straight" or near:
+                straight_path(model, q, poses[-1])
+        except NotStraight:
+            return False
+        return True
 
     def _operate_gripper(self, waypoint: Waypoint) -> None:
         self._amount = waypoint.gripper_amount
