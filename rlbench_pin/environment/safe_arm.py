@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from rlbench_pin.control.braking import CARRIERS
 from rlbench_pin.control.safety_filter import FilterCounts, SafeCommand, SafetyConfig, SafetyFilter
 from rlbench_pin.environment.action_spec import ActionSpec
 from rlbench_pin.environment.arm_actions import ArmActionMode
@@ -17,6 +18,8 @@ LIMIT_MARGIN = 0.02
 """Distance kept from joint limits, for what motors overshoot [rad]."""
 SHARE = 0.95
 """Share of the velocity and acceleration limits that is used, for what motors miss."""
+LOADED_SHARE = 0.65
+"""Share of the acceleration limit that is used of joints that carry the arm: braking a fall takes torque for gravity, too."""
 
 
 class SafeArm:
@@ -80,7 +83,8 @@ class SafeArm:
     def _filter_for(self, scene: Scene) -> SafetyFilter:
         if self._filter is None or self._filter.model is not scene.model:
             limits = scene.model.limits
-            reduced = replace(limits, velocity=SHARE * limits.velocity, acceleration=SHARE * limits.acceleration)
+            shares = np.where(np.arange(len(limits.acceleration)) < CARRIERS, LOADED_SHARE, SHARE)
+            reduced = replace(limits, velocity=SHARE * limits.velocity, acceleration=shares * limits.acceleration)
             self._filter = SafetyFilter(scene.model, replace(self.config, dt=scene.world.control_dt, hold="any"), limits=reduced)
             self._world = None
         return self._filter
