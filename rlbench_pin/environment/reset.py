@@ -99,7 +99,33 @@ def _try_start(scene: Scene, clean: WorldState, variation: int, random: EpisodeR
     waypoints = scene.task.get_waypoints()
     if waypoints:
         check_feasible(scene.planner, waypoints, np.array(scene.description.home), random.planning)
+        _check_later_rounds(scene, random)
     for _ in range(SETTLE_TICKS):
         scene.world.step()
     scene.task.reset_conditions()
     return instructions
+
+
+def _check_later_rounds(scene: Scene, random: EpisodeRandom) -> None:
+    """Raise WaypointError unless the waypoints of every round can be reached, as far as the rounds are known beforehand.
+
+    The start hooks aim as in a demonstration. A round that asks for the same poses as the one before waits for something to
+    happen, and is the last one that is looked at.
+    """
+    task = scene.task
+    if not task.repeats_waypoints:
+        return
+    state, poses = scene.save(), b""
+    try:
+        for _ in range(_MAX_ROUNDS):
+            waypoints = task.get_waypoints()
+            for waypoint in waypoints:
+                waypoint.run_start_hook()
+            before, poses = poses, b"".join(waypoint.pose.tobytes() for waypoint in waypoints)
+            if poses == before:
+                return
+            check_feasible(scene.planner, waypoints, np.array(scene.description.home), random.planning)
+            if not task.should_repeat_waypoints():
+                return
+    finally:
+        scene.restore(state)
