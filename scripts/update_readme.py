@@ -25,7 +25,7 @@ HEAD = (
 )
 NOTE = (
     "{episodes} demonstrations per task, seeds {seed} to {last}, at most {max_variations} variations each. "
-    "*Replay*: the recorded joint-position actions succeed again ({replays} demonstrations). "
+    "*Replay*: the recorded joint-position actions succeed again (of {replays} demonstrations or more). "
     "*Rest*, *flail*: goals reached by doing nothing or by random motion for 200 steps (a flailing arm may hit a reach target). "
     "*Length*, *planning*: median of a demonstration. *x real time*: simulated over process time of reset and demonstration. "
     "Written by `make sweep`; [the whole report](docs/results/demo_success.md) has variations, legs and causes of failures."
