@@ -146,6 +146,7 @@ class SafetyFilter:
         self._solver: QPSolver = solver or OsqpSolver(self.bounds.velocity, ROWS, rho=0.1, tolerance=1e-6, iterations=4000)
         self._weight = self.bounds.velocity**-2.0
         self._counts: NDArray[np.bool_] | None = None
+        self._allowed = np.zeros(0)
 
     def filter(self, q: ArrayLike, v: ArrayLike, wanted: ArrayLike) -> SafeCommand:
         """Return the safe joint velocity of the next tick.
