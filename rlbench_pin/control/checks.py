@@ -39,10 +39,9 @@ def as_state(q: ArrayLike, v: ArrayLike, size: int) -> tuple[FloatArray, FloatAr
     Raises:
         InvalidTarget: One of them has another shape, or holds NaN or infinity.
     """
-    if type(q) is type(v) is np.ndarray and q.dtype is v.dtype is _FLOAT and q.shape == v.shape == (size,):
-        square = q.dot(v)
-        if square - square == 0.0:  # NaN and infinity show in the product, whatever the other factor
-            return q, v
+    plain = type(q) is type(v) is np.ndarray and q.dtype is v.dtype is _FLOAT and q.shape == v.shape == (size,)
+    if plain and math.isfinite(sum(q.tolist()) + sum(v.tolist())):  # type: ignore[union-attr] # NaN shows in any sum
+        return q, v  # type: ignore[return-value]
     return as_vector(q, size, "configuration"), as_vector(v, size, "joint velocity")
 
 
@@ -57,15 +56,16 @@ def as_pose(pose: ArrayLike, what: str = "target pose") -> list[float]:
     Raises:
         InvalidTarget: It has another shape, holds NaN or infinity, or its quaternion is of norm zero.
     """
-    vector = np.asarray(pose, dtype=float) if type(pose) is np.ndarray and pose.shape == (7,) else as_vector(pose, 7, what)
+    plain = type(pose) is np.ndarray and pose.dtype is _FLOAT and pose.shape == (7,)
+    vector: FloatArray = pose if plain else as_vector(pose, 7, what)  # type: ignore[assignment]
     numbers: list[float] = vector.tolist()
     x, y, z, qx, qy, qz, qw = numbers
     square = qx * qx + qy * qy + qz * qz + qw * qw
     if not math.isfinite(x + y + z + square):
         raise InvalidTarget(what, vector, "has to be finite")
+    if -1e-9 < square - 1.0 < 1e-9:
+        return numbers
     if square < SMALLEST_NORM**2:
         raise InvalidTarget(what, vector, "has a quaternion of norm zero; the order is x, y, z, w")
-    if abs(square - 1.0) > 1e-9:
-        length = math.sqrt(square)
-        return [x, y, z, qx / length, qy / length, qz / length, qw / length]
-    return numbers
+    length = math.sqrt(square)
+    return [x, y, z, qx / length, qy / length, qz / length, qw / length]

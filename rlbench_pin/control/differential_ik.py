@@ -30,7 +30,7 @@ from numpy.typing import ArrayLike
 
 from rlbench_pin.control.checks import as_pose, as_state, as_vector
 from rlbench_pin.control.constraints import Hold, JointBounds
-from rlbench_pin.control.objectives import PostureObjective, TipApproach, TipObjective, manipulability, moved, step_between
+from rlbench_pin.control.objectives import Manipulability, PostureObjective, TipApproach, TipObjective, moved, step_between
 from rlbench_pin.control.placo_arm import PlacoArm
 from rlbench_pin.errors import InfeasibleControl
 from rlbench_pin.robot.limits import JointLimits
@@ -73,6 +73,7 @@ class TipController:
         """
         self.model, self.config = model, config
         self._approach = TipApproach(config.tip, config.dt)
+        self._manipulability = Manipulability(model.size)
         self.bounds = JointBounds(limits or model.limits, config.dt, config.hold, config.limit_margin)
         self.posture = as_vector(model.home if posture is None else posture, model.size, "posture").copy()
 
@@ -152,12 +153,12 @@ class DifferentialIK(TipController):
         jacobian = pin.computeJointJacobians(self._pinocchio, self._data, q)
         now = pin.updateFramePlacement(self._pinocchio, self._data, self._tip_id)
         goal = target(now)
-        left = manipulability(jacobian)
+        left = self._manipulability(jacobian)
         damping = self._weight if left >= self._singular else self._posture.damping(left, step_between(now, goal))
         self._problem.regularization = damping - self._posture_weight
         self._tip_task.T_world_frame = goal.homogeneous
         try:
-            step = self._arm.solve(q, *self.bounds.displacements(q, v))
+            step = self._arm.solve(q.tolist(), *self.bounds.displacements(q, v))
         except RuntimeError as error:
             raise InfeasibleControl("DifferentialIK", str(error)) from error
         return step / self._dt

@@ -16,7 +16,7 @@ import numpy as np
 import pinocchio as pin
 
 from rlbench_pin.control.differential_ik import DifferentialIKConfig, TipController
-from rlbench_pin.control.objectives import manipulability, step_between
+from rlbench_pin.control.objectives import step_between
 from rlbench_pin.control.osqp_solver import OsqpSolver
 from rlbench_pin.control.quadratic_program import QPSolver, QuadraticProgram, empty_rows
 from rlbench_pin.robot.limits import JointLimits
@@ -49,7 +49,7 @@ class DifferentialIKQP(TipController):
         error = np.concatenate([goal.translation - now.translation, pin.log3(goal.rotation @ now.rotation.T)])
         posture = self.config.posture
         pull = posture.weight * min(1.0, posture.gain * self.config.dt)
-        damping = posture.damping(manipulability(jacobian), step_between(now, goal))
+        damping = posture.damping(self._manipulability(jacobian), step_between(now, goal))
         weighted = jacobian.T * self._weights
         P = weighted @ jacobian + damping * np.eye(self.model.size)
         linear = -weighted @ error - pull * (self.posture - q)

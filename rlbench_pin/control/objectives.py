@@ -25,7 +25,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from scipy.linalg.lapack import dgerqf
+from eigenpy import HouseholderQR
 
 from rlbench_pin.control.constraints import largest_step, stopping_room
 from rlbench_pin.spatial import FloatArray
@@ -148,11 +148,19 @@ def moved(placement: pin.SE3, shift: FloatArray, turn: FloatArray) -> pin.SE3:
     return pin.SE3(pin.exp3(turn) @ placement.rotation, placement.translation + shift)
 
 
-def manipulability(jacobian: FloatArray) -> float:
-    """Return sqrt(det(J J^T)) of a Jacobian (6, n), the product of its singular values: 0 when it lost rank.
+class Manipulability:
+    """sqrt(det(J J^T)) of Jacobians (6, n), the product of their singular values: 0 when rank is lost.
 
     It does not matter at which point and along which axes the twist is expressed: such a change has determinant 1.
-    With J = R Q, where R is upper triangular and Q has orthonormal rows, it is the product of the diagonal of R.
+    With J^T = Q R, where Q has orthonormal columns and R is upper triangular, it is the product of the diagonal of R.
     """
-    triangle = dgerqf(jacobian)[0]
-    return abs(math.prod(triangle.diagonal(jacobian.shape[1] - 6).tolist()))
+
+    def __init__(self, size: int) -> None:
+        """Prepare for arms of `size` >= 6 joints."""
+        decomposition = HouseholderQR(size, 6)  # small matrices: Eigen takes half the time that LAPACK takes
+        self._decompose, self._triangle = decomposition.compute, decomposition.matrixQR
+
+    def __call__(self, jacobian: FloatArray) -> float:
+        """Return the manipulability of a Jacobian (6, n)."""
+        self._decompose(jacobian.T)
+        return abs(math.prod(self._triangle().diagonal().tolist()))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
+from operator import add
+from struct import Struct
 
 import numpy as np
 import placo
@@ -36,8 +38,11 @@ class PlacoArm:
         self._update, self._solve = self.robot.update_kinematics, self.solver.solve
         self._q = np.array(self._state.q)
         self._q_joints = self._q[BASE:]
-        self._lower, self._upper = self._pinocchio.lowerPositionLimit[BASE:], self._pinocchio.upperPositionLimit[BASE:]
-        """Views: what is written here, PlaCo reads."""
+        self._lower, self._upper = (
+            memoryview(limit[BASE:]) for limit in (self._pinocchio.lowerPositionLimit, self._pinocchio.upperPositionLimit)
+        )
+        """What is written here, PlaCo reads."""
+        self._write = Struct(f"{self.size}d").pack_into
         self._check(model)
 
     def set_configuration(self, q: FloatArray) -> None:
@@ -46,15 +51,13 @@ class PlacoArm:
         self._state.q = self._q
         self._update()
 
-    def solve(self, q: FloatArray, lowest: Sequence[float] | FloatArray, highest: Sequence[float] | FloatArray) -> FloatArray:
-        """Return the displacement (n,) [rad] of the next tick from `q`, between `lowest` and `highest` (n,).
+    def solve(self, q: Sequence[float], lowest: Sequence[float], highest: Sequence[float]) -> FloatArray:
+        """Return the displacement (n,) [rad] of the next tick from `q`, between `lowest` and `highest`, plain numbers.
 
         PlaCo raises RuntimeError when there is none.
         """
-        self._lower[:] = lowest
-        self._upper[:] = highest
-        np.add(q, self._lower, self._lower)
-        np.add(q, self._upper, self._upper)
+        self._write(self._lower, 0, *map(add, q, lowest))
+        self._write(self._upper, 0, *map(add, q, highest))
         return self._solve(False)[BASE_SPEED:]
 
     def _check(self, model: RobotModel) -> None:

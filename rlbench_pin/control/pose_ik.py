@@ -117,7 +117,8 @@ class PoseIK:
             self._arm.set_configuration(q)
             self._damping_task.configure("damping", "soft", config.damping * square + 1e-9)
             lowest, highest = np.maximum(limits.lower - q, -config.step), np.minimum(limits.upper - q, config.step)
-            q = np.minimum(np.maximum(q + self._arm.solve(q, lowest, highest), limits.lower), limits.upper)
+            step = self._arm.solve(q.tolist(), lowest.tolist(), highest.tolist())
+            q = np.minimum(np.maximum(q + step, limits.lower), limits.upper)
         return q, self._errors(goal, q), config.steps
 
     def _errors(self, goal: pin.SE3, q: FloatArray) -> tuple[float, float]:
