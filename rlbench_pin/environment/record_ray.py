@@ -49,6 +49,8 @@ class RayEngine:
             while idle and queue and not stop.is_set():
                 actor, item = idle.pop(), queue.popleft()
                 busy[actor.make.remote(item)] = (actor, item)
+            while idle:  # nothing is left for them; their cores are for actors that have work and wait for one
+                ray.kill(idle.pop())
             if not busy:
                 return
             for reference in ray.wait(list(busy), timeout=_LOOK)[0]:

@@ -7,6 +7,7 @@ import multiprocessing
 import os
 import signal
 import threading
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -109,12 +110,76 @@ def test_a_fault_in_a_task_is_told_and_survived(tmp_path: Path, serial: Path) ->
     assert manifests(tmp_path / "data") == manifests(serial)
 
 
+needs_ray = pytest.mark.skipif(importlib.util.find_spec("ray") is None, reason="the extra 'ray' is not installed")
+
+
+def actors_below(ancestor: int) -> list[tuple[int, bool]]:
+    """The Ray actors among all that a process has started: process id, and whether it is making an episode."""
+    parents, titles = {}, {}
+    for folder in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):  # it has ended
+            parents[int(folder.name)] = int((folder / "stat").read_text().rsplit(")", 1)[1].split()[1])
+            titles[int(folder.name)] = (folder / "cmdline").read_bytes()
+
+    def is_below(pid: int) -> bool:
+        return pid == ancestor or (pid in parents and is_below(parents[pid]))
+
+    actors = [pid for pid, title in titles.items() if title.startswith(b"ray::Recorder") and is_below(pid)]
+    return [(pid, titles[pid].startswith(b"ray::Recorder.make")) for pid in actors]
+
+
 @pytest.mark.slow
-@pytest.mark.skipif(importlib.util.find_spec("ray") is None, reason="the extra 'ray' is not installed")
+@needs_ray
 def test_ray_makes_the_same(tmp_path: Path, serial: Path) -> None:
-    """Two actors of a Ray cluster, started here, make the same manifests; one that is killed is replaced."""
+    """Two actors of a Ray cluster, started here, make the same manifests."""
     engine: Engine = make_engine("ray", 2)
     report = record(CONFIG, tmp_path, engine=engine)
+    assert (report.recorded, report.deaths) == (10, ())
+    assert manifests(tmp_path) == manifests(serial)
+
+
+@pytest.mark.slow
+@needs_ray
+@pytest.mark.parametrize("working", [True, False], ids=["while it works", "while it waits"])
+def test_a_ray_actor_that_dies_is_replaced(tmp_path: Path, serial: Path, working: bool) -> None:
+    """An actor that is killed costs nothing: its episode is made by another, the report tells, the manifests are the same."""
+    killed: list[int] = []
+    done = threading.Event()
+
+    def kill_one() -> None:
+        while not killed and not done.wait(0.005):
+            for pid, works in actors_below(os.getpid()):
+                if works == working and not killed:
+                    os.kill(pid, signal.SIGKILL)
+                    killed.append(pid)
+
+    def watch(report: RecordReport) -> None:
+        if report.recorded == 2 and not report.deaths:
+            if working:
+                threading.Thread(target=kill_one, daemon=True).start()
+            else:  # the engine waits for this to return before it gives the actor more to do
+                kill_one()
+
+    report = record(CONFIG, tmp_path, engine=make_engine("ray", 1), on_progress=watch)
+    done.set()
+    assert len(killed) == 1
+    assert [death.cause for death in report.deaths] == ["ActorDiedError"]
+    assert report.deaths[0].item.name in TASKS
+    assert (report.recorded, report.missing, report.failed) == (10, 0, ())
+    assert manifests(tmp_path) == manifests(serial)
+    assert [task_faults(tmp_path, task) for task in TASKS] == [[], []]
+
+
+@pytest.mark.slow
+@needs_ray
+def test_more_ray_actors_than_cores_do_not_wait_for_ever(tmp_path: Path, serial: Path) -> None:
+    """Actors for which the cluster has no core yet get one when the others have nothing left to do."""
+    ray = pytest.importorskip("ray")
+    ray.init(num_cpus=1, log_to_driver=False, logging_level="ERROR", include_dashboard=False)
+    try:
+        report = record(CONFIG, tmp_path, engine=make_engine("ray", 3))
+    finally:
+        ray.shutdown()
     assert (report.recorded, report.deaths) == (10, ())
     assert manifests(tmp_path) == manifests(serial)
 
