@@ -23,6 +23,10 @@ GRID_STEP = 0.04
 SHORT = 3e-3
 """Paths shorter than this in joint space are timed by a cubic polynomial [rad]."""
 _GRID_RANGE = (40, 160)
+_FINER = (1, 2, 3, 5)
+"""How many times finer the grids are that are tried in turn."""
+_HALT = 5e-3
+"""A point passed at less than this share of the greatest speed is a halt."""
 _RESERVE = 0.98
 """Share of the limits that is used at grid points, because between them they are passed by a little."""
 logging.getLogger("toppra").addHandler(logging.NullHandler())
@@ -74,32 +78,53 @@ def retime(
     length = smooth.length()
     if length < SHORT:
         return _twitch(smooth.start, smooth.end, limits)
-    grid = _grid(smooth)
     constraints = _constraints(smooth, limits, max_speed)
-    trajectory = _timed(smooth, grid, constraints, limits, jerk_time)
+    trajectory = _timed(smooth, constraints, limits, jerk_time)
     if torque is None or torque.surely_kept(trajectory, limits.acceleration) or torque.worst(trajectory) <= 1.0:
         return trajectory
     try:
-        trajectory = _timed(smooth, grid, [*constraints, torque.constraint()], limits, jerk_time)
+        trajectory = _timed(smooth, [*constraints, torque.constraint()], limits, jerk_time)
     except RetimingError:
         logging.getLogger(__name__).debug("no timing keeps the torque limits; the motion is slowed down as a whole")
     return torque.slowed(trajectory)
 
 
-def _timed(
-    path: JointPath, grid: FloatArray, constraints: list[toppra.constraint.Constraint], limits: JointLimits, jerk_time: float
-) -> Trajectory:
+def _timed(path: JointPath, constraints: list[toppra.constraint.Constraint], limits: JointLimits, jerk_time: float) -> Trajectory:
     """Solve and sample."""
-    speeds = _solve(path, grid, constraints)
+    grid, speeds = _solve_without_halt(path, constraints)
     profile = _sample(grid, speeds) if jerk_time <= 0.0 else _eased(grid, speeds, jerk_time)
     return _slowed(_along(path, profile), limits)
 
 
-def _grid(path: JointPath) -> FloatArray:
-    """Place grid points midway between evenly in s and evenly in joint distance."""
+def _solve_without_halt(path: JointPath, constraints: list[toppra.constraint.Constraint]) -> tuple[FloatArray, FloatArray]:
+    """Return grid points and ds/dt there, each (m,), on the coarsest grid that is fine enough.
+
+    Where a path bends sharply between two grid points, TOPPRA's forward pass may find no way on but to stand almost still at a
+    point that could be passed quickly. A finer grid cures that.
+    """
+    best: tuple[float, FloatArray, FloatArray] | None = None
+    for finer in _FINER:
+        grid = _grid(path, finer)
+        try:
+            speeds = _solve(path, grid, constraints)
+        except RetimingError:
+            if finer == _FINER[-1] and best is None:
+                raise
+            continue
+        duration = float((2.0 * np.diff(grid) / (speeds[:-1] + speeds[1:])).sum())
+        if best is None or duration < best[0]:
+            best = duration, grid, speeds
+        if speeds[1:-1].min() >= _HALT * speeds.max():
+            break
+    assert best is not None
+    return best[1:]
+
+
+def _grid(path: JointPath, finer: int = 1) -> FloatArray:
+    """Place grid points midway between evenly in s and evenly in joint distance, `finer` times as many as usual."""
     s, q = path.spread(GRID_STEP)
     length = float(np.abs(np.diff(q, axis=0)).max(axis=1).sum())
-    count = int(np.clip(length / GRID_STEP, *_GRID_RANGE)) + 1
+    count = finer * int(np.clip(length / GRID_STEP, *_GRID_RANGE)) + 1
     along = np.interp(np.linspace(0.0, 1.0, count), np.linspace(0.0, 1.0, len(s)), s)
     grid = 0.5 * (along + np.linspace(0.0, 1.0, count))
     grid[0], grid[-1] = 0.0, 1.0

@@ -86,3 +86,16 @@ def test_tiny_motions_can_be_timed(limits: JointLimits) -> None:
         every = every_millisecond(trajectory)
         assert (np.abs(every[1]) <= limits.velocity).all()
         assert (np.abs(every[2]) <= limits.acceleration).all()
+
+
+def test_no_path_is_passed_almost_at_a_standstill(limits: JointLimits) -> None:
+    """Where TOPPRA would halt at a sharp bend between two grid points of the first grid, a finer one lets the motion go on."""
+    rng = np.random.default_rng(407)
+    count = rng.integers(4, 8)
+    vertices = np.cumsum(rng.normal(size=(count, 7)) * 0.4, axis=0)
+    path = along(vertices, rng.uniform(0.02, 0.2, size=count))
+    trajectory = retime(path, limits)
+    speed = np.linalg.norm(trajectory.v, axis=1)
+    inside = (trajectory.times > 0.1) & (trajectory.times < trajectory.duration - 0.1)
+    assert speed[inside].min() > 0.02
+    assert trajectory.duration < 2.8
