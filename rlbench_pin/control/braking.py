@@ -6,15 +6,18 @@ state from which braking is safe, because it is the rest of the way that was che
 as long as the world stands still: brake.
 
 Checking the way takes few distances. Bounds on motion (`robot.distances`) clear most pairs at once. The others are
-measured at the ends of the pieces of the way, and since a distance changes by no more than the motion L of a piece,
+measured at its end, and since a distance changes by no more than the motion L between two places,
 
-    d(s) >= (d_start + d_end - L) / 2        on it,
+    d(s) >= (d_start + d_end - L) / 2        between them,
 
-a piece that does not clear a pair is halved until it does, or shows a violation, or L is too small to matter.
+what does not clear a pair is divided, first between ticks, then within one, until it does, or shows a violation, or L is
+too small to matter.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,7 +39,7 @@ TOLERANCE = 1e-6
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Piece:
-    """Motion over one tick or part of it, velocities changing linearly from `start` to `end`, [rad/s]."""
+    """Motion over part of a tick, velocities changing linearly from `start` to `end`, [rad/s]."""
 
     q: FloatArray
     """Configuration at its begin."""
@@ -45,10 +48,6 @@ class Piece:
     duration: float
     """[s]."""
 
-    def at(self, share: float) -> FloatArray:
-        """Return the configuration after `share` in [0, 1] of its duration."""
-        return self.q + (share * self.duration) * (self.start + (0.5 * share) * (self.end - self.start))
-
     def turns(self) -> FloatArray:
         """Return how far each joint travels at most [rad]."""
         return (0.5 * self.duration) * (np.abs(self.start) + np.abs(self.end))
@@ -56,33 +55,63 @@ class Piece:
     def halves(self) -> tuple[Piece, Piece]:
         """Return the two halves."""
         middle, duration = 0.5 * (self.start + self.end), 0.5 * self.duration
-        return Piece(self.q, self.start, middle, duration), Piece(self.at(0.5), middle, self.end, duration)
+        there = self.q + (0.5 * duration) * (self.start + middle)
+        return Piece(self.q, self.start, middle, duration), Piece(there, middle, self.end, duration)
 
 
-def ways_to_standstill(bounds: JointBounds, q: FloatArray, v: FloatArray, command: FloatArray) -> list[list[Piece]]:
-    """Return the ways that `command` and the braking after it may take, from `q` [rad] moving at `v` [rad/s].
+class Way:
+    """The tick of a command and the braking ticks after it."""
+
+    def __init__(self, bounds: JointBounds, q: FloatArray, v: FloatArray, command: FloatArray, late: BoolArray) -> None:
+        """Follow `command` from `q` [rad] moving at `v` [rad/s]; velocities of `late` joints (n,) change linearly in a tick."""
+        speed, lagging = np.abs(command), bool(late.any())
+        braking = math.ceil((speed / bounds.step).max())  # so many ticks later all joints stand
+        ticks = np.arange(1 + braking if lagging else max(1, braking))[:, None]
+        self.end = np.sign(command) * np.maximum(speed - ticks * bounds.step, 0.0)
+        """Velocity at the end of each tick, shape (ticks, n), [rad/s]."""
+        self.start = self.end
+        """And at its begin."""
+        if lagging:
+            self.start = np.where(late, np.concatenate([v[None], self.end[:-1]]), self.end)
+        half = 0.5 * bounds.dt
+        self.q = np.concatenate([q[None], q + (half * (self.start + self.end)).cumsum(axis=0)])
+        """Configurations between ticks, shape (ticks + 1, n), [rad]."""
+        self.turns = np.zeros_like(self.q)
+        """How far each joint has travelled at most between ticks, shape (ticks + 1, n), [rad]."""
+        np.cumsum(half * (np.abs(self.start) + np.abs(self.end)), axis=0, out=self.turns[1:])
+        self.dt = bounds.dt
+
+    def __len__(self) -> int:
+        return len(self.end)
+
+    def tick(self, i: int) -> Piece:
+        """Return the motion of one tick."""
+        return Piece(self.q[i], self.start[i], self.end[i], self.dt)
+
+
+def ways_to_standstill(bounds: JointBounds, q: FloatArray, v: FloatArray, command: FloatArray) -> Iterator[Way]:
+    """Yield the ways that `command` and the braking after it may take, from `q` [rad] moving at `v` [rad/s].
 
     One, or with `hold="any"` two: all joints reach velocities at once, and those that carry the arm only at the end of a tick.
     """
-    late = np.full(len(command), bounds.hold == "acceleration")
-    ways = [_way(bounds, q, v, command, late)]
+    yield Way(bounds, q, v, command, np.full(len(command), bounds.hold == "acceleration"))
     if bounds.hold == "any":
         late = np.arange(len(command)) < CARRIERS
-        ways.append(_way(bounds, q, np.where(np.abs(command) > np.abs(v), command, v), command, late))
-    return ways
+        yield Way(bounds, q, np.where(np.abs(command) > np.abs(v), command, v), command, late)
 
 
-def _way(bounds: JointBounds, q: FloatArray, v: FloatArray, command: FloatArray, late: BoolArray) -> list[Piece]:
-    """Return the tick of `command` and the braking ticks after it; velocities of `late` joints (n,) change linearly in a tick."""
-    pieces = [Piece(q, np.where(late, v, command), command, bounds.dt)]
-    lagging = bool(late.any())
-    while command.any():
-        slower = bounds.braking(command)
-        if not lagging and not slower.any():
-            break
-        pieces.append(Piece(pieces[-1].at(1.0), np.where(late, command, slower), slower, bounds.dt))
-        command = slower
-    return pieces
+@dataclass(frozen=True, eq=False, slots=True)
+class Pairs:
+    """Pairs of bodies under examination, and what is known of each."""
+
+    which: IndexArray
+    levers: FloatArray
+    """Shape (pairs, n), [m/rad]."""
+    floors: FloatArray
+    """Smallest distances allowed, shape (pairs,), [m]."""
+
+    def __getitem__(self, keep: BoolArray) -> Pairs:
+        return Pairs(self.which[keep], self.levers[keep], self.floors[keep])
 
 
 class BrakingCheck:
@@ -99,7 +128,7 @@ class BrakingCheck:
         """
         model = self.distances
         travel = self.bounds.travel(v, command)
-        which = np.flatnonzero(model.bounds - model.motion.displacement(travel) < floors)
+        which = (model.bounds - model.motion.displacement(travel) < floors).nonzero()[0]
         if not len(which):
             return which
         now = model.measure(which)
@@ -107,46 +136,50 @@ class BrakingCheck:
         keep = now - levers @ travel < floors[which]
         if not keep.any():
             return which[:0]
-        which, levers, now = which[keep], levers[keep], now[keep]
+        pairs, now = Pairs(which, levers, floors[which])[keep], now[keep]
         for way in ways_to_standstill(self.bounds, q, v, command):
-            bad = self._walk(way, which, levers, now, floors[which])
-            if len(bad):
-                return bad
+            after, broken = self._measured(way.q[-1], pairs)
+            if not len(broken):
+                broken = self._between(way, 0, len(way), pairs, pairs.levers @ way.turns.T, now, after)
+            if len(broken):
+                return broken
         return which[:0]
 
-    def _walk(
-        self, pieces: list[Piece], which: IndexArray, levers: FloatArray, now: FloatArray, floors: FloatArray
-    ) -> IndexArray:
-        """Follow the pieces, dropping pairs that the rest of the way cannot bring near any more."""
-        turns = np.array([piece.turns() for piece in pieces])
-        ahead = turns[::-1].cumsum(axis=0)[::-1]  # from the begin of each piece to standstill
-        for i, piece in enumerate(pieces):
-            if not len(which):
-                return which
-            self.distances.visit(piece.at(1.0))
-            after = self.distances.probe(which)
-            bad = self._within(piece, which, levers, now, after, floors)
-            if len(bad):
-                return bad
-            rest = levers @ ahead[i + 1] if i + 1 < len(pieces) else np.zeros(len(which))
-            keep = after - rest < floors
-            which, levers, now, floors = which[keep], levers[keep], after[keep], floors[keep]
-        return which[:0]
+    def _measured(self, q: FloatArray, pairs: Pairs) -> tuple[FloatArray, IndexArray]:
+        """Return the distances of pairs with the arm at `q`, and which of them are below their floor."""
+        self.distances.visit(q)
+        found = self.distances.probe(pairs.which)
+        return found, pairs.which[found < pairs.floors - TOLERANCE]
 
-    def _within(
-        self, piece: Piece, which: IndexArray, levers: FloatArray, now: FloatArray, after: FloatArray, floors: FloatArray
+    def _between(
+        self, way: Way, first: int, last: int, pairs: Pairs, moved: FloatArray, now: FloatArray, after: FloatArray
     ) -> IndexArray:
+        """Return pairs that break their floor between the begins of two ticks, where their distances are `now` and `after`.
+
+        `moved` is how far each pair has moved at most between ticks, shape (pairs, ticks + 1), [m].
+        """
+        motion = moved[:, last] - moved[:, first]
+        keep = (now + after - motion < 2.0 * pairs.floors) & (motion > RESOLUTION)
+        if not keep.any():
+            return pairs.which[:0]
+        pairs, moved, now, after = pairs[keep], moved[keep], now[keep], after[keep]
+        if last == first + 1:
+            return self._within(way.tick(first), pairs, now, after)
+        middle = first + (last - first + 1) // 3  # the first ticks are the fast ones
+        between, broken = self._measured(way.q[middle], pairs)
+        if not len(broken):
+            broken = self._between(way, first, middle, pairs, moved, now, between)
+        return broken if len(broken) else self._between(way, middle, last, pairs, moved, between, after)
+
+    def _within(self, piece: Piece, pairs: Pairs, now: FloatArray, after: FloatArray) -> IndexArray:
         """Return pairs that break their floor inside a piece, whose distances at its ends are `now` and `after`."""
-        broken = after < floors - TOLERANCE
-        if broken.any():
-            return which[broken]
-        motion = levers @ piece.turns()
-        open_ = (now + after - motion < 2.0 * floors) & (motion > RESOLUTION)
-        if not open_.any():
-            return which[:0]
-        which, levers, now, after, floors = which[open_], levers[open_], now[open_], after[open_], floors[open_]
+        motion = pairs.levers @ piece.turns()
+        keep = (now + after - motion < 2.0 * pairs.floors) & (motion > RESOLUTION)
+        if not keep.any():
+            return pairs.which[:0]
+        pairs, now, after = pairs[keep], now[keep], after[keep]
         first, second = piece.halves()
-        self.distances.visit(second.q)
-        middle = self.distances.probe(which)
-        bad = self._within(first, which, levers, now, middle, floors)
-        return bad if len(bad) else self._within(second, which, levers, middle, after, floors)
+        middle, broken = self._measured(second.q, pairs)
+        if not len(broken):
+            broken = self._within(first, pairs, now, middle)
+        return broken if len(broken) else self._within(second, pairs, middle, after)

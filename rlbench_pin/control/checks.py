@@ -22,6 +22,8 @@ def as_vector(value: ArrayLike, size: int, what: str) -> FloatArray:
     Raises:
         InvalidTarget: It has another shape, or holds NaN or infinity.
     """
+    if type(value) is np.ndarray and value.dtype is _FLOAT and value.shape == (size,) and math.isfinite(sum(value.tolist())):
+        return value
     try:
         vector = np.asarray(value, dtype=float)
     except (TypeError, ValueError) as error:

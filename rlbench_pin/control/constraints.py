@@ -51,7 +51,7 @@ def largest_step(room: float, unit: float) -> float:
 def stopping_room(speed: FloatArray) -> FloatArray:
     """Return f(speed), the inverse of `largest_step` in its units: what it takes to stop from `speed`."""
     ticks = np.floor(speed)
-    return (ticks + 1.0) * speed - 0.5 * ticks * (ticks + 1.0)
+    return (ticks + 1.0) * (speed - 0.5 * ticks)
 
 
 class JointBounds:
@@ -72,7 +72,8 @@ class JointBounds:
         self.velocity = np.array(limits.velocity)
         self.step = limits.acceleration * dt
         """Largest change of velocity in one tick, shape (n,), [rad/s]."""
-        reach, change = dt * self.velocity, dt * self.step
+        self._change = dt * self.step
+        reach, change = dt * self.velocity, self._change
         stop = change * stopping_room(self.velocity / self.step)
         stop += 0.0 if hold == "velocity" else 0.5 * reach
         lower, upper = limits.lower + margin, limits.upper - margin
@@ -122,7 +123,7 @@ class JointBounds:
         with `hold="any"` half of the faster one.
         """
         speed = np.abs(command)
-        way = self.dt * self.step * stopping_room(speed / self.step)
+        way = self._change * stopping_room(speed / self.step)
         if self.hold == "velocity":
             return way
         return way + 0.5 * self.dt * (np.abs(v) if self.hold == "acceleration" else np.maximum(np.abs(v), speed))

@@ -168,10 +168,10 @@ class SafetyFilter:
         command, refused, stopped = self._checked(q, v, command)
         if len(refused):
             reasons, pairs = (*reasons, "braking"), np.concatenate([pairs, refused])
-        if not np.array_equal(clipped, wanted):
+        if clipped.tolist() != wanted.tolist():
             reasons = ("limits", *reasons)
-        names = tuple(dict.fromkeys(self.distances.names(k) for k in pairs.tolist()))
-        result = SafeCommand(command, np.array(wanted), reasons, names, stopped or "infeasible" in reasons)
+        names = tuple(dict.fromkeys(self.distances.names(k) for k in pairs.tolist())) if len(pairs) else ()
+        result = SafeCommand(command, wanted.copy(), reasons, names, stopped or "infeasible" in reasons)
         self.counts.add(result)
         return result
 
@@ -217,7 +217,7 @@ class SafetyFilter:
         if (spare >= pressing).all():
             return none
         reach = np.maximum(pressing, config.influence)
-        near = np.flatnonzero(spare < reach)
+        near = (spare < reach).nonzero()[0]
         spare = model.measure(near) - heeded[near]
         if (spare >= pressing[near]).all():
             return none
@@ -243,7 +243,7 @@ class SafetyFilter:
         """Return the first of `command`, commands between it and braking, and braking, whose way to standstill is clear."""
         model = self.distances
         floors = self._floors()
-        which = np.flatnonzero(model.bounds < floors)  # perhaps, or for sure: bounds are exact where it matters
+        which = (model.bounds < floors).nonzero()[0]  # perhaps, or for sure: bounds are exact where it matters
         if len(which):
             floors = floors.copy()
             floors[which] = np.minimum(floors[which], model.measure(which) - SLACK)
