@@ -46,6 +46,7 @@ BETWEEN = (0.5, 0.0)
 """Shares of the QP's solution, the rest braking, that are tried when the way is not clear."""
 ROWS = 32
 """Pairs that take part in the QP, the most pressing first."""
+NONE: IndexArray = np.zeros(0, dtype=np.intp)
 SLACK = 1e-5
 """How much nearer than it is a pair below the minimum may come [m]."""
 
@@ -164,8 +165,8 @@ class SafetyFilter:
         lowest, highest = self.bounds.interval(q, v)
         clipped = np.minimum(np.maximum(wanted, lowest), highest)
         self.distances.place(q)
-        command, reasons, pairs = self._damped(v, clipped, lowest, highest)
-        command, refused, stopped = self._checked(q, v, command)
+        command, reasons, pairs, floors = self._damped(v, clipped, lowest, highest)
+        command, refused, stopped = self._checked(q, v, command, floors)
         if len(refused):
             reasons, pairs = (*reasons, "braking"), np.concatenate([pairs, refused])
         if clipped.tolist() != wanted.tolist():
@@ -185,42 +186,44 @@ class SafetyFilter:
 
     def _damped(
         self, v: FloatArray, wanted: FloatArray, lowest: FloatArray, highest: FloatArray
-    ) -> tuple[FloatArray, tuple[Reason, ...], IndexArray]:
-        """Return the velocity in the box nearest to `wanted` that keeps the dampers, why it differs, and the pairs it heeds."""
-        which, gradients, least = self._dampers(wanted)
-        if not len(which):
-            return wanted, (), which
+    ) -> tuple[FloatArray, tuple[Reason, ...], IndexArray, FloatArray]:
+        """Return the velocity in the box nearest to `wanted` that keeps the dampers, why it differs, and the pairs it heeds.
+
+        The last are the smallest distances that braking has to keep, shape (pairs,), [m].
+        """
+        allowed = self._floors()
+        heeded = allowed + self.config.buffer
+        pressing = self.distances.motion.approach(np.abs(wanted)) / self.config.gain  # within this, a damper may break
+        if not self._breakable(heeded, pressing):
+            return wanted, (), NONE, allowed
+        floors = self._lowered(allowed)
+        which, gradients, least = self._dampers(heeded, pressing)
         if self.config.hold == "acceleration":  # the tick moves by the mean of both velocities
             gradients, least = 0.5 * gradients, least - 0.5 * gradients @ v
         slack = gradients @ wanted - least
-        if slack.min() >= 0.0:
-            return wanted, (), which[:0]
+        if slack.min(initial=0.0) >= 0.0:
+            return wanted, (), NONE, floors
         infinite = np.full(len(which), np.inf)
         problem = QuadraticProgram(np.diag(self._weight), -self._weight * wanted, gradients, least, infinite, lowest, highest)
         self.counts.solves += 1
         try:
             velocity = self._solver.solve(problem)
         except InfeasibleControl:
-            return self.bounds.braking(v), ("infeasible",), which[slack < 0.0]
-        return velocity, ("distance",), which[gradients @ velocity - least < 1e-4]
+            return self.bounds.braking(v), ("infeasible",), which[slack < 0.0], floors
+        return velocity, ("distance",), which[gradients @ velocity - least < 1e-4], floors
 
-    def _dampers(self, velocity: FloatArray) -> tuple[IndexArray, FloatArray, FloatArray]:
-        """Return pairs that are near or might come near, gradients of their distances, and the least rates of change [m/s].
+    def _breakable(self, heeded: FloatArray, pressing: FloatArray) -> bool:
+        """Whether any pair is nearer than `heeded` + `pressing`, both (pairs,), [m]."""
+        limit = heeded + pressing
+        near = (self.distances.bounds < limit).nonzero()[0]  # perhaps
+        return len(near) > 0 and bool((self.distances.measure(near) < limit[near]).any())
 
-        Nothing when `velocity` cannot break any damper.
-        """
+    def _dampers(self, heeded: FloatArray, pressing: FloatArray) -> tuple[IndexArray, FloatArray, FloatArray]:
+        """Return pairs that are near or might come near, gradients of their distances, and the least rates of change [m/s]."""
         model, config = self.distances, self.config
-        heeded = self._floors() + config.buffer
-        spare = model.bounds - heeded
-        pressing = model.motion.approach(np.abs(velocity)) / config.gain  # within this, `velocity` may break a damper
-        none = np.zeros(0, dtype=np.intp), np.zeros((0, model.model.size)), np.zeros(0)
-        if (spare >= pressing).all():
-            return none
         reach = np.maximum(pressing, config.influence)
-        near = (spare < reach).nonzero()[0]
+        near = (model.bounds - heeded < reach).nonzero()[0]
         spare = model.measure(near) - heeded[near]
-        if (spare >= pressing[near]).all():
-            return none
         keep = spare < reach[near]
         near, spare = near[keep], spare[keep]
         if len(near) > ROWS:
@@ -237,16 +240,21 @@ class SafetyFilter:
             self._allowed = np.where(model.counts, minimum, -np.inf)
         return self._allowed
 
-    # Checking -----------------------------------------------------------------------------------------------------
-
-    def _checked(self, q: FloatArray, v: FloatArray, command: FloatArray) -> tuple[FloatArray, IndexArray, bool]:
-        """Return the first of `command`, commands between it and braking, and braking, whose way to standstill is clear."""
+    def _lowered(self, floors: FloatArray) -> FloatArray:
+        """Return `floors`, lowered where a pair is below its own already."""
         model = self.distances
-        floors = self._floors()
         which = (model.bounds < floors).nonzero()[0]  # perhaps, or for sure: bounds are exact where it matters
         if len(which):
             floors = floors.copy()
             floors[which] = np.minimum(floors[which], model.measure(which) - SLACK)
+        return floors
+
+    # Checking -----------------------------------------------------------------------------------------------------
+
+    def _checked(
+        self, q: FloatArray, v: FloatArray, command: FloatArray, floors: FloatArray
+    ) -> tuple[FloatArray, IndexArray, bool]:
+        """Return the first of `command`, commands between it and braking, and braking, whose way to standstill is clear."""
         refused = self._braking.unsafe(q, v, command, floors)
         if not len(refused):
             return command, refused, False
