@@ -12,6 +12,10 @@ posture. The projector lets tau_0 do no work at the tip, so that at rest a force
 Damping follows from stiffness and inertia: D = 2 zeta L sqrt(L^-1 K L^-T) L^T with L L^T the inertia (M or Lambda) makes
 every mode of the coupled system have the damping ratio zeta (Albu-Schaeffer et al. 2003). It is recomputed at each tick,
 so a change of stiffness keeps it.
+
+Joint limits are no part of the spring. Where its torques would take a joint so far, or so fast, that it could not stop in
+time at its acceleration limit (`constraints`), the acceleration they cause, M^-1 (tau - h), is cut down to what still lets
+it. Elsewhere nothing is cut, so that the arm presses as hard as the spring says.
 """
 
 from __future__ import annotations
@@ -22,12 +26,17 @@ from numpy.typing import ArrayLike
 from scipy.linalg import eigh
 
 from rlbench_pin.control.checks import as_placement, as_state, as_vector
+from rlbench_pin.control.constraints import JointBounds
 from rlbench_pin.errors import InvalidTarget
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
 
 SINGULAR = 1e-6
 """Added to J M^-1 J^T: bounds Lambda near singularities."""
+TICK = 1.0 / 240.0
+"""Time for which torques are held, where nothing else is said [s]."""
+LIMIT_MARGIN = 1e-3
+"""Distance kept from joint position limits, for what models miss [rad]."""
 
 
 def damping_for(stiffness: FloatArray, inertia: FloatArray, ratio: float) -> FloatArray:
@@ -52,13 +61,34 @@ def as_stiffness(value: ArrayLike, size: int) -> FloatArray:
     return matrix
 
 
+class StopInTime:
+    """Cuts torques that would make a joint pass its position or velocity limit."""
+
+    def __init__(self, model: RobotModel, dt: float) -> None:
+        """Prepare for torques that are held for `dt` [s]."""
+        self._model, self._bounds = model, JointBounds(model.limits, dt, "any", LIMIT_MARGIN)
+
+    def __call__(self, q: FloatArray, v: FloatArray, tau: FloatArray) -> FloatArray:
+        """Return torques (n,), [N m], like `tau` where that is harmless, and always within the effort limits."""
+        model, bounds = self._model, self._bounds
+        tau = np.clip(tau, -model.limits.effort, model.limits.effort)
+        a = model.forward_dynamics(q, v, tau)
+        lowest, highest = np.array(bounds.displacements(q, v, np.inf)) / bounds.dt
+        least, most = np.minimum(lowest, v + bounds.step), np.maximum(highest, v - bounds.step)
+        kept = np.minimum(np.maximum(a, (least - v) / bounds.dt), (most - v) / bounds.dt)
+        if np.array_equal(kept, a):
+            return tau
+        return np.clip(model.inverse_dynamics(q, v, kept), -model.limits.effort, model.limits.effort)
+
+
 class JointImpedance:
     """A spring and damper between the arm and a configuration."""
 
-    def __init__(self, model: RobotModel, stiffness: ArrayLike = 100.0, damping_ratio: float = 1.0) -> None:
-        """Choose stiffness [N m/rad]: one number, (n,) or (n, n); and the damping ratio."""
+    def __init__(self, model: RobotModel, stiffness: ArrayLike = 100.0, damping_ratio: float = 1.0, dt: float = TICK) -> None:
+        """Choose stiffness [N m/rad]: one number, (n,) or (n, n); the damping ratio; and how long torques are held [s]."""
         self.model, self.damping_ratio = model, damping_ratio
         self.stiffness = stiffness
+        self._stop_in_time = StopInTime(model, dt)
 
     @property
     def stiffness(self) -> FloatArray:
@@ -77,7 +107,7 @@ class JointImpedance:
         v_target: ArrayLike | None = None,
         a_target: ArrayLike | None = None,
     ) -> FloatArray:
-        """Return joint torques (n,), [N m], within the effort limits.
+        """Return joint torques (n,), [N m], within the effort limits, with which joints can stop before their limits.
 
         Args:
             q: Configuration (n,), [rad].
@@ -95,8 +125,7 @@ class JointImpedance:
         rate = (np.zeros(n) if v_target is None else as_vector(v_target, n, "target velocity")) - v
         a = np.zeros(n) if a_target is None else as_vector(a_target, n, "target acceleration")
         damping = damping_for(self._stiffness, model.mass_matrix(q), self.damping_ratio)
-        tau = self._stiffness @ error + damping @ rate + model.inverse_dynamics(q, v, a)
-        return np.clip(tau, -model.limits.effort, model.limits.effort)
+        return self._stop_in_time(q, v, self._stiffness @ error + damping @ rate + model.inverse_dynamics(q, v, a))
 
 
 class CartesianImpedance:
@@ -109,6 +138,7 @@ class CartesianImpedance:
         damping_ratio: float = 1.0,
         posture_stiffness: float = 5.0,
         posture: FloatArray | None = None,
+        dt: float = TICK,
     ) -> None:
         """Choose the spring.
 
@@ -118,10 +148,12 @@ class CartesianImpedance:
             damping_ratio: Of all modes.
             posture_stiffness: Of the joint spring in the null space [N m/rad].
             posture: Where it pulls (n,), [rad]; None is home.
+            dt: How long torques are held [s].
         """
         self.model, self.damping_ratio, self.posture_stiffness = model, damping_ratio, posture_stiffness
         self.posture = as_vector(model.home if posture is None else posture, model.size, "posture").copy()
         self.stiffness = stiffness
+        self._stop_in_time = StopInTime(model, dt)
 
     @property
     def stiffness(self) -> FloatArray:
@@ -133,7 +165,7 @@ class CartesianImpedance:
         self._stiffness = as_stiffness(value, 6)
 
     def torque(self, q: ArrayLike, v: ArrayLike, pose: ArrayLike, twist: ArrayLike | None = None) -> FloatArray:
-        """Return joint torques (n,), [N m], within the effort limits.
+        """Return joint torques (n,), [N m], within the effort limits, with which joints can stop before their limits.
 
         Args:
             q: Configuration (n,), [rad].
@@ -156,8 +188,7 @@ class CartesianImpedance:
         wrench = self._stiffness @ error + damping @ (target - jacobian @ v)
         spring = self._posture_torque(q, v, mass)
         spring -= jacobian.T @ (inertia @ (mobility.T @ spring))
-        tau = jacobian.T @ wrench + spring + model.inverse_dynamics(q, v, np.zeros(model.size))
-        return np.clip(tau, -model.limits.effort, model.limits.effort)
+        return self._stop_in_time(q, v, jacobian.T @ wrench + spring + model.inverse_dynamics(q, v, np.zeros(model.size)))
 
     def _posture_torque(self, q: FloatArray, v: FloatArray, mass: FloatArray) -> FloatArray:
         """Return the torque (n,) of the joint spring, critically damped joint by joint."""

@@ -50,6 +50,25 @@ def test_joints_return_without_overshoot(model: RobotModel) -> None:
     np.testing.assert_allclose(q, BENT, atol=5e-3)
 
 
+def test_the_spring_stops_at_joint_limits(model: RobotModel) -> None:
+    """Pulled beyond a joint limit by the tip or by the joints, the arm stops before it, and leaves it again."""
+    plant, limits = RobotModel(model.description), model.limits
+    beyond = BENT.copy()
+    beyond[1] = limits.upper[1] + 0.2
+    pose = model.tip_pose(beyond)
+    tip, joints = CartesianImpedance(model, posture_stiffness=50.0, posture=beyond), JointImpedance(model, 600.0)
+    for torque in (lambda q, v: tip.torque(q, v, pose), lambda q, v: joints.torque(q, v, beyond)):
+        q, v = BENT.copy(), np.zeros(7)
+        q[1] = limits.upper[1] - 0.3
+        for _ in range(480):
+            q, v = simulate(plant, q, v, torque(q, v), DT)
+            assert limits.contains(q)
+        assert limits.upper[1] - q[1] < 0.01
+    for _ in range(480):
+        q, v = simulate(plant, q, v, joints.torque(q, v, BENT), DT)
+    np.testing.assert_allclose(q, BENT, atol=1e-2)
+
+
 def test_every_mode_has_the_damping_ratio(rng: np.random.Generator) -> None:
     """The modes of inertia and stiffness are damped with the same ratio."""
     a, b = rng.normal(size=(2, 6, 6))
