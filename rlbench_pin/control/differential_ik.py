@@ -30,12 +30,15 @@ from numpy.typing import ArrayLike
 
 from rlbench_pin.control.checks import as_pose, as_state, as_vector
 from rlbench_pin.control.constraints import Hold, JointBounds
-from rlbench_pin.control.objectives import Manipulability, PostureObjective, TipApproach, TipObjective, moved, step_between
+from rlbench_pin.control.objectives import Manipulability, PostureObjective, TipApproach, TipObjective, moved
 from rlbench_pin.control.placo_arm import PlacoArm
 from rlbench_pin.errors import InfeasibleControl
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
+
+Target = Callable[[pin.SE3], tuple[pin.SE3, float]]
+"""T_world_tip now -> where it should be after the tick, and the larger of distance [m] and angle [rad] to there."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,13 +112,13 @@ class TipController:
         q, v = as_state(q, v, self.model.size)
         step = self.config.dt * as_vector(twist, 6, "twist")
 
-        def target(now: pin.SE3) -> pin.SE3:
+        def target(now: pin.SE3) -> tuple[pin.SE3, float]:
             linear, angular = (step[:3], step[3:]) if frame == "world" else (now.rotation @ step[:3], now.rotation @ step[3:])
             return moved(now, linear, angular)
 
         return self._velocity(q, v, target)
 
-    def _velocity(self, q: FloatArray, v: FloatArray, target: Callable[[pin.SE3], pin.SE3]) -> FloatArray:
+    def _velocity(self, q: FloatArray, v: FloatArray, target: Target) -> FloatArray:
         """Solve for the velocity (n,) that brings the tip to `target(T_world_tip)`."""
         raise NotImplementedError
 
@@ -148,17 +151,17 @@ class DifferentialIK(TipController):
         self._dt = np.full(model.size, config.dt)
         self._pinocchio, self._data, self._tip_id = model.arm, model.arm.createData(), model.tip_id
 
-    def _velocity(self, q: FloatArray, v: FloatArray, target: Callable[[pin.SE3], pin.SE3]) -> FloatArray:
+    def _velocity(self, q: FloatArray, v: FloatArray, target: Target) -> FloatArray:
         self._arm.set_configuration(q)
         jacobian = pin.computeJointJacobians(self._pinocchio, self._data, q)
         now = pin.updateFramePlacement(self._pinocchio, self._data, self._tip_id)
-        goal = target(now)
+        goal, step = target(now)
         left = self._manipulability(jacobian)
-        damping = self._weight if left >= self._singular else self._posture.damping(left, step_between(now, goal))
+        damping = self._weight if left >= self._singular else self._posture.damping(left, step)
         self._problem.regularization = damping - self._posture_weight
         self._tip_task.T_world_frame = goal.homogeneous
         try:
-            step = self._arm.solve(q.tolist(), *self.bounds.displacements(q, v))
+            displacement = self._arm.solve(q.tolist(), *self.bounds.displacements(q, v))
         except RuntimeError as error:
             raise InfeasibleControl("DifferentialIK", str(error)) from error
-        return step / self._dt
+        return displacement / self._dt

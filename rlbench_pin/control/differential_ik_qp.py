@@ -10,13 +10,10 @@ along world axes.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pinocchio as pin
 
-from rlbench_pin.control.differential_ik import DifferentialIKConfig, TipController
-from rlbench_pin.control.objectives import step_between
+from rlbench_pin.control.differential_ik import DifferentialIKConfig, Target, TipController
 from rlbench_pin.control.osqp_solver import OsqpSolver
 from rlbench_pin.control.quadratic_program import QPSolver, QuadraticProgram, empty_rows
 from rlbench_pin.robot.limits import JointLimits
@@ -41,21 +38,21 @@ class DifferentialIKQP(TipController):
         self.solver: QPSolver = OsqpSolver(config.dt * self.bounds.velocity, rho=1e-3) if solver is None else solver
         self._weights = np.repeat([config.tip.position_weight, config.tip.rotation_weight], 3)
 
-    def problem(self, q: FloatArray, v: FloatArray, target: Callable[[pin.SE3], pin.SE3]) -> QuadraticProgram:
+    def problem(self, q: FloatArray, v: FloatArray, target: Target) -> QuadraticProgram:
         """Return the program whose solution is the displacement (n,), [rad], of the next tick."""
         now = self.model.tip_se3(q)
-        goal = target(now)
+        goal, step = target(now)
         jacobian = self.model.jacobian(q)
         error = np.concatenate([goal.translation - now.translation, pin.log3(goal.rotation @ now.rotation.T)])
         posture = self.config.posture
         pull = posture.weight * min(1.0, posture.gain * self.config.dt)
-        damping = posture.damping(self._manipulability(jacobian), step_between(now, goal))
+        damping = posture.damping(self._manipulability(jacobian), step)
         weighted = jacobian.T * self._weights
         P = weighted @ jacobian + damping * np.eye(self.model.size)
         linear = -weighted @ error - pull * (self.posture - q)
         lowest, highest = self.bounds.displacements(q, v)
         return QuadraticProgram(P, linear, *empty_rows(self.model.size), np.array(lowest), np.array(highest))
 
-    def _velocity(self, q: FloatArray, v: FloatArray, target: Callable[[pin.SE3], pin.SE3]) -> FloatArray:
+    def _velocity(self, q: FloatArray, v: FloatArray, target: Target) -> FloatArray:
         step = self.solver.solve(self.problem(q, v, target))
         return step / self.config.dt

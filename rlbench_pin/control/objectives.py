@@ -90,8 +90,9 @@ class TipApproach:
         self._linear = _Pace.of(tip.linear_speed * dt, tip.linear_acceleration * dt * dt)
         self._angular = _Pace.of(tip.angular_speed * dt, tip.angular_acceleration * dt * dt)
 
-    def next(self, now: pin.SE3, goal: Sequence[float]) -> pin.SE3:
-        """Return T_world_tip one tick after `now` on the way to the pose `goal` (7,), whose quaternion has length 1.
+    def next(self, now: pin.SE3, goal: Sequence[float]) -> tuple[pin.SE3, float]:
+        """Return T_world_tip one tick after `now` on the way to the pose `goal` (7,), whose quaternion has length 1, and the
+        larger of distance [m] and angle [rad] from `now` to it.
 
         Quaternions a, b of the same half of the sphere are a chord |b - a| = 2 sin(h / 2) apart when a turn by 2 h is
         between them, and a share s of it ends at (sin((1 - s) h) a + sin(s h) b) / sin(h).
@@ -105,12 +106,14 @@ class TipApproach:
         share, share_of_turn = self._linear.share(way), self._angular.share(2.0 * half)
         if share_of_turn < share:
             share = share_of_turn
+        step = share * max(way, 2.0 * half)
         if share >= 1.0:
-            return pin.XYZQUATToSE3(goal)
+            return pin.XYZQUATToSE3(goal), step
         if half > 0.0:
             a, b = math.sin((1.0 - share) * half) / math.sin(half), math.sin(share * half) / math.sin(half)
             bx, by, bz, bw = a * ax + b * bx, a * ay + b * by, a * az + b * bz, a * aw + b * bw
-        return pin.XYZQUATToSE3([x + share * (to_x - x), y + share * (to_y - y), z + share * (to_z - z), bx, by, bz, bw])
+        pose = [x + share * (to_x - x), y + share * (to_y - y), z + share * (to_z - z), bx, by, bz, bw]
+        return pin.XYZQUATToSE3(pose), step
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,15 +140,12 @@ class _Pace:
         return largest_step(error, self.unit) / error
 
 
-def step_between(now: pin.SE3, goal: pin.SE3) -> float:
-    """Return the larger of distance [m] and angle [rad] between two placements."""
-    x, y, z, qx, qy, qz, qw = pin.SE3ToXYZQUAT(now.actInv(goal)).tolist()
-    return max(math.sqrt(x * x + y * y + z * z), 2.0 * math.atan2(math.sqrt(qx * qx + qy * qy + qz * qz), abs(qw)))
-
-
-def moved(placement: pin.SE3, shift: FloatArray, turn: FloatArray) -> pin.SE3:
-    """Return T_world_tip shifted by (3,) [m] and turned by the rotation vector (3,) [rad], both along world axes."""
-    return pin.SE3(pin.exp3(turn) @ placement.rotation, placement.translation + shift)
+def moved(placement: pin.SE3, shift: FloatArray, turn: FloatArray) -> tuple[pin.SE3, float]:
+    """Return T_world_tip shifted by (3,) [m] and turned by the rotation vector (3,) [rad], both along world axes, and the larger
+    of distance and angle.
+    """
+    step = max(math.sqrt(shift @ shift), math.sqrt(turn @ turn))
+    return pin.SE3(pin.exp3(turn) @ placement.rotation, placement.translation + shift), step
 
 
 class Manipulability:
