@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 from rlbench_pin.observation import Demo, Observation
 
@@ -60,6 +66,19 @@ def _misc(index: int, rng: np.random.Generator) -> dict[str, Any]:
     if index == 2:
         misc["ragged"] = np.zeros(3)
     return misc
+
+
+@contextmanager
+def mounted(folder: Path, kilobytes: int) -> Iterator[Path]:
+    """A small disk of its own at a new folder, where this machine lets tests mount one; otherwise the test is skipped."""
+    folder.mkdir()
+    command = ["mount", "-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", str(folder)]
+    if os.geteuid() != 0 or subprocess.run(command, check=False).returncode:
+        pytest.skip("no disk can be mounted here")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", "-l", str(folder)], check=True)  # FFmpeg keeps a file open whose first byte was refused
 
 
 def assert_equal(a: Any, b: Any) -> None:

@@ -154,11 +154,15 @@ class Episode:
 
     def _check_version(self) -> None:
         if self._file.attrs.get("format") != FORMAT:
-            raise EpisodeFileError(self.path, f"'{self.path}' is an HDF5 file, but not an episode of this package.")
+            raise EpisodeFileError(
+                self.path, f"'{self.path}' is an HDF5 file, but not an episode. `rlbench-pin record` makes some."
+            )
         version = int(self._file.attrs.get("version", -1))
         if version != VERSION:
             raise EpisodeFileError(
-                self.path, f"The episode '{self.path}' has format version {version}; this package reads version {VERSION}."
+                self.path,
+                f"The episode '{self.path}' has format version {version}; this package reads version {VERSION}. "
+                "Read it with the release of rlbench_pin that wrote it, or record it again.",
             )
 
     def _check_links(self) -> None:

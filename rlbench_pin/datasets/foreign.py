@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from rlbench_pin.datasets.episode import Episode
-from rlbench_pin.datasets.layout import manifest_path, stored_tasks
+from rlbench_pin.datasets.layout import chosen_tasks, manifest_path, stored_tasks
 from rlbench_pin.datasets.manifest import EpisodeEntry, read_manifest
 from rlbench_pin.datasets.storage import storing
 from rlbench_pin.errors import DatasetConflict, DatasetError
@@ -43,12 +43,9 @@ def stored_episodes(root: Path, tasks: Sequence[str] = ()) -> list[StoredEpisode
     Raises:
         DatasetError: A task is not stored, or nothing is.
     """
-    stored = stored_tasks(root)
-    if missing := sorted(set(tasks) - set(stored)):
-        raise DatasetError(f"'{root}' holds no task {missing}, only {list(stored)}.")
     episodes = [
         StoredEpisode(task, entry, manifest_path(root, task).parent / entry.file)
-        for task in tasks or stored
+        for task in chosen_tasks(root, stored_tasks(root), tasks)
         for entry in read_manifest(root, task)
     ]
     if not episodes:

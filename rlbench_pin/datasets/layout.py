@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 from rlbench_pin.errors import DatasetError, nearest_name
@@ -11,8 +12,8 @@ EPISODE_SUFFIX = ".h5"
 MANIFEST = "manifest.json"
 ALL_VARIATIONS = -1
 
-_EPISODE = re.compile(r"episode(\d+)\.h5")
-_VARIATION = re.compile(r"variation(\d+)")
+_EPISODE = re.compile(r"episode(0|[1-9][0-9]*)\.h5")
+_VARIATION = re.compile(r"variation(0|[1-9][0-9]*)")
 _TASK = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,127}")
 
 
@@ -60,6 +61,18 @@ def stored_tasks(root: Path) -> tuple[str, ...]:
     return tuple(sorted(p.name for p in folders if (p / MANIFEST).is_file() or any(p.glob("variation*/episodes"))))
 
 
+def chosen_tasks(place: Path, stored: Sequence[str], tasks: Sequence[str]) -> tuple[str, ...]:
+    """Return the tasks that were named, each once, or all that are stored at a place when none was.
+
+    Raises:
+        DatasetError: One of them is not stored.
+    """
+    for task in tasks:
+        if task not in stored:
+            raise _unknown_task(place, task, stored)
+    return tuple(dict.fromkeys(tasks or stored))
+
+
 def stored_variations(root: Path, task: str) -> tuple[int, ...]:
     """Return the variations of a task that have a folder, ascending."""
     matches = (_VARIATION.fullmatch(p.name) for p in _task_folder(root, task).iterdir() if p.is_dir())
@@ -94,8 +107,11 @@ def _root_folder(root: Path) -> Path:
 def _task_folder(root: Path, task: str) -> Path:
     folder = _root_folder(root) / checked_task_name(task)
     if not folder.is_dir():
-        stored = sorted(p.name for p in Path(root).iterdir() if p.is_dir())
-        near = nearest_name(task, stored)
-        guess = f" Did you mean '{near}'?" if near else ""
-        raise DatasetError(f"'{root}' holds no task '{task}', only {stored}.{guess}")
+        raise _unknown_task(root, task, sorted(p.name for p in Path(root).iterdir() if p.is_dir()))
     return folder
+
+
+def _unknown_task(place: Path, task: str, stored: Sequence[str]) -> DatasetError:
+    near = nearest_name(task, stored)
+    guess = f"Did you mean '{near}'?" if near else "Name one of these, or record it with `rlbench-pin record`."
+    return DatasetError(f"'{place}' holds no task '{task}', only {list(stored)}. {guess}")

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -66,8 +67,9 @@ def export_lerobot(
                 if on_episode is not None:
                     on_episode(index + 1)
             export.finish()
-        finally:
-            export.close()
+        except BaseException:
+            export.discard()
+            raise
     return out
 
 
@@ -145,7 +147,7 @@ class _Export:
         table = pa.Table.from_pylist(self.rows)
         path = self.folder / _EPISODES
         path.parent.mkdir(parents=True)
-        pq.write_table(table, path, compression="snappy")
+        _write_table(table, path)
         _write_tasks(self.folder / "meta" / "tasks.parquet", self.instructions)
         _write_json(self.folder / "meta" / "stats.json", self._statistics())
         _write_json(self.folder / "meta" / "info.json", self._info())
@@ -155,6 +157,13 @@ class _Export:
         self._data.close()
         for videos in self._videos.values():
             videos.close()
+
+    def discard(self) -> None:
+        """Close all files, whatever they say: the disk may be full."""
+        with suppress(OSError):
+            self._data.close()
+        for videos in self._videos.values():
+            videos.discard()
 
     def _statistics(self) -> dict[str, Any]:
         whole = {name: np.concatenate(values) for name, values in self.samples.items()}
@@ -218,7 +227,8 @@ class _DataFiles:
             self._number, self._bytes = self._number + 1, 0
             path = self._folder / _DATA.format(**self._place())
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._writer = pq.ParquetWriter(path, table.schema, compression="snappy")
+            self._file = open(path, "wb")  # noqa: SIM115
+            self._writer = pq.ParquetWriter(self._file, table.schema, compression="snappy")
         self._writer.write_table(table)
         self._bytes += table.nbytes
         return {f"data/{name}": value for name, value in self._place().items()}
@@ -226,8 +236,9 @@ class _DataFiles:
     def close(self) -> None:
         """Finish the present file."""
         if self._writer is not None:
-            self._writer.close()
-        self._writer = None
+            writer, self._writer = self._writer, None
+            with self._file:  # on a full disk the writer would leave it open
+                writer.close()
 
     def _place(self) -> dict[str, int]:
         return {"chunk_index": self._number // CHUNK_SIZE, "file_index": self._number % CHUNK_SIZE}
@@ -260,7 +271,12 @@ def _write_tasks(path: Path, instructions: dict[str, int]) -> None:
         {"name": None, "field_name": name, "pandas_type": "unicode", "numpy_type": "object", "metadata": None},
     ]
     pandas = {"index_columns": [name], "column_indexes": [], "columns": columns, "pandas_version": "2.0.0"}
-    pq.write_table(table.replace_schema_metadata({"pandas": json.dumps(pandas)}), path)
+    _write_table(table.replace_schema_metadata({"pandas": json.dumps(pandas)}), path)
+
+
+def _write_table(table: pa.Table, path: Path) -> None:
+    with open(path, "wb") as file:  # on a full disk pyarrow would leave it open
+        pq.write_table(table, file, compression="snappy")
 
 
 def _write_json(path: Path, content: dict[str, Any]) -> None:

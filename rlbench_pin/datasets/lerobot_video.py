@@ -56,6 +56,12 @@ class VideoFiles:
             self._writer.close()
         self._writer = None
 
+    def discard(self) -> None:
+        """Throw the present file away."""
+        if self._writer is not None:
+            self._writer.discard()
+        self._writer = None
+
     def info(self) -> dict[str, object]:
         """Return what readers want to know of the encoding."""
         height, width, _ = self._shape

@@ -152,7 +152,11 @@ def _read_file(path: Path, task: str) -> list[EpisodeEntry]:
             path, f"The manifest '{path}' cannot be read: {error}. Restore it, or delete it and record again."
         ) from error
     if version != VERSION:
-        raise EpisodeFileError(path, f"The manifest '{path}' has version {version}; this package reads version {VERSION}.")
+        raise EpisodeFileError(
+            path,
+            f"The manifest '{path}' has version {version}; this package reads version {VERSION}. "
+            "Read it with the release of rlbench_pin that wrote it, or record again.",
+        )
     if checked_task_name(str(content.get("task", task))) != task:
         raise EpisodeFileError(path, f"The manifest '{path}' is of the task '{content['task']}'. Name the folder like the task.")
     return entries

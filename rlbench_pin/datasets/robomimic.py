@@ -11,6 +11,7 @@ import numpy as np
 
 from rlbench_pin.datasets.episode import Episode
 from rlbench_pin.datasets.foreign import StoredEpisode, Watch, actions, new_folder, rgb_cameras, stored_episodes
+from rlbench_pin.datasets.storage import PatientFile, storing
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import CAMERAS, LOW_DIM
 
@@ -41,12 +42,14 @@ def export_robomimic(
         raise DatasetError(f"A robomimic file holds one task; name one of {sorted({e.task for e in episodes})} with `--tasks`.")
     shapes = rgb_cameras(episodes, cameras)
     low, high = _action_range(episodes)
-    with new_folder(out) as folder, h5py.File(folder / "data.hdf5", "w") as file:
+    with new_folder(out) as folder, PatientFile(folder / "data.hdf5") as raw, h5py.File(raw, "w") as file:
         data = file.create_group("data")
         total = 0
         for index, stored in enumerate(episodes):
             with stored.open() as episode:
                 total += _write(data.create_group(f"demo_{index}"), stored, episode, list(shapes), low, high)
+            file.flush()
+            raw.check()
             if on_episode is not None:
                 on_episode(index + 1)
         data.attrs["total"] = total
@@ -59,9 +62,10 @@ def export_robomimic(
 def _only_file(out: Path) -> Path:
     """Put the file in the place of the folder that it was written in."""
     aside = out.with_name(f".{out.name}.folder")
-    out.rename(aside)
-    (aside / "data.hdf5").rename(out)
-    aside.rmdir()
+    with storing(out):
+        out.rename(aside)
+        (aside / "data.hdf5").rename(out)
+        aside.rmdir()
     return out
 
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import TracebackType
+from typing import Any
 
 from rlbench_pin.errors import StorageError
 
@@ -45,3 +48,43 @@ def remove_leftovers(folder: Path) -> int:
     for part in parts:
         part.unlink(missing_ok=True)
     return len(parts)
+
+
+class PatientFile(io.FileIO):
+    """A file for libraries that do not survive a full disk, as HDF5 does not: it takes everything, and owns up at the end.
+
+    Use it in a `with` block, which raises what the disk said first. `check` raises it earlier, where the library can be left.
+    """
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(path, "w+")
+        self.refused: OSError | None = None
+
+    def check(self) -> None:
+        """Raise what the disk said, if it refused anything."""
+        if self.refused is not None:
+            raise self.refused
+
+    def write(self, data: Any) -> int:
+        """Write all, or note why not."""
+        view = memoryview(data).cast("B")
+        done = 0
+        try:
+            while self.refused is None and done < len(view):
+                done += super().write(view[done:])
+        except OSError as error:
+            self.refused = error
+        return len(view)
+
+    def truncate(self, size: int | None = None) -> int:
+        """Change the length, or note why not."""
+        try:
+            return super().truncate(size)
+        except OSError as error:
+            self.refused = self.refused or error
+            return size or 0
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+        if self.refused is not None and error is not self.refused:
+            raise self.refused from error

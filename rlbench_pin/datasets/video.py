@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 from types import TracebackType
@@ -72,15 +73,21 @@ class VideoWriter:
         if self.frames == 0:
             self.discard()
             raise DatasetError(f"The video '{self.path}' has no pictures.")
-        for packet in self._stream.encode(None):
-            self._mux(packet)
-        self._container.close()
-        os.replace(self._temporary, self.path)
+        try:
+            for packet in self._stream.encode(None):
+                self._mux(packet)
+            self._container.close()
+            os.replace(self._temporary, self.path)
+        except Exception:
+            self.discard()
+            raise
         return self.path
 
     def discard(self) -> None:
         """Throw away what was written."""
-        self._container.close()
+        for _ in range(2):  # on a full disk the first may end with what is still to be written, before the file is closed
+            with suppress(OSError, av.error.FFmpegError):
+                self._container.close()
         self._temporary.unlink(missing_ok=True)
 
     def __enter__(self) -> VideoWriter:

@@ -10,7 +10,7 @@ from typing import Literal
 
 import h5py
 
-from rlbench_pin.datasets.layout import episode_file, episode_path
+from rlbench_pin.datasets.layout import episode_file, episode_path, manifest_path
 from rlbench_pin.datasets.manifest import EpisodeEntry, append_entry, digest, locked_manifest
 from rlbench_pin.datasets.series import to_json, write_series
 from rlbench_pin.datasets.storage import write_whole
@@ -138,8 +138,10 @@ class DatasetWriter:
         The file is whole on the disk before it is listed; call `fold_journal` when many have been put.
 
         Raises:
+            DatasetError: The entry names another place than that of its episode.
             StorageError: The disk refused; the episode does not count.
         """
+        entry.check(manifest_path(self.root, task))
         path = episode_path(self.root, task, entry.variation, entry.episode)
         write_whole(path, data)
         append_entry(self.root, task, entry)

@@ -146,8 +146,8 @@ def read_recording(root: Path | str) -> RecordConfig:
     path = Path(root) / RECORDING
     try:
         content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        if content.pop("version") != VERSION:
-            raise ValueError("it has another version")
+        if (version := content.pop("version")) != VERSION:
+            raise ValueError(f"it has version {version}, this package reads version {VERSION}")
         pictures = PictureConfig(**{k: _untupled(v) for k, v in content.pop("pictures").items()})
         return RecordConfig(**{k: _untupled(v) for k, v in content.items()}, pictures=pictures)
     except FileNotFoundError as error:

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from rlbench_pin.datasets import EpisodeEntry, read_manifest, stored_tasks
-from rlbench_pin.datasets.layout import checked_task_name, episode_path
+from rlbench_pin.datasets.layout import checked_task_name, chosen_tasks, episode_path
 from rlbench_pin.datasets.storage import remove_leftovers, write_whole
 from rlbench_pin.environment.record_config import PictureConfig, WorkItem
 from rlbench_pin.environment.record_engines import Engine
@@ -29,6 +29,13 @@ class EpisodeSeed:
     episode: int
     seed: int
     attempt: int
+
+    def check(self) -> None:
+        """Raise DatasetError or ValueError unless the name is one and the numbers are counts: they become paths."""
+        checked_task_name(self.task)
+        for name in ("variation", "episode", "seed", "attempt"):
+            if type(value := getattr(self, name)) is not int or value < 0:
+                raise ValueError(f"{name}={value!r} of '{self.task}' is no number from 0 on")
 
 
 def seeds_of(root: Path, tasks: Sequence[str] = ()) -> list[EpisodeSeed]:
@@ -59,14 +66,15 @@ def read_seeds(path: Path) -> list[EpisodeSeed]:
     try:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
         if (content["format"], content["version"]) != (SEEDS_FORMAT, VERSION):
-            raise ValueError(f"format {content['format']!r}, version {content['version']!r}")
+            told = f"format {content['format']!r}, version {content['version']!r}"
+            raise ValueError(f"it has {told}, this package reads {SEEDS_FORMAT!r}, version {VERSION}")
         seeds = [EpisodeSeed(**seed) for seed in content["episodes"]]
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        for seed in seeds:
+            seed.check()
+    except (OSError, ValueError, KeyError, TypeError, DatasetError) as error:
         raise EpisodeFileError(
             path, f"'{path}' holds no list of seeds: {error}. `rlbench-pin dataset seeds ROOT FILE` writes one."
         ) from error
-    for seed in seeds:
-        checked_task_name(seed.task)
     return seeds
 
 
@@ -110,7 +118,9 @@ def rerender(
 
 def _items(source: Path, tasks: Sequence[str]) -> list[WorkItem]:
     if source.is_file():
-        return [_item(seed) for seed in read_seeds(source) if not tasks or seed.task in tasks]
+        seeds = read_seeds(source)
+        chosen = chosen_tasks(source, sorted({seed.task for seed in seeds}), tasks)
+        return [_item(seed) for seed in seeds if seed.task in chosen]
     items = []
     for task, entry in _entries(source, tasks):
         path = episode_path(source, task, entry.variation, entry.episode)
@@ -124,11 +134,7 @@ def _item(seed: EpisodeSeed, source: str = "", sha256: str = "") -> WorkItem:
 
 
 def _entries(root: Path, tasks: Sequence[str]) -> list[tuple[str, EpisodeEntry]]:
-    stored = stored_tasks(root)
-    missing = sorted(set(tasks) - set(stored))
-    if missing:
-        raise DatasetError(f"'{root}' holds no task {missing}, only {list(stored)}.")
-    return [(task, entry) for task in tasks or stored for entry in read_manifest(root, task)]
+    return [(task, entry) for task in chosen_tasks(root, stored_tasks(root), tasks) for entry in read_manifest(root, task)]
 
 
 def _seed(task: str, entry: EpisodeEntry) -> EpisodeSeed:

@@ -264,8 +264,10 @@ def test_cameras_that_are_not_stored_are_named(root: Path, tmp_path: Path, name:
     _exporter(name)
     with pytest.raises(DatasetError, match=r"no colours of \['overhead'\]"):
         find_exporter(name, ("overhead",))(root, tmp_path / "out")  # type: ignore[arg-type]
-    with pytest.raises(DatasetError, match="push_button"):
+    with pytest.raises(DatasetError, match=r"no task 'push_button', only \['reach_target'\].*rlbench-pin record"):
         _exporter(name)(root, tmp_path / "out", tasks=("push_button",))
+    with pytest.raises(DatasetError, match="Did you mean 'reach_target'"):
+        _exporter(name)(root, tmp_path / "out", tasks=("reach_targt",))
 
 
 def test_a_missing_library_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -29,6 +30,9 @@ from rlbench_pin.datasets import (
 )
 from rlbench_pin.datasets.manifest import append_entry
 from rlbench_pin.datasets.merge import merge
+from rlbench_pin.environment.record_config import PictureConfig
+from rlbench_pin.environment.record_engines import SerialEngine
+from rlbench_pin.environment.rerender import read_seeds, rerender
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 from rlbench_pin.observation import Demo, Observation
 
@@ -54,6 +58,12 @@ def edit(root: Path, **changes: object) -> None:
     content = json.loads(path.read_text())
     content["episodes"][1].update(changes)
     path.write_text(json.dumps(content))
+
+
+def write_seed(path: Path, **changes: object) -> None:
+    """Write a list of one seed, some of it changed."""
+    seed = {"task": TASK, "variation": 0, "episode": 0, "seed": 1, "attempt": 0, **changes}
+    path.write_text(json.dumps({"format": "rlbench_pin.seeds", "version": 1, "episodes": [seed]}))
 
 
 # Damage ---------------------------------------------------------------------------------------------------------------
@@ -99,7 +109,7 @@ def test_a_later_format_is_named(root: Path) -> None:
     path = episode_files(root, TASK)[0]
     with h5py.File(path, "a") as file:
         file.attrs["version"] = 2
-    with pytest.raises(EpisodeFileError, match=r"episode0\.h5.*version 2.*version 1"):
+    with pytest.raises(EpisodeFileError, match=r"episode0\.h5.*version 2.*version 1.*record it again"):
         read_demo(path)
 
 
@@ -178,6 +188,62 @@ def test_a_manifest_of_another_task_is_refused(root: Path) -> None:
     (root / TASK).rename(root / "push_button")
     with pytest.raises(EpisodeFileError, match="is of the task 'reach_target'"):
         read_manifest(root, "push_button")
+
+
+@pytest.mark.parametrize("name", ["episode00.h5", "episode\u0661.h5", "episode-1.h5", "episode1.h5\n"])
+def test_only_names_that_the_writer_gives_are_episodes(root: Path, name: str) -> None:
+    """Zeros in front, digits of other scripts, signs and line ends make no second episode of a number, nor a second variation."""
+    files = episode_files(root, TASK)
+    (files[0].parent / name).write_bytes(files[0].read_bytes())
+    for variation in ("variation00", "variation\u0660"):
+        shutil.copytree(files[0].parents[1], files[0].parents[2] / variation)
+    assert episode_files(root, TASK) == files
+    assert len(stored_demos(root, TASK, -1, -1, random_selection=False)) == 4
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"episode": "0/../../../../../outside"},
+        {"variation": "0/../../../../outside"},
+        {"episode": -1},
+        {"variation": True},
+        {"attempt": None},
+    ],
+)
+def test_a_list_of_seeds_that_leads_elsewhere_is_refused(tmp_path: Path, change: dict[str, object]) -> None:
+    """The numbers of a list of seeds become paths, so they have to be numbers; nothing is made and nothing written."""
+    path = tmp_path / "seeds.json"
+    write_seed(path, **change)
+    name = next(iter(change))
+    with pytest.raises(EpisodeFileError, match=rf"seeds\.json.*{name}=.*rlbench-pin dataset seeds"):
+        rerender(path, tmp_path / "out", PictureConfig(products=()), engine=SerialEngine())
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("task", ["../reach_target", "reach_target.py", "/tmp/x.py", 7])
+def test_a_list_of_seeds_with_a_hostile_task_is_refused(tmp_path: Path, task: object) -> None:
+    """The name of a task leads neither out of the folder nor to a file with code."""
+    write_seed(tmp_path / "seeds.json", task=task)
+    with pytest.raises(EpisodeFileError, match=r"seeds\.json.*holds no list of seeds"):
+        read_seeds(tmp_path / "seeds.json")
+
+
+def test_a_list_of_seeds_of_a_later_format_is_named(tmp_path: Path) -> None:
+    """Both versions and the remedy are told."""
+    (tmp_path / "seeds.json").write_text('{"format": "rlbench_pin.seeds", "version": 2, "episodes": []}')
+    with pytest.raises(EpisodeFileError, match=r"seeds\.json.*version 2.*version 1.*rlbench-pin dataset seeds"):
+        read_seeds(tmp_path / "seeds.json")
+
+
+def test_the_writer_follows_no_entry_out_of_its_folder(tmp_path: Path) -> None:
+    """An entry with a path for a number is refused before anything is written, whoever made it."""
+    entry = episode_entry(make_demo(frames=2), b"", 0)
+    with pytest.raises(EpisodeFileError, match="Restore it"):
+        DatasetWriter(tmp_path / "data").put(TASK, b"", replace(entry, episode="0/../../../../../outside"))  # type: ignore[arg-type]
+    with pytest.raises(EpisodeFileError, match="Do not trust"):
+        DatasetWriter(tmp_path / "data").put(TASK, b"", replace(entry, file="../outside.h5"))
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_link_out_of_the_folder_is_not_merged(root: Path, tmp_path: Path) -> None:

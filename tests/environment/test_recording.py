@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from demos_for_tests import mounted
 from engines_for_tests import MadeUpEngine
 
 from rlbench_pin.datasets import episode_files, read_demo, read_manifest, stored_demos, task_faults, verify_task
@@ -239,6 +240,9 @@ def test_settings_come_back(undisturbed: Path, tmp_path: Path) -> None:
     (tmp_path / "recording.json").write_text('{"version": 1, "tasks": ["reach_target"], "pictures": {"zoom": 3}}')
     with pytest.raises(DatasetError, match=r"recording\.json.*zoom"):
         read_recording(tmp_path)
+    (tmp_path / "recording.json").write_text('{"version": 7}')
+    with pytest.raises(DatasetError, match=r"recording\.json.*version 7.*version 1.*Name the tasks"):
+        read_recording(tmp_path)
 
 
 # Disks ----------------------------------------------------------------------------------------------------------------
@@ -282,15 +286,8 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path, monkeypatch: p
 @pytest.fixture
 def small_disk(tmp_path: Path) -> Iterator[Path]:
     """A disk of 300 kB of its own, where this machine lets tests mount one."""
-    folder = tmp_path / "disk"
-    folder.mkdir()
-    if (
-        os.geteuid() != 0
-        or subprocess.run(["mount", "-t", "tmpfs", "-o", "size=300k", "tmpfs", str(folder)], check=False).returncode
-    ):
-        pytest.skip("no disk can be mounted here")
-    yield folder
-    subprocess.run(["umount", str(folder)], check=True)
+    with mounted(tmp_path / "disk", kilobytes=300) as folder:
+        yield folder
 
 
 def test_a_disk_that_is_really_full(small_disk: Path, undisturbed: Path) -> None:

@@ -1,0 +1,126 @@
+"""Disks that are full or read-only, for all that is written beside a recording: exports, merged datasets, lists of seeds.
+
+`tests/environment/test_recording.py` has those of recordings. The disks are real, where this machine lets tests mount one.
+"""
+
+from __future__ import annotations
+
+import errno
+import importlib.util
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+import pytest
+from demos_for_tests import mounted
+
+from rlbench_pin.cli.dataset import ExportFormat, find_exporter
+from rlbench_pin.cli.main import main
+from rlbench_pin.datasets import DatasetWriter, read_manifest, task_faults
+from rlbench_pin.datasets.merge import merge
+from rlbench_pin.environment.rerender import seeds_of, write_seeds
+from rlbench_pin.errors import StorageError
+from rlbench_pin.observation import Demo, Observation
+
+TASK = "reach_target"
+NEEDS = {"lerobot": "pyarrow", "zarr": "zarr"}
+SIZE = 500
+"""Of the disk [kB]."""
+
+
+def noisy_demo(seed: int) -> Demo:
+    """A demo whose pictures no format makes small."""
+    rng = np.random.default_rng(seed)
+    frames = []
+    for index in range(12):
+        frame = Observation(
+            front_rgb=rng.integers(0, 256, (64, 64, 3), dtype=np.uint8),
+            joint_positions=rng.normal(size=7),
+            gripper_open=1.0,
+            gripper_pose=rng.normal(size=7),
+        )
+        if index:
+            frame.misc["joint_position_action"] = rng.normal(size=8)
+        frames.append(frame)
+    return Demo(frames, random_seed=seed, variation_number=0, instructions=["reach"], task_name=TASK)
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Six episodes, together larger than the disk."""
+    root = tmp_path_factory.mktemp("data")
+    for seed in range(6):
+        DatasetWriter(root).add(noisy_demo(seed))
+    return root
+
+
+@pytest.fixture
+def disk(tmp_path: Path) -> Iterator[Path]:
+    """A disk with too little room for anything that the tests write."""
+    with mounted(tmp_path / "disk", SIZE) as folder:
+        yield folder
+
+
+def leave(disk: Path, kilobytes: int) -> None:
+    """Fill the disk but for so much."""
+    (disk / "ballast").write_bytes(bytes(1024 * (SIZE - kilobytes)))
+
+
+@pytest.mark.parametrize("room", [0, 12, 100, 240])
+@pytest.mark.parametrize("name", get_args(ExportFormat))
+def test_an_export_to_a_full_disk(disk: Path, data: Path, name: ExportFormat, room: int) -> None:
+    """Wherever in its course the disk is full, an export says so, and leaves nothing."""
+    if name in NEEDS and importlib.util.find_spec(NEEDS[name]) is None:
+        pytest.skip(f"the extra '{name}' is not installed")
+    leave(disk, room)
+    with pytest.raises(StorageError, match=r"disk/out.*No space left.*Free some space") as caught:
+        find_exporter(name)(data, disk / "out")
+    assert caught.value.errno == errno.ENOSPC
+    assert [path.name for path in disk.iterdir()] == ["ballast"]
+
+
+@pytest.mark.parametrize("room", [0, 300])
+def test_merging_onto_a_full_disk(disk: Path, data: Path, room: int) -> None:
+    """What was copied before is whole and listed; merging again, with room, completes it."""
+    leave(disk, room)
+    with pytest.raises(StorageError, match=r"No space left.*Free some space"):
+        merge([data], disk / "out")
+    assert task_faults(disk / "out", TASK) == [] if room else not list(disk.rglob("*.h5"))
+    assert not list(disk.rglob("*.part"))
+    (disk / "ballast").unlink()
+    subprocess.run(["mount", "-o", "remount,size=2000k", str(disk)], check=True)
+    merge([data], disk / "out")
+    assert read_manifest(disk / "out", TASK) == read_manifest(data, TASK)
+    assert task_faults(disk / "out", TASK) == []
+
+
+def test_seeds_onto_a_full_disk(disk: Path, data: Path) -> None:
+    """The file that was there before stays as it was."""
+    (disk / "seeds.json").write_text("before")
+    leave(disk, 4)
+    with pytest.raises(StorageError, match=r"seeds\.json.*No space left"):
+        write_seeds(disk / "seeds.json", seeds_of(data) * 1000)
+    assert (disk / "seeds.json").read_text() == "before"
+
+
+def test_the_commands_say_what_to_do(disk: Path, data: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """On a full disk and on a read-only one: one line with the path and the remedy, exit code 1, no traceback."""
+    leave(disk, 0)
+    small = ("--episodes", "1", "--workers", "0", "--products")
+    commands = (
+        ("record", TASK, "--out", f"{disk}/recorded", *small),
+        ("dataset", "merge", str(data), "--out", f"{disk}/merged"),
+        ("dataset", "seeds", str(data), f"{disk}/seeds.json"),
+        ("dataset", "export", "robomimic", str(data), f"{disk}/exported"),
+    )
+    for command in commands:
+        assert main(command) == 1, command
+        assert "No space left on device. Free some space" in capsys.readouterr().err, command
+    subprocess.run(["mount", "-o", "remount,ro", str(disk)], check=True)
+    for command in commands:
+        assert main(command) == 1, command
+        told = capsys.readouterr().err
+        assert str(disk) in told, command
+        assert "The disk is read-only: choose another folder" in told, command
