@@ -17,7 +17,7 @@ from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import ResetError, RlbenchPinError
 from rlbench_pin.observation import LOW_DIM, Demo
 
-_TIDY_EVERY = 30_000_000
+_TIDY_EVERY = 5_000_000
 """So many bytes of episodes are made before memory is tidied."""
 _TRIM = getattr(ctypes.CDLL(None), "malloc_trim", None)
 """Hands free memory back to the system; only glibc has it."""
@@ -78,7 +78,7 @@ class Recorder:
         self._environment, self._task, self._loaded = None, None, ""
 
     def _tidy(self, made: int) -> None:
-        """Give memory back after every few episodes with pictures, whose raw frames take tens of megabytes each."""
+        """Give memory back after an episode with pictures, whose raw frames take tens of megabytes, or after many without."""
         self._made += made
         if self._made > _TIDY_EVERY:
             self._made = 0
