@@ -105,7 +105,8 @@ class World:
 
     def _load(self, spec: BodySpec) -> Body:
         body = builder.load_body(self.client, spec, self.scene.file, self._places.carry)
-        builder.share_island(self._arm, body)
+        if body.joints or spec.solve_with_arm:
+            builder.share_island(self._arm, body)
         self.bodies[spec.name] = body
         self._places.hang(spec)
         self._register(body)

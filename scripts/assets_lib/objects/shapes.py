@@ -18,8 +18,8 @@ STAR = (0.0235, 0.0125)
 MOON = (0.0225, 0.018, 0.016)
 """Radius of the disc, radius of what is cut off it, and how far its middle is from that of the disc [m]."""
 MOON_SHIFT = 0.0044
-CLEARANCE = 0.0025
-"""Gap between a shape and its hole [m]."""
+CLEARANCE = {"cube": 0.0025, "cylinder": 0.0025, "prism": 0.0025, "star": 0.0035, "moon": 0.0025}
+"""Gap between a shape and its hole [m]; a finger comes to rest more or less deep in a notch of the star."""
 SKIN = 0.001
 """Skin that PyBullet puts around collision meshes [m]."""
 BLUE = (0.05, 0.15, 0.95)
@@ -171,15 +171,15 @@ def _sorter() -> Model:
     visuals = [Visual(mesh_shape("sorter_walls", seen), WOOD)]
     lids: list[Shape] = []
     for hole in HOLES:
-        seen = merge(_around(hole, CLEARANCE, HEIGHT - LID, HEIGHT))
+        seen = merge(_around(hole, CLEARANCE[hole.shape], HEIGHT - LID, HEIGHT))
         visuals.append(Visual(mesh_shape(f"lid_{hole.shape}", seen), hole.color, crease=0.3))
-        solid = _around(hole, CLEARANCE + SKIN, HEIGHT - LID + SKIN, HEIGHT - SKIN)
+        solid = _around(hole, CLEARANCE[hole.shape] + SKIN, HEIGHT - LID + SKIN, HEIGHT - SKIN)
         lids += [mesh_shape(f"lid_{hole.shape}_part{i}", piece) for i, piece in enumerate(solid)]
     link = Link("shape_sorter", 0.8, tuple(visuals), (*walls, *lids))
     holes = ", ".join(f"{hole.shape} ({hole.center[0]:.3f}, {hole.center[1]:.3f})" for hole in HOLES)
     notes = (
         f"hollow; lid {LID} thick, its upper side at z = {HEIGHT}, floor at z = {FLOOR}; middles of the holes: {holes}",
-        f"{CLEARANCE} free all round a shape in its hole",
+        f"{min(CLEARANCE.values())} or more free all round a shape in its hole",
     )
     return Model("shape_sorter", "objects/shape_sorter", "bottom centre", (link,), notes=notes)
 
