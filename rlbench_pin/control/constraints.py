@@ -57,7 +57,9 @@ def stopping_room(speed: FloatArray) -> FloatArray:
 class JointBounds:
     """The interval of next velocities of n joints, equation (3)."""
 
-    def __init__(self, limits: JointLimits, dt: float, hold: Hold = "velocity", margin: float = 0.0) -> None:
+    def __init__(
+        self, limits: JointLimits, dt: float, hold: Hold = "velocity", margin: float = 0.0, *, sudden: bool = False
+    ) -> None:
         """Prepare the constants.
 
         Args:
@@ -65,6 +67,7 @@ class JointBounds:
             dt: Control tick [s].
             hold: What stays constant over a tick.
             margin: Distance kept from the position limits [rad].
+            sudden: The next velocity may be any from which the joints can stop in time, however far from the one now.
         """
         if dt <= 0.0:
             raise ValueError(f"the control tick is > 0 s, not {dt}")
@@ -77,19 +80,20 @@ class JointBounds:
         stop = change * stopping_room(self.velocity / self.step)
         stop += 0.0 if hold == "velocity" else 0.5 * reach
         lower, upper = limits.lower + margin, limits.upper - margin
-        self._joints = list(zip(*(x.tolist() for x in (reach, change, lower, upper, lower + stop, upper - stop)), strict=True))
+        leap = np.full_like(change, np.inf) if sudden else change
+        constants = (reach, change, leap, lower, upper, lower + stop, upper - stop)
+        self._joints = list(zip(*(x.tolist() for x in constants), strict=True))
 
-    def displacements(self, q: FloatArray, v: FloatArray, spare: float = 0.0) -> tuple[list[float], list[float]]:
+    def displacements(self, q: FloatArray, v: FloatArray) -> tuple[list[float], list[float]]:
         """Return dt times `interval`: n lowest and n highest displacements of the next tick, [rad].
 
-        Plain numbers and comparisons: for n = 7 they take a third of the time that arrays take. `spare` [rad] is added to the
-        largest change that the acceleration limit allows; infinity leaves positions and velocities.
+        Plain numbers and comparisons: for n = 7 they take a third of the time that arrays take.
         """
         dt = self.dt
         lowest, highest = [], []
-        for x, speed, (reach, change, lower, upper, free_above, free_below) in zip(q.tolist(), v.tolist(), self._joints):
+        for x, speed, (reach, change, leap, lower, upper, free_above, free_below) in zip(q.tolist(), v.tolist(), self._joints):
             drift = dt * speed
-            bottom, top = drift - change - spare, drift + change + spare
+            bottom, top = drift - leap, drift + leap
             least, most = -reach, reach
             if x < free_above:
                 least = min(max(-reach, -self._step(x - lower, -drift, change)), reach)

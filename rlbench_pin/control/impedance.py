@@ -66,14 +66,14 @@ class StopInTime:
 
     def __init__(self, model: RobotModel, dt: float) -> None:
         """Prepare for torques that are held for `dt` [s]."""
-        self._model, self._bounds = model, JointBounds(model.limits, dt, "any", LIMIT_MARGIN)
+        self._model, self._bounds = model, JointBounds(model.limits, dt, "any", LIMIT_MARGIN, sudden=True)
 
     def __call__(self, q: FloatArray, v: FloatArray, tau: FloatArray) -> FloatArray:
         """Return torques (n,), [N m], like `tau` where that is harmless, and always within the effort limits."""
         model, bounds = self._model, self._bounds
         tau = np.clip(tau, -model.limits.effort, model.limits.effort)
         a = model.forward_dynamics(q, v, tau)
-        lowest, highest = np.array(bounds.displacements(q, v, np.inf)) / bounds.dt
+        lowest, highest = bounds.interval(q, v)
         least, most = np.minimum(lowest, v + bounds.step), np.maximum(highest, v - bounds.step)
         kept = np.minimum(np.maximum(a, (least - v) / bounds.dt), (most - v) / bounds.dt)
         if np.array_equal(kept, a):
