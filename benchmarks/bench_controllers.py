@@ -37,7 +37,8 @@ state in which the leg began. Torques are commanded 240 times a second, all else
 What to know when reading it:
 
 * Torque controllers know the weight of what the hand holds at the start of a leg. `OperationalSpaceQP` and `CartesianImpedance`
-  pull with bounded or springy forces, so where something holds the arm back they lag instead of pushing through.
+  pull with bounded or springy forces, so where something holds the arm back they lag instead of pushing through. Torques are
+  chosen for an arm that nothing touches: on legs that may touch, a hit can move joints faster than that.
 * Other controllers of the tip leave the elbow free, so their joint errors say where the elbow went, not how well they follow.
 * `DifferentialIK, poses` brakes for each pose as if it were the last; timed motions are better followed by twists.
 * Filter and prediction keep 3 mm, also where a plan passes nearer, and the filter slows what approaches: it needs longer where a
