@@ -78,3 +78,14 @@ def test_a_tick_has_to_take_time(model: RobotModel) -> None:
     """A tick of zero seconds is refused."""
     with pytest.raises(ValueError, match="control tick"):
         JointBounds(model.limits, 0.0)
+
+
+def test_sudden_changes_leave_what_can_stop_in_time(model: RobotModel) -> None:
+    """Without a limit on changes of velocity, the largest next velocity is the one from which braking stops at the limit."""
+    limits, step = model.limits, DT * model.limits.acceleration
+    sudden, usual = JointBounds(limits, DT, sudden=True), JointBounds(limits, DT)
+    q, v = limits.upper - 0.05, np.zeros(model.size)
+    highest = sudden.interval(q, v)[1]
+    np.testing.assert_allclose(sudden.travel(v, highest), 0.05, atol=1e-12)
+    np.testing.assert_allclose(usual.interval(q, v)[1], np.minimum(highest, step), atol=1e-12)
+    np.testing.assert_allclose(sudden.interval(model.home, v)[1][0], limits.velocity[0])

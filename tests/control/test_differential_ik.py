@@ -8,6 +8,7 @@ import pytest
 from control.analytic_worlds import random_goals
 
 from rlbench_pin.control import DifferentialIK, DifferentialIKConfig, DifferentialIKQP, PostureObjective, TipObjective
+from rlbench_pin.control.objectives import Manipulability
 from rlbench_pin.errors import InvalidTarget
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, pose_to_se3
@@ -150,6 +151,16 @@ def test_settings_are_checked() -> None:
     """A speed of zero is refused when it is set."""
     with pytest.raises(ValueError, match="linear_speed"):
         TipObjective(linear_speed=0.0)
+
+
+def test_manipulability_is_the_product_of_the_singular_values(model: RobotModel, rng: np.random.Generator) -> None:
+    """It equals sqrt(det(J J^T)) and vanishes with the rank."""
+    manipulability = Manipulability(model.size)
+    for _ in range(20):
+        jacobian = model.jacobian(rng.uniform(model.limits.lower, model.limits.upper))
+        assert manipulability(jacobian) == pytest.approx(np.prod(np.linalg.svd(jacobian)[1]), abs=1e-12)
+    jacobian[5] = 2.0 * jacobian[4]
+    assert manipulability(jacobian) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_damping_rises_near_singularities_for_steps_that_are_not_small() -> None:
