@@ -8,11 +8,13 @@ import numpy as np
 
 from rlbench_pin.tasks import COLORS, BodySpec, BoundaryError, Detected, SpawnBoundary, Task, distractor_colors
 
-DROPS = 20
-LAYER, SPACING, FLOOR = 7, 0.0105, 0.0095
-"""Drops in a layer, distance of their middles, height of the lowest in the cup [m]."""
-NOISE = 0.0005
-"""Standard deviation of where a drop starts [m]."""
+RINGS = (
+    (0.0, 0.0100, (0,)),
+    (0.0101, 0.0100, (-108, -44, 16, 75, 135, 194)),
+    (0.0196, 0.0100, tuple(range(-93, 267, 30))),
+    (0.0059, 0.0180, (-77,)),
+)
+"""Where twenty drops come to rest in a cup: distance from its axis and height [m], directions [degrees]."""
 TURNS = (
     ((0.4, 0.55, 0.7, 0.25, 0.85), (0.9, 0.75, 0.6, 1.05)),
     ((-0.4, -0.55, -0.7, -0.25, -0.85), (-0.3, -0.45, -0.6)),
@@ -32,7 +34,7 @@ class PourFromCupToCup(Task):
         self.source, self.target = self.scene.body("source"), self.scene.body("target")
         self.others = [self.scene.body(f"distractor{i}") for i in range(3)]
         self.boundary = SpawnBoundary([self.scene.region("patch")])
-        self.drops = [f"drop{i}" for i in range(DROPS)]
+        self.drops = [f"drop{i}" for i in range(sum(len(directions) for _, _, directions in RINGS))]
         self.register_graspable_objects(["source"])
 
     def variation_count(self) -> int:
@@ -89,11 +91,10 @@ class PourFromCupToCup(Task):
         return None
 
     def _fill(self, rng: np.random.Generator) -> None:
-        """Create the drops in the source cup, seven in a layer."""
-        for i, drop in enumerate(self.drops):
-            layer, k = divmod(i, LAYER)
-            angle, radius = k * np.pi / 3.0, SPACING * float(k > 0)
-            place = np.array([radius * np.cos(angle), radius * np.sin(angle), FLOOR + SPACING * layer]) + rng.normal(
-                0.0, NOISE, 3
-            )
-            self.scene.add_body(drop, BodySpec(name=drop, asset="objects/drop/drop.urdf", parent="source", pose=tuple(place)))
+        """Create the drops in the source cup: a layer that fills its floor, one on top, turned at random."""
+        turn, places = rng.uniform(0.0, 2.0 * np.pi), []
+        for radius, height, directions in RINGS:
+            angles = turn + np.radians(directions)
+            places += [(radius * np.cos(angle), radius * np.sin(angle), height) for angle in angles]
+        for drop, place in zip(self.drops, places, strict=True):
+            self.scene.add_body(drop, BodySpec(name=drop, asset="objects/drop/drop.urdf", parent="source", pose=place))
