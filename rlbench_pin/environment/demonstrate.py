@@ -9,6 +9,7 @@ from itertools import zip_longest
 
 import numpy as np
 
+from rlbench_pin.environment.gripper_actions import GRIP_SPEED
 from rlbench_pin.environment.motion import follow, move_gripper
 from rlbench_pin.environment.scene import Scene
 from rlbench_pin.environment.turns import poses_of, rank_turns, runs
@@ -19,12 +20,10 @@ from rlbench_pin.planning.straight import curve_path, straight_path
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Waypoint
 
-DEMO_FINGER_SPEED = 0.04
-"""Finger speed in demonstrations [m/s]."""
 _EXTRA_TICKS = 10
 _NEAR = 0.15
 """A leg without collision checks that is no longer than this should be straight [m]."""
-_OTHER_WAYS = 8
+_OTHER_WAYS = 24
 _MAX_ROUNDS = 40
 
 
@@ -220,7 +219,7 @@ class DemoPlayer:
             self.scene,
             self._amount,
             release=waypoint.releases,
-            speed=DEMO_FINGER_SPEED,
+            speed=GRIP_SPEED,
             on_tick=self._gripper_tick,
         )
         if not self.record_gripper:

@@ -15,6 +15,8 @@ from rlbench_pin.spatial import FloatArray
 
 FINGER_SPEED = 0.2
 """Finger speed of actions [m/s]."""
+GRIP_SPEED = 0.04
+"""Finger speed of closing on something, the one of demonstrations [m/s]: fast fingers knock light things away."""
 
 
 class GripperActionMode(Protocol):
@@ -78,7 +80,7 @@ class Discrete(GripperMode):
             scene,
             1.0 if wants_open else 0.0,
             release=wants_open,
-            speed=FINGER_SPEED,
+            speed=GRIP_SPEED if not wants_open and scene.gripper.closes_on_something() else FINGER_SPEED,
             attach=self.attaches,
             detach_before_open=self.detach_before_open,
         )

@@ -133,11 +133,17 @@ class SimGripper:
 
     def between_fingers(self) -> tuple[str, ...]:
         """Names of graspable bodies that reach into the thin box between the pads."""
+        return tuple(body.name for body in self._bodies() if body.graspable and self._in_gap(body))
+
+    def closes_on_something(self) -> bool:
+        """Whether any body, graspable or not, reaches into the thin box between the pads."""
+        return any(body.collides and self._in_gap(body) for body in self._bodies())
+
+    def _in_gap(self, body: Body) -> bool:
         left, right = self._robot.fingers
         box = geometry.volume("box", (_PAD[0], max(left + right - 0.002, 0.001), _PAD[1]))
         T_world_tip = pose_to_se3(self._robot.tip_pose())
-        centre = T_world_tip * pin.SE3(np.eye(3), np.array([0.0, 0.5 * (left - right), 0.0]))
-        return tuple(b.name for b in self._bodies() if b.graspable and volume_meets(box, centre, b))
+        return volume_meets(box, T_world_tip * pin.SE3(np.eye(3), np.array([0.0, 0.5 * (left - right), 0.0])), body)
 
     def grasp(self, name: str) -> bool:
         """Fix a body to the hand where it is, and hold the fingers; False when it is held already or cannot move."""

@@ -72,21 +72,26 @@ class EmptyContainer(Task):
             self.scene.step()
 
     def _aim_at_next_object(self, waypoint: Waypoint) -> None:
-        """Go to the first object that is not delivered, and close across a narrow side of it, with room for the fingers."""
-        name = self.left[0] if self.left else OBJECTS[0]
+        """Go to the object that is easiest to grip, and close across a narrow side of it, with room for the fingers."""
         angles = np.arange(12) * np.pi / 12.0
-        half = min(angles, key=lambda angle: self._grip_cost(name, angle)) / 2.0
-        waypoint.frame.set_pose([*self.scene.body(name).position, np.cos(half), np.sin(half), 0.0, 0.0])
+        grips = [(name, angle) for name in self.left or OBJECTS[:1] for angle in angles]
+        name, angle = min(grips, key=lambda grip: self._grip_cost(*grip))
+        waypoint.frame.set_pose([*self.scene.body(name).position, np.cos(angle / 2.0), np.sin(angle / 2.0), 0.0, 0.0])
 
     def _grip_cost(self, name: str, angle: float) -> float:
-        """Return how wide an object is between the fingers, plus tenfold how far these would stand in a wall [m]."""
+        """Return how wide an object is between the fingers, plus tenfold how far these stand in a wall or on a neighbour [m]."""
         body = self.scene.body(name)
         across = np.array([-np.sin(angle), np.cos(angle), 0.0])
         width = float(np.abs(turned_back(across, body.quaternion)) @ np.ptp(body.bounds(), axis=0))
         tray = self.scene.body("big_tray")
         middle = turned_back(body.position - tray.position, tray.quaternion)[:2]
         reach = np.abs(turned_back(across, tray.quaternion))[:2] * FINGER + PAD
-        return width + 10.0 * float(np.maximum(np.abs(middle) + reach - INSIDE, 0.0).sum())
+        crossed = float(np.maximum(np.abs(middle) + reach - INSIDE, 0.0).sum())
+        for other in (self.scene.body(o) for o in OBJECTS if o != name):
+            room = 0.5 * float(np.ptp(other.bounds(), axis=0).mean()) + PAD
+            gaps = [np.linalg.norm((other.position - body.position - side * FINGER * across)[:2]) for side in (-1.0, 1.0)]
+            crossed += sum(max(room - float(gap), 0.0) for gap in gaps)
+        return width + 10.0 * crossed
 
 
 def turned_back(vector: np.ndarray, quaternion: np.ndarray) -> np.ndarray:

@@ -92,9 +92,12 @@ class PourFromCupToCup(Task):
 
     def _fill(self, rng: np.random.Generator) -> None:
         """Create the drops in the source cup: a layer that fills its floor, one on top, turned at random."""
-        turn, places = rng.uniform(0.0, 2.0 * np.pi), []
+        turn = rng.uniform(0.0, 2.0 * np.pi)
+        places: list[tuple[float, float, float]] = []
         for radius, height, directions in RINGS:
             angles = turn + np.radians(directions)
-            places += [(radius * np.cos(angle), radius * np.sin(angle), height) for angle in angles]
+            places += [(float(radius * np.cos(angle)), float(radius * np.sin(angle)), height) for angle in angles]
         for drop, place in zip(self.drops, places, strict=True):
-            self.scene.add_body(drop, BodySpec(name=drop, asset="objects/drop/drop.urdf", parent="source", pose=place))
+            self.scene.add_body(
+                drop, BodySpec(name=drop, asset="objects/drop/drop.urdf", parent="source", pose=(*place, 0.0, 0.0, 0.0, 1.0))
+            )
