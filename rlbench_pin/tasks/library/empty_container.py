@@ -13,10 +13,12 @@ DROP, APART = 0.2, 0.06
 """Height of the lowest object over the tray, and how much higher the next one starts [m]."""
 FALL = 20
 """Control ticks until the objects have come to rest."""
+SIDES = (0.0, -1.0, 1.0)
+"""Where an object may be between the fingers: in the middle, or nearly at one of them."""
 INSIDE = np.array([0.125, 0.095])
 """Half size of the inside of the large tray [m]."""
-FINGER, PAD = 0.052, 0.008
-"""How far an open finger reaches from the middle of the hand, and half its breadth [m]."""
+OPEN, FINGER, PAD = 0.036, 0.052, 0.008
+"""How far the middle of the hand may be from a side of an object, how far an open finger reaches, and half its breadth [m]."""
 
 
 class EmptyContainer(Task):
@@ -73,25 +75,35 @@ class EmptyContainer(Task):
 
     def _aim_at_next_object(self, waypoint: Waypoint) -> None:
         """Go to the object that is easiest to grip, and close across a narrow side of it, with room for the fingers."""
-        angles = np.arange(12) * np.pi / 12.0
-        grips = [(name, angle) for name in self.left or OBJECTS[:1] for angle in angles]
-        name, angle = min(grips, key=lambda grip: self._grip_cost(*grip))
-        waypoint.frame.set_pose([*self.scene.body(name).position, np.cos(angle / 2.0), np.sin(angle / 2.0), 0.0, 0.0])
+        grips = [self._grip(o, n * np.pi / 12.0, side) for o in self.left or OBJECTS[:1] for n in range(12) for side in SIDES]
+        _, place, angle = min(grips, key=lambda grip: grip[0])
+        waypoint.frame.set_pose([*place, np.cos(angle / 2.0), np.sin(angle / 2.0), 0.0, 0.0])
 
-    def _grip_cost(self, name: str, angle: float) -> float:
-        """Return how wide an object is between the fingers, plus tenfold how far these stand in a wall or on a neighbour [m]."""
+    def _grip(self, name: str, angle: float, side: float) -> tuple[float, np.ndarray, float]:
+        """Judge a grip with the hand turned by `angle`, an object in its middle (side 0) or nearly at one of the fingers.
+
+        Returns:
+            A cost [m]: how wide the object is between the fingers, how far from the middle, and tenfold how far the fingers stand
+            in a wall or on a neighbour; where the hand is (3,); the angle.
+        """
         body = self.scene.body(name)
         across = np.array([-np.sin(angle), np.cos(angle), 0.0])
         width = float(np.abs(turned_back(across, body.quaternion)) @ np.ptp(body.bounds(), axis=0))
+        shift = side * max(OPEN - 0.5 * width, 0.0)
+        place = body.position + shift * across
+        crossed = 0.0
+        for finger in (place - FINGER * across, place + FINGER * across):
+            crossed += self._in_wall(finger)
+            for other in (self.scene.body(o) for o in OBJECTS if o != name):
+                room = 0.5 * float(np.ptp(other.bounds(), axis=0).mean()) + PAD
+                crossed += max(room - float(np.linalg.norm((other.position - finger)[:2])), 0.0)
+        return width + 0.5 * abs(shift) + 10.0 * crossed, place, angle
+
+    def _in_wall(self, point: np.ndarray) -> float:
+        """Return how far a finger at a point stands in a wall of the large tray [m]."""
         tray = self.scene.body("big_tray")
-        middle = turned_back(body.position - tray.position, tray.quaternion)[:2]
-        reach = np.abs(turned_back(across, tray.quaternion))[:2] * FINGER + PAD
-        crossed = float(np.maximum(np.abs(middle) + reach - INSIDE, 0.0).sum())
-        for other in (self.scene.body(o) for o in OBJECTS if o != name):
-            room = 0.5 * float(np.ptp(other.bounds(), axis=0).mean()) + PAD
-            gaps = [np.linalg.norm((other.position - body.position - side * FINGER * across)[:2]) for side in (-1.0, 1.0)]
-            crossed += sum(max(room - float(gap), 0.0) for gap in gaps)
-        return width + 10.0 * crossed
+        inside = np.abs(turned_back(point - tray.position, tray.quaternion))[:2]
+        return float(np.maximum(inside + PAD - INSIDE, 0.0).sum())
 
 
 def turned_back(vector: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
