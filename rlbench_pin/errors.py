@@ -268,8 +268,8 @@ class StorageError(DatasetError):
 
 
 _STORAGE_ADVICE = {
-    errno.ENOSPC: "Free some space, then go on with `--resume`.",
-    errno.EDQUOT: "Free some of your quota, then go on with `--resume`.",
+    errno.ENOSPC: "Free some space and run it again; `rlbench-pin record` goes on with `--resume`.",
+    errno.EDQUOT: "Free some of your quota and run it again; `rlbench-pin record` goes on with `--resume`.",
     errno.EROFS: "The disk is read-only: choose another folder.",
     errno.EACCES: "You may not write there: choose another folder or change its rights.",
     errno.EPERM: "You may not write there: choose another folder or change its rights.",

@@ -28,11 +28,11 @@ from rlbench_pin.observation import CAMERAS, Observation
 from rlbench_pin.tasks import task_names
 
 IMAGES = Path(__file__).resolve().parents[1] / "docs" / "images"
-SIZE, MOMENTS = 144, 3
+SIZE, MOMENTS = 144, 5
 
 
 def sheet_of(name: str, variation: int, seed: int) -> Image.Image:
-    """The five cameras at the reset and at two moments of a demonstration."""
+    """The five cameras at the reset, at three moments of a demonstration and at its end."""
     config = low_dim_config()
     for camera in config.cameras().values():
         camera.image_size = (SIZE, SIZE)
@@ -41,7 +41,7 @@ def sheet_of(name: str, variation: int, seed: int) -> Image.Image:
         task.set_variation(variation)
         demo = task.get_demos(1, live_demos=True, seed=seed)[0]
         frames = moments(task, demo, config, MOMENTS)
-    rows = ["reset", *(f"t = {moment:.1f} s" for moment in list(frames)[1:])]
+    rows = ["reset", *(f"t = {moment:.1f} s" for moment in list(frames)[1:-1]), "end"]
     return _sheet(list(frames.values()), rows, f"{name}: {demo.instructions[0]}", f"variation {variation}, seed {seed}")
 
 
