@@ -108,16 +108,16 @@ class Body:
         """Corners [[min], [max]] (2, 3) of the box around the body in its own frame, with its joints where they are [m]."""
         if not self.joints:
             if self._rigid_bounds is None:
-                self._rigid_bounds = self._bounds_now()
+                self._rigid_bounds = self.bounds_from(self.pose)
             return self._rigid_bounds.copy()
-        return self._bounds_now()
+        return self.bounds_from(self.pose)
 
-    def _bounds_now(self) -> FloatArray:
-        base = self.pose
+    def bounds_from(self, frame: PoseLike) -> FloatArray:
+        """Corners [[min], [max]] (2, 3) of the box around the body along the axes of a frame (7,), from its origin [m]."""
         boxes = []
         parts = geometry.solid_geometry(self.model.urdf, self.model.scale)
         for link in self.model.solid_links():
-            T_base_link = pose_to_se3(relative(self.link_pose(link), base))
+            T_base_link = pose_to_se3(relative(self.link_pose(link), frame))
             boxes.append(geometry.bounds((shape, T_base_link * local) for shape, local in parts[link]))
         if not boxes:
             return np.zeros((2, 3))

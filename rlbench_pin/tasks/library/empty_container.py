@@ -11,13 +11,15 @@ SOLIDS, SIZES = 25, 40
 """A thousand shapes: so many solids in so many sizes."""
 DROP, APART = 0.2, 0.06
 """Height of the lowest object over the tray, and how much higher the next one starts [m]."""
+PLACES = (-0.04, 0.04, 0.0)
+"""Where the first, second and third object are let go along the small tray [m]."""
 FALL = 20
 """Control ticks until the objects have come to rest."""
 SIDES = (0.0, -1.0, 1.0)
 """Where an object may be between the fingers: in the middle, or nearly at one of them."""
-INSIDE = np.array([0.125, 0.095])
+INSIDE = np.array([0.165, 0.135])
 """Half size of the inside of the large tray [m]."""
-OPEN, FINGER, PAD = 0.036, 0.052, 0.008
+OPEN, FINGER, PAD = 0.028, 0.052, 0.008
 """How far the middle of the hand may be from a side of an object, how far an open finger reaches, and half its breadth [m]."""
 
 
@@ -27,7 +29,9 @@ class EmptyContainer(Task):
     def init_task(self) -> None:
         self.trays = [self.scene.body("tray0"), self.scene.body("tray1")]
         self.boundary = SpawnBoundary([self.scene.region("patch")])
+        self.left, self.goal_y = list(OBJECTS), 0.25
         self.register_waypoint_ability_start(1, self._aim_at_next_object)
+        self.register_waypoint_ability_start(3, self._aim_at_tray)
         self.register_waypoints_should_repeat(lambda: bool(self.left))
 
     def variation_count(self) -> int:
@@ -41,7 +45,8 @@ class EmptyContainer(Task):
         self._create_objects(rng)
         self.sensor = self.scene.sensor(f"in_tray{goal}")
         self.left = list(OBJECTS)
-        self.scene.frame("waypoint3").set_local([0.0, 0.25 * (2 * goal - 1), 0.17, 1.0, 0.0, 0.0, 0.0])
+        self.goal_y = 0.25 * (2 * goal - 1)
+        self._aim_at_tray()
         self.register_success_conditions([Detected(self.scene.body(o), self.sensor) for o in OBJECTS])
         return [
             f"Put everything from the large tray into the {name} one.",
@@ -79,6 +84,11 @@ class EmptyContainer(Task):
         _, place, angle = min(grips, key=lambda grip: grip[0])
         waypoint.frame.set_pose([*place, np.cos(angle / 2.0), np.sin(angle / 2.0), 0.0, 0.0])
 
+    def _aim_at_tray(self, waypoint: Waypoint | None = None) -> None:
+        """Let things go beside those that lie in the tray already, not onto them."""
+        along = PLACES[len(OBJECTS) - max(len(self.left), 1)]
+        self.scene.frame("waypoint3").set_local([along, self.goal_y, 0.17, 1.0, 0.0, 0.0, 0.0])
+
     def _grip(self, name: str, angle: float, side: float) -> tuple[float, np.ndarray, float]:
         """Judge a grip with the hand turned by `angle`, an object in its middle (side 0) or nearly at one of the fingers.
 
@@ -88,16 +98,17 @@ class EmptyContainer(Task):
         """
         body = self.scene.body(name)
         across = np.array([-np.sin(angle), np.cos(angle), 0.0])
-        width = float(np.abs(turned_back(across, body.quaternion)) @ np.ptp(body.bounds(), axis=0))
-        shift = side * max(OPEN - 0.5 * width, 0.0)
-        place = body.position + shift * across
+        turned = [*body.position, 0.0, 0.0, np.sin(angle / 2.0), np.cos(angle / 2.0)]
+        low, high = body.bounds_from(turned)[:, 1]
+        width, shift = high - low, side * max(OPEN - 0.5 * (high - low), 0.0)
+        place = body.position + (0.5 * (low + high) + shift) * across
         crossed = 0.0
         for finger in (place - FINGER * across, place + FINGER * across):
             crossed += self._in_wall(finger)
             for other in (self.scene.body(o) for o in OBJECTS if o != name):
                 room = 0.5 * float(np.ptp(other.bounds(), axis=0).mean()) + PAD
                 crossed += max(room - float(np.linalg.norm((other.position - finger)[:2])), 0.0)
-        return width + 0.5 * abs(shift) + 10.0 * crossed, place, angle
+        return float(width) + 0.5 * abs(shift) + 10.0 * crossed, place, angle
 
     def _in_wall(self, point: np.ndarray) -> float:
         """Return how far a finger at a point stands in a wall of the large tray [m]."""

@@ -6,7 +6,7 @@ from assets_lib.mesh import Mesh, box, merge
 from assets_lib.urdf import Link, Model, Shape, Vec3, Visual, box_shape, mesh_shape
 
 WALL, FLOOR = 0.005, 0.005
-BIG, SMALL = (0.26, 0.20, 0.045), (0.18, 0.16, 0.045)
+BIG, SMALL = (0.34, 0.28, 0.045), (0.18, 0.16, 0.045)
 """Low, because the palm is 0.04 m above the finger tips."""
 RIM = 0.004
 """How far the rim stands out [m]."""
