@@ -16,8 +16,9 @@ from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.motion import REST_SPEED
 
 REST_SEEDS, FLAIL_SEEDS = range(2), range(1)
-REPEATS_ALMOST = {"pour_from_cup_to_cup"}
-"""Known fault: twenty drops touch a cup of many convex parts in no fixed sequence; late frames differ in the last bits."""
+REPEATS_ALMOST = {"place_shape_in_shape_sorter", "pour_from_cup_to_cup", "setup_checkers"}
+"""Known fault: contacts of many loose or many-cornered pieces come back in another order after other episodes, so that late
+frames may differ in the last bits."""
 
 RESTLESS = {"empty_container"}
 """Known fault: on some seeds a solid that came to rest on an edge tips over late."""
