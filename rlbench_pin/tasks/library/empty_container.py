@@ -29,7 +29,6 @@ class EmptyContainer(Task):
     def init_task(self) -> None:
         self.trays = [self.scene.body("tray0"), self.scene.body("tray1")]
         self.boundary = SpawnBoundary([self.scene.region("patch")])
-        self.left, self.goal_y = list(OBJECTS), 0.25
         self.register_waypoint_ability_start(1, self._aim_at_next_object)
         self.register_waypoint_ability_start(3, self._aim_at_tray)
         self.register_waypoints_should_repeat(lambda: bool(self.left))
@@ -80,7 +79,8 @@ class EmptyContainer(Task):
 
     def _aim_at_next_object(self, waypoint: Waypoint) -> None:
         """Go to the object that is easiest to grip, and close across a narrow side of it, with room for the fingers."""
-        grips = [self._grip(o, n * np.pi / 12.0, side) for o in self.left or OBJECTS[:1] for n in range(12) for side in SIDES]
+        angles = [n * np.pi / 12.0 for n in range(12)]
+        grips = [grip for o in self.left or OBJECTS[:1] for angle in angles for grip in self._grips(o, angle)]
         _, place, angle = min(grips, key=lambda grip: grip[0])
         waypoint.frame.set_pose([*place, np.cos(angle / 2.0), np.sin(angle / 2.0), 0.0, 0.0])
 
@@ -89,26 +89,32 @@ class EmptyContainer(Task):
         along = PLACES[len(OBJECTS) - max(len(self.left), 1)]
         self.scene.frame("waypoint3").set_local([along, self.goal_y, 0.17, 1.0, 0.0, 0.0, 0.0])
 
-    def _grip(self, name: str, angle: float, side: float) -> tuple[float, np.ndarray, float]:
-        """Judge a grip with the hand turned by `angle`, an object in its middle (side 0) or nearly at one of the fingers.
+    def _grips(self, name: str, angle: float) -> list[tuple[float, np.ndarray, float]]:
+        """Judge grips with the hand turned by `angle`, an object in its middle or nearly at one of the fingers.
 
         Returns:
-            A cost [m]: how wide the object is between the fingers, how far from the middle, and tenfold how far the fingers stand
-            in a wall or on a neighbour; where the hand is (3,); the angle.
+            Of each: a cost [m], which is how wide the object is between the fingers, how far from the middle, and tenfold how far
+            the fingers stand in a wall or on a neighbour; where the hand is (3,); the angle.
         """
         body = self.scene.body(name)
         across = np.array([-np.sin(angle), np.cos(angle), 0.0])
         turned = [*body.position, 0.0, 0.0, np.sin(angle / 2.0), np.cos(angle / 2.0)]
         low, high = body.bounds_from(turned)[:, 1]
-        width, shift = high - low, side * max(OPEN - 0.5 * (high - low), 0.0)
-        place = body.position + (0.5 * (low + high) + shift) * across
-        crossed = 0.0
-        for finger in (place - FINGER * across, place + FINGER * across):
-            crossed += self._in_wall(finger)
-            for other in (self.scene.body(o) for o in OBJECTS if o != name):
-                room = 0.5 * float(np.ptp(other.bounds(), axis=0).mean()) + PAD
-                crossed += max(room - float(np.linalg.norm((other.position - finger)[:2])), 0.0)
-        return float(width) + 0.5 * abs(shift) + 10.0 * crossed, place, angle
+        grips = []
+        for side in SIDES:
+            shift = side * max(OPEN - 0.5 * (high - low), 0.0)
+            place = body.position + (0.5 * (low + high) + shift) * across
+            crossed = sum(self._in_the_way(name, place + finger * across) for finger in (-FINGER, FINGER))
+            grips.append((float(high - low) + 0.5 * abs(shift) + 10.0 * crossed, place, angle))
+        return grips
+
+    def _in_the_way(self, name: str, finger: np.ndarray) -> float:
+        """Return how far a finger at a point stands in a wall or on what is not the object to grip [m]."""
+        crossed = self._in_wall(finger)
+        for other in (self.scene.body(o) for o in OBJECTS if o != name):
+            room = 0.5 * float(np.ptp(other.bounds(), axis=0).mean()) + PAD
+            crossed += max(room - float(np.linalg.norm((other.position - finger)[:2])), 0.0)
+        return crossed
 
     def _in_wall(self, point: np.ndarray) -> float:
         """Return how far a finger at a point stands in a wall of the large tray [m]."""
