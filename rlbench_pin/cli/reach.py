@@ -13,7 +13,6 @@ from rlbench_pin.environment.scene import Scene
 from rlbench_pin.environment.turns import poses_of, runs
 from rlbench_pin.errors import BoundaryError, NoIkSolution
 from rlbench_pin.planning.planner import MotionPlanner
-from rlbench_pin.sim import WorldState
 from rlbench_pin.spatial import FloatArray, pose_to_se3
 from rlbench_pin.tasks import Waypoint
 
@@ -38,14 +37,14 @@ class Reach:
         return self.free and all(self.reached)
 
 
-def reach_of(scene: Scene, clean: WorldState, seed: int, variation: int) -> Reach:
+def reach_of(scene: Scene, seed: int, variation: int) -> Reach:
     """Lay the scene out once, from `seed`, and see which waypoints can be reached.
 
     Raises:
         BoundaryError: Something found no place.
     """
     random = EpisodeRandom.from_seed(seed)
-    lay_out(scene, clean, variation, random, static=False)
+    lay_out(scene, variation, random, static=False)
     root = pose_to_se3(scene.world.root.pose)
     yaw = float(np.arctan2(root.rotation[1, 0], root.rotation[0, 0]))
     waypoints = scene.task.get_waypoints()

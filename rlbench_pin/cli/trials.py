@@ -107,11 +107,10 @@ def _words(task: TaskEnvironment) -> Iterator[Trial]:
 
 
 def _trials(task: TaskEnvironment, item: Item) -> Iterator[Trial]:
-    clean = task.world.save()
     variations = drawn_variations(task.variation_count(), item.max_variations)
 
     def reach(blank: Trial) -> Trial:
-        found = reach_of(task.scene, clean, blank.seed, blank.variation)
+        found = reach_of(task.scene, blank.seed, blank.variation)
         return replace(blank, success=found.accepted, reach=found)
 
     parts: dict[str, Callable[[Trial], Trial]] = {

@@ -10,7 +10,6 @@ from rlbench_pin.environment.randomness import EpisodeRandom
 from rlbench_pin.environment.scene import Scene
 from rlbench_pin.environment.turns import check_feasible
 from rlbench_pin.errors import BoundaryError, PlanningError, ResetError, WaypointError
-from rlbench_pin.sim import WorldState
 from rlbench_pin.tasks import place_task
 
 MAX_RESET_ATTEMPTS = 40
@@ -29,7 +28,6 @@ class EpisodeStart:
 
 def start_episode(
     scene: Scene,
-    clean: WorldState,
     variation: int,
     random: EpisodeRandom,
     *,
@@ -40,7 +38,6 @@ def start_episode(
 
     Args:
         scene: The running scene.
-        clean: State of the world right after it was built.
         variation: Variation of the task.
         random: Generators of this episode.
         static: Leave the task where its scene file puts it.
@@ -50,23 +47,24 @@ def start_episode(
         ResetError: No attempt gave a placement whose waypoints can all be reached; carries why each failed.
     """
     causes: list[str] = []
+    scene.task.end_episode()
+    scene.world.build_again()
     for attempt in range(1, max_attempts + 1):
         try:
-            instructions = _try_start(scene, clean, variation, random, static)
+            instructions = _try_start(scene, variation, random, static)
         except (BoundaryError, WaypointError, PlanningError) as error:
             causes.append(f"{type(error).__name__}: {error}")
             continue
         return EpisodeStart(tuple(instructions), attempt)
-    scene.world.restore(clean)
+    scene.world.restore(scene.world.origin)
     raise ResetError(scene.task.get_name(), causes)
 
 
-def lay_out(scene: Scene, clean: WorldState, variation: int, random: EpisodeRandom, *, static: bool) -> list[str]:
+def lay_out(scene: Scene, variation: int, random: EpisodeRandom, *, static: bool) -> list[str]:
     """Put one draw of a variation on the table, whether it can be reached or not, and return its instructions.
 
     Args:
         scene: The running scene.
-        clean: State of the world right after it was built.
         variation: Variation of the task.
         random: Generators of this episode.
         static: Leave the task where its scene file puts it.
@@ -76,7 +74,7 @@ def lay_out(scene: Scene, clean: WorldState, variation: int, random: EpisodeRand
     """
     task = scene.task
     task.end_episode()
-    scene.world.restore(clean)
+    scene.world.restore(scene.world.origin)
     scene.variation = variation
     scene.planning_rng, scene.noise_rng = random.planning, random.noise
     instructions = task.begin_episode(variation, random.placement)
@@ -93,8 +91,8 @@ def check_arm_is_free(scene: Scene) -> None:
         raise BoundaryError(f"the arm at home touches {pairs[0][1]}")
 
 
-def _try_start(scene: Scene, clean: WorldState, variation: int, random: EpisodeRandom, static: bool) -> list[str]:
-    instructions = lay_out(scene, clean, variation, random, static=static)
+def _try_start(scene: Scene, variation: int, random: EpisodeRandom, static: bool) -> list[str]:
+    instructions = lay_out(scene, variation, random, static=static)
     check_arm_is_free(scene)
     waypoints = scene.task.get_waypoints()
     if waypoints:

@@ -44,7 +44,7 @@ class TaskEnvironment:
     """The loop of one task: `reset`, `step`, `get_demos`.
 
     Args:
-        scene: The running scene, in its clean state.
+        scene: The running scene, as it was built.
         action_mode: What actions mean.
         obs_config: What observations contain.
         seeds: Source of the seeds of episodes that are not given one.
@@ -69,7 +69,6 @@ class TaskEnvironment:
         self._seeds, self._dataset_root = seeds, dataset_root
         self._static_positions, self._shaped_rewards = static_positions, shaped_rewards
         self._randomizer = randomizer
-        self._clean = scene.world.save()
         self._variation_number = 0
         self._instructions: tuple[str, ...] = ()
         self._seed = 0
@@ -174,7 +173,7 @@ class TaskEnvironment:
             variation = int(random.variation.integers(self.variation_count()))
         if self._randomizer is not None:
             self._randomizer.take_off()
-        start = start_episode(self._scene, self._clean, variation, random, static=self._static_positions)
+        start = start_episode(self._scene, variation, random, static=self._static_positions)
         if self._randomizer is not None:
             self._randomizer.begin_episode(variation, random.look)
         self._instructions, self._reset_attempts, self._seed = start.instructions, start.attempts, seed

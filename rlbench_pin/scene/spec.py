@@ -70,9 +70,6 @@ class BodySpec(Posed):
     """Overrides every visual colour, rgb or rgba in 0..1."""
     scale: float = Field(default=1.0, gt=0.0)
     """Uniform scale of the asset."""
-    solve_with_arm: bool = False
-    """Solved in one go with the arm, which costs time: for a free body of several convex parts whose motion would otherwise
-    differ in the last bits after other episodes. Bodies with joints are anyway."""
 
 
 class SpringSpec(Spec):

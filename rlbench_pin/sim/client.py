@@ -13,6 +13,7 @@ from pathlib import Path
 
 from rlbench_pin.errors import AssetInvalid, AssetNotFound, EnvironmentClosed, UnknownName
 from rlbench_pin.sim.egl import RENDERERS, EglMissing, RendererName, plugin_file
+from rlbench_pin.sim.ledger import Change, close_ledger, noting, open_ledger
 from rlbench_pin.sim.urdf import check_urdf
 from rlbench_pin.spatial import FloatArray
 
@@ -52,7 +53,10 @@ def _flush() -> None:
 
 
 with captured_output():  # pybullet greets when it is imported
-    import pybullet as bullet
+    import pybullet
+
+bullet = noting(pybullet)
+"""PyBullet's functions; those that change a world are written down while it is built."""
 
 __all__ = ["Captured", "PhysicsClient", "bullet", "captured_output", "open_client"]
 
@@ -76,14 +80,31 @@ class PhysicsClient:
         self._id: int | None = bullet.connect(bullet.DIRECT)
         if hardware:
             self._plugin = self._load_egl()
+        self._built: tuple[Change, ...] = ()
+        open_ledger(self.id)
         bullet.setTimeStep(timestep, physicsClientId=self.id)
         bullet.setGravity(*_GRAVITY, physicsClientId=self.id)
         bullet.setPhysicsEngineParameter(
             numSolverIterations=_SOLVER_ITERATIONS,
             deterministicOverlappingPairs=1,
-            enableFileCaching=0,
             physicsClientId=self.id,
         )
+        for caching in (0, 1):  # forget what files said when an earlier world was built, then read each of them once
+            pybullet.setPhysicsEngineParameter(enableFileCaching=caching, physicsClientId=self.id)
+
+    def end_building(self) -> None:
+        """Take what was done so far as what `build_again` does."""
+        self._built = close_ledger(self.id)
+
+    def build_again(self) -> None:
+        """Throw everything away, and do what was done until `end_building` in a server without a past.
+
+        Bodies keep their numbers. What was simulated before leaves no trace, not even in the order in which PyBullet looks at
+        contacts.
+        """
+        bullet.resetSimulation(physicsClientId=self.id)
+        for change in self._built:
+            change.repeat()
 
     def _load_egl(self) -> int:
         try:
@@ -113,6 +134,7 @@ class PhysicsClient:
         """Free the physics server; may be called again."""
         if self._id is not None:
             identifier, self._id = self._id, None
+            close_ledger(identifier)
             with captured_output() if self.hardware else nullcontext():
                 bullet.disconnect(physicsClientId=identifier)
 

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import json
-import tempfile
 import zlib
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.scene.spec import BodySpec
-from rlbench_pin.sim.client import bullet
 from rlbench_pin.sim.grasp import Attachment
 from rlbench_pin.sim.gripper import FingerControl
 from rlbench_pin.sim.sim_robot import ArmControl
-from rlbench_pin.sim.state import BodyMarks, Marks, read_marks, restore, save, separate_bodies, write_marks
+from rlbench_pin.sim.state import (
+    BodyMarks,
+    Marks,
+    read_marks,
+    restore,
+    restore_bytes,
+    save,
+    separate_bodies,
+    to_bytes,
+    write_marks,
+)
 
 if TYPE_CHECKING:
     from rlbench_pin.sim.world import World
@@ -40,7 +47,7 @@ def to_arrays(world: World, exact: bool = True) -> dict[str, np.ndarray]:
     """
     arrays = _readable(world, read_marks(world))
     if exact:
-        physics = _physics(world)
+        physics = to_bytes(world.client)
         _restore_physics(world, physics)  # as the other process will, so that both go on alike
         arrays["physics"] = _bytes(zlib.compress(physics))
     return arrays
@@ -165,22 +172,9 @@ def _check(world: World, meta: dict[str, Any], marks: Marks) -> None:
         raise RlbenchPinError(f"The arrays belong to another scene; only one of the two has {', '.join(odd[:6])}.")
 
 
-def _physics(world: World) -> bytes:
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "state.bullet"
-        bullet.saveBullet(str(file), physicsClientId=world.client.id)
-        return file.read_bytes()
-
-
 def _restore_physics(world: World, physics: bytes) -> None:
     separate_bodies(world)
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "state.bullet"
-        file.write_bytes(physics)
-        try:
-            bullet.restoreState(fileName=str(file), physicsClientId=world.client.id)
-        except bullet.error as error:
-            raise RlbenchPinError("The array 'physics' does not fit this world; it holds other bodies or is damaged.") from error
+    restore_bytes(world.client, physics)
 
 
 def _bytes(data: bytes) -> np.ndarray:

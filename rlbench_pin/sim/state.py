@@ -6,8 +6,10 @@ collision filters, colours, locks, frames and the bodies added at run time.
 
 from __future__ import annotations
 
+import tempfile
 import weakref
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rlbench_pin.errors import RlbenchPinError
@@ -50,28 +52,62 @@ class Marks:
     spawned: dict[str, BodySpec]
 
 
+class Physics:
+    """PyBullet's part of a state: a number in its server and, when that server is to be built again, the bytes.
+
+    Args:
+        client: The physics server, whose present state is taken.
+    """
+
+    def __init__(self, client: PhysicsClient) -> None:
+        self.client = client
+        self._number: int | None = None
+        self._bytes = b""
+        self.take()
+
+    def restore(self) -> None:
+        """Bring the server to this state."""
+        if self._number is not None:
+            bullet.restoreState(self._number, physicsClientId=self.client.id)
+            return
+        restore_bytes(self.client, self._bytes)
+        self.take()
+
+    @property
+    def has_bytes(self) -> bool:
+        """Whether it outlasts its server."""
+        return bool(self._bytes)
+
+    def take_bytes(self) -> None:
+        """Keep the server's present state, which must be this one, as bytes."""
+        self._bytes = to_bytes(self.client)
+
+    def take(self) -> None:
+        """Take the server's present state."""
+        self._number = bullet.saveState(physicsClientId=self.client.id)
+
+    def forget(self) -> None:
+        """Free the server's memory."""
+        if self._number is not None and not self.client.closed:
+            bullet.removeState(self._number, physicsClientId=self.client.id)
+        self._number = None
+
+
 @dataclass(frozen=True, eq=False)
 class WorldState:
     """One instant of one world; only that world can restore it."""
 
-    client: PhysicsClient
-    physics: int
-    """PyBullet's number of the state."""
+    physics: Physics
     marks: Marks
 
 
 def save(world: World) -> WorldState:
     """Remember this instant; the physics server frees it when the returned object is gone."""
-    client = world.client
-    saved = WorldState(client, bullet.saveState(physicsClientId=client.id), read_marks(world))
-    weakref.finalize(saved, _forget, client, saved.physics)
+    saved = WorldState(Physics(world.client), read_marks(world))
+    weakref.finalize(saved, saved.physics.forget)
+    world.saved_states.add(saved)
     _restore_physics(world, saved)
     return saved
-
-
-def _forget(client: PhysicsClient, physics: int) -> None:
-    if not client.closed:
-        bullet.removeState(physics, physicsClientId=client.id)
 
 
 def restore(world: World, saved: WorldState) -> None:
@@ -80,7 +116,7 @@ def restore(world: World, saved: WorldState) -> None:
     Raises:
         RlbenchPinError: The state belongs to another world.
     """
-    if saved.client is not world.client:
+    if saved.physics.client is not world.client:
         raise RlbenchPinError("This state was saved by another world. Use arrays() and set_arrays() between worlds.")
     write_marks(world, saved.marks)
     _restore_physics(world, saved)
@@ -88,7 +124,47 @@ def restore(world: World, saved: WorldState) -> None:
 
 def _restore_physics(world: World, saved: WorldState) -> None:
     separate_bodies(world)
-    bullet.restoreState(saved.physics, physicsClientId=world.client.id)
+    saved.physics.restore()
+
+
+def build_again(world: World) -> None:
+    """Bring a world to its origin, in a physics server without a past; saved states stay good."""
+    origin = world.origin
+    for saved in world.saved_states:
+        if saved is not origin and not saved.physics.has_bytes:
+            restore(world, saved)
+            saved.physics.take_bytes()
+        saved.physics.forget()
+    write_marks(world, origin.marks)
+    world.client.build_again()
+    origin.physics.take()
+    _restore_physics(world, origin)
+    world.robot.forget_measurements()
+    world.wardrobe.wear_again()
+    world.tuning.apply_again()
+
+
+def to_bytes(client: PhysicsClient) -> bytes:
+    """Return the state of a physics server as bytes."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "state.bullet"
+        bullet.saveBullet(str(file), physicsClientId=client.id)
+        return file.read_bytes()
+
+
+def restore_bytes(client: PhysicsClient, physics: bytes) -> None:
+    """Bring a physics server to the state of `to_bytes`.
+
+    Raises:
+        RlbenchPinError: The bytes are damaged, or hold other bodies.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "state.bullet"
+        file.write_bytes(physics)
+        try:
+            bullet.restoreState(fileName=str(file), physicsClientId=client.id)
+        except bullet.error as error:
+            raise RlbenchPinError("The array 'physics' does not fit this world; it holds other bodies or is damaged.") from error
 
 
 def separate_bodies(world: World) -> None:

@@ -19,6 +19,7 @@ class Tuning:
     def __init__(self, robot: SimRobot) -> None:
         self._robot = robot
         self._originals: dict[tuple[int, int], dict[str, Any]] = {}
+        self._changed: dict[tuple[int, int], dict[str, Any]] = {}
 
     def scale(self, model: LoadedModel, *, mass: float = 1.0, friction: float = 1.0, damping: float = 1.0) -> None:
         """Multiply masses (with their inertia), friction coefficients and joint damping of all links of a body."""
@@ -31,6 +32,7 @@ class Tuning:
             }
             if "jointDamping" in original:
                 changed["jointDamping"] = original["jointDamping"] * damping
+            self._changed[model.uid, link] = changed
             bullet.changeDynamics(model.uid, link, physicsClientId=model.client.id, **changed)
 
     def scale_gains(self, factor: float) -> None:
@@ -44,6 +46,12 @@ class Tuning:
         for (uid, link), original in self._originals.items():
             bullet.changeDynamics(uid, link, physicsClientId=identifier, **original)
         self._originals.clear()
+        self._changed.clear()
+
+    def apply_again(self) -> None:
+        """Make the present changes in a physics server that was built again."""
+        for (uid, link), changed in self._changed.items():
+            bullet.changeDynamics(uid, link, physicsClientId=self._robot.model.client.id, **changed)
 
     def _original(self, model: LoadedModel, link: int) -> dict[str, Any]:
         key = (model.uid, link)

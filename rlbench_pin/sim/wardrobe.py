@@ -39,8 +39,7 @@ class Wardrobe:
     def dress_robot(self, link: int, texture: Texture, repeats: float) -> None:
         """Put a texture on a link of the arm in place of its colours."""
         self._plain_robot_links.add(link)
-        identifier = self._robot.client.id
-        bullet.changeVisualShape(self._robot.uid, link, rgbaColor=_WHITE, physicsClientId=identifier)
+        _whiten(self._robot, link)
         self._renderer.skins[self._robot.uid, link] = Skin(texture, repeats)
 
     def dress_body(self, name: str, texture: Texture, repeats: float) -> None:
@@ -51,12 +50,20 @@ class Wardrobe:
             self._plain_bodies.add(name)
         for link in body.seen_links:
             if not colored:
-                bullet.changeVisualShape(body.model.uid, link, rgbaColor=_WHITE, physicsClientId=body.model.client.id)
+                _whiten(body.model, link)
             self._renderer.skins[body.model.uid, link] = Skin(texture.gray if colored else texture, repeats)
 
     def dress_room(self, name: str, texture: Texture) -> None:
         """Put a texture on a body of the room in place of its own."""
         self._room[name].texture = texture
+
+    def wear_again(self) -> None:
+        """Make the present look in a physics server that was built again."""
+        for link in self._plain_robot_links:
+            _whiten(self._robot, link)
+        for name in self._plain_bodies & set(self._bodies):
+            for link in self._bodies[name].seen_links:
+                _whiten(self._bodies[name].model, link)
 
     def undress(self) -> None:
         """Give everything its own look back."""
@@ -71,3 +78,7 @@ class Wardrobe:
                     self._robot.uid, link, shapeIndex=shape, rgbaColor=color, physicsClientId=self._robot.client.id
                 )
         self._plain_bodies, self._plain_robot_links = set(), set()
+
+
+def _whiten(model: LoadedModel, link: int) -> None:
+    bullet.changeVisualShape(model.uid, link, rgbaColor=_WHITE, physicsClientId=model.client.id)

@@ -57,6 +57,7 @@ class World:
         on_step: Called after every tick.
         on_physics: Called before every physics step; may command the arm.
         client: The physics server, for modules of this folder only.
+        saved_states: States that someone still holds.
     """
 
     def __init__(
@@ -75,6 +76,8 @@ class World:
         self.on_physics: list[Callable[[], None]] = []
         self.client = open_client(timestep, renderer)
         self._finalizer = weakref.finalize(self, self.client.close)
+        self.saved_states: weakref.WeakSet[WorldState] = weakref.WeakSet()
+        self._origin: WorldState | None = None
         self._build(robot)
 
     def _build(self, robot: RobotDescription) -> None:
@@ -105,7 +108,7 @@ class World:
 
     def _load(self, spec: BodySpec) -> Body:
         body = builder.load_body(self.client, spec, self.scene.file, self._places.carry)
-        if body.joints or spec.solve_with_arm:
+        if body.joints:
             builder.share_island(self._arm, body)
         self.bodies[spec.name] = body
         self._places.hang(spec)
@@ -186,6 +189,8 @@ class World:
 
     def step(self) -> None:
         """Advance one control tick."""
+        if self._origin is None:
+            self._end_building()
         identifier = self.client.id
         self.robot.begin_tick()
         self.gripper.begin_tick()
@@ -278,13 +283,34 @@ class World:
 
     # Going back ------------------------------------------------------------------------------------------------------
 
+    @property
+    def origin(self) -> WorldState:
+        """The world as it was built, with what was done to it before its first step and before it was first saved."""
+        return self._end_building() if self._origin is None else self._origin
+
+    def _end_building(self) -> WorldState:
+        self.client.end_building()
+        self._origin = state.save(self)
+        return self._origin
+
     def save(self) -> WorldState:
         """Remember this instant exactly, in memory; freed with the returned object."""
+        if self._origin is None:
+            self._end_building()
         return state.save(self)
 
     def restore(self, saved: WorldState) -> None:
         """Go back to a remembered instant of this world, exactly."""
         state.restore(self, saved)
+
+    def build_again(self) -> None:
+        """Go back to the origin, in a physics server without a past; saved states stay good.
+
+        What follows is the same to the last bit whatever was simulated before, which `restore` cannot promise where many pieces
+        touch: PyBullet looks at their contacts in an order that depends on earlier ones. Bodies, joints and frames stay the
+        same objects; textures and changes of the physics are kept.
+        """
+        state.build_again(self)
 
     def arrays(self, exact: bool = True) -> dict[str, np.ndarray]:
         """Return this instant as plain arrays that another process can continue from.

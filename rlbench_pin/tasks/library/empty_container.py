@@ -15,6 +15,8 @@ PLACES = (-0.04, 0.04, 0.0)
 """Where the first, second and third object are let go along the small tray [m]."""
 FALL = 20
 """Control ticks until the objects have come to rest."""
+KNOCK, KNOCKS = 1.0, 2
+"""Speed of turning with which what stands on an edge is knocked over [rad/s], and how often."""
 SIDES = (0.0, -1.0, 1.0)
 """Where an object may be between the fingers: in the middle, or nearly at one of them."""
 INSIDE = np.array([0.165, 0.135])
@@ -74,6 +76,13 @@ class EmptyContainer(Task):
             body = self.scene.add_body(OBJECTS[i], spec)
             self.boundary.sample(body, rng, min_distance=0.0, ignore_collisions=True)
         self.register_graspable_objects(OBJECTS)
+        self._wait()
+        for _ in range(KNOCKS):
+            for angle, name in zip(rng.uniform(0.0, 2.0 * np.pi, len(OBJECTS)), OBJECTS, strict=True):
+                self.scene.body(name).set_velocity([0.0, 0.0, 0.0, KNOCK * np.cos(angle), KNOCK * np.sin(angle), 0.0])
+            self._wait()
+
+    def _wait(self) -> None:
         for _ in range(FALL):
             self.scene.step()
 

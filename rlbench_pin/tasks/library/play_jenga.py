@@ -11,12 +11,12 @@ BRICKS = 13
 
 
 class PlayJenga(Task):
-    """The brick that sticks out must leave the tower and be let go; all others must stay."""
+    """The brick that sticks out must come right out of the tower and be let go; all others must stay."""
 
     def init_task(self) -> None:
         tower = self.scene.sensor("tower")
         stays = [Detected(self.scene.body(f"brick{i}"), tower) for i in range(BRICKS)]
-        gone = Detected(self.scene.body("target"), tower, negated=True)
+        gone = Detected(self.scene.body("target"), self.scene.sensor("around"), negated=True)
         self.register_graspable_objects(["target"])
         self.register_success_conditions([*stays, gone, NothingGrasped(self.gripper)])
 
