@@ -4,30 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import ModuleType, SimpleNamespace
+from types import BuiltinFunctionType, ModuleType, SimpleNamespace
 from typing import Any
 
 from rlbench_pin.errors import RlbenchPinError
 
-_CHANGES = (
-    "changeConstraint",
-    "changeDynamics",
-    "changeVisualShape",
-    "createConstraint",
-    "loadURDF",
-    "removeBody",
-    "removeConstraint",
-    "resetBasePositionAndOrientation",
-    "resetBaseVelocity",
-    "resetJointState",
-    "setCollisionFilterGroupMask",
-    "setCollisionFilterPair",
-    "setGravity",
-    "setJointMotorControlArray",
-    "setPhysicsEngineParameter",
-    "setTimeStep",
-)
-"""Functions of pybullet with which worlds are built."""
+_NOT_NOTED = ("get", "save", "connect", "disconnect", "loadPlugin", "removeState", "resetSimulation")
+"""Beginnings of functions of pybullet that change nothing that building again must bring back."""
 
 
 @dataclass(frozen=True)
@@ -56,10 +39,10 @@ _open: dict[int, list[Change]] = {}
 
 
 def noting(module: ModuleType) -> SimpleNamespace:
-    """Return the functions of pybullet, where those that change a world write into its ledger while that is open."""
-    functions = dict(vars(module))
-    functions.update({name: _noting(functions[name]) for name in _CHANGES})
-    return SimpleNamespace(**functions)
+    """Return what pybullet offers, where functions that change a world write into its ledger while that is open."""
+    contents = vars(module)
+    noted = (n for n, f in contents.items() if isinstance(f, BuiltinFunctionType) and not n.startswith(_NOT_NOTED))
+    return SimpleNamespace(**{**contents, **{name: _noting(contents[name]) for name in noted}})
 
 
 def _noting(function: Callable[..., Any]) -> Callable[..., Any]:

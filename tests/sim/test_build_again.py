@@ -47,6 +47,18 @@ def test_what_follows_does_not_depend_on_the_past(scene):
         assert ends[1] == ends[0] and ends[2] == ends[0]
 
 
+@pytest.mark.parametrize("scene", [cube_scene, furniture_scene, clutter], ids=["cube", "furniture", "clutter"])
+def test_a_world_built_again_behaves_like_a_new_one(scene):
+    """Motors, locks, friction, springs, filters and colours are those of the first building."""
+    with build(scene()) as world:
+        expected = go_on(world)
+        wander(world)
+        for name in [f"{body.name}/{joint}" for body in world.bodies.values() for joint in body.joints]:
+            world.joint(name).lock()
+        world.build_again()
+        assert go_on(world) == expected
+
+
 def test_everything_is_where_it_was_built():
     """Bodies, joints, colours and the clock are those of the scene file, and bodies made at run time are gone."""
     with build(furniture_scene()) as world:
