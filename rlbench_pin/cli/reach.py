@@ -44,6 +44,7 @@ def reach_of(scene: Scene, seed: int, variation: int) -> Reach:
         BoundaryError: Something found no place.
     """
     random = EpisodeRandom.from_seed(seed)
+    scene.world.build_again()
     lay_out(scene, variation, random, static=False)
     root = pose_to_se3(scene.world.root.pose)
     yaw = float(np.arctan2(root.rotation[1, 0], root.rotation[0, 0]))

@@ -69,6 +69,7 @@ class TaskEnvironment:
         self._seeds, self._dataset_root = seeds, dataset_root
         self._static_positions, self._shaped_rewards = static_positions, shaped_rewards
         self._randomizer = randomizer
+        scene.world.end_building()
         self._variation_number = 0
         self._instructions: tuple[str, ...] = ()
         self._seed = 0

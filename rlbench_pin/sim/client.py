@@ -101,10 +101,17 @@ class PhysicsClient:
 
         Bodies keep their numbers. What was simulated before leaves no trace, not even in the order in which PyBullet looks at
         contacts.
+
+        Raises:
+            RlbenchPinError: Something went otherwise than the first time; the server is closed then.
         """
         bullet.resetSimulation(physicsClientId=self.id)
-        for change in self._built:
-            change.repeat()
+        try:
+            for change in self._built:
+                change.repeat()
+        except BaseException:
+            self.close()
+            raise
 
     def _load_egl(self) -> int:
         try:

@@ -9,8 +9,19 @@ from typing import Any
 
 from rlbench_pin.errors import RlbenchPinError
 
-_NOT_NOTED = ("get", "save", "connect", "disconnect", "loadPlugin", "removeState", "resetSimulation")
-"""Beginnings of functions of pybullet that change nothing that building again must bring back."""
+_NOT_NOTED = (
+    "connect",
+    "disconnect",
+    "get",
+    "loadPlugin",
+    "performCollisionDetection",
+    "removeState",
+    "resetSimulation",
+    "restoreState",
+    "save",
+    "stepSimulation",
+)
+"""Beginnings of functions of pybullet that are no part of building a world."""
 
 
 @dataclass(frozen=True)
@@ -26,12 +37,20 @@ class Change:
         """Do it again.
 
         Raises:
-            RlbenchPinError: It gave something else this time.
+            RlbenchPinError: It failed, or gave something else this time.
         """
-        result = self.function(*self.positional, **self.named)
-        if result != self.result:
-            name = self.function.__name__
-            raise RlbenchPinError(f"Building the world anew, {name} gave {result} instead of {self.result}. Reload the task.")
+        name = self.function.__name__
+        try:
+            result = self.function(*self.positional, **self.named)
+        except Exception as error:
+            problem = f"{name}{self.positional} failed: {error}"
+        else:
+            if result == self.result:
+                return
+            problem = f"{name}{self.positional} gave {result} instead of {self.result}"
+        raise RlbenchPinError(
+            f"The world could not be built again: {problem}. Restore the files it was built from, and load the task again."
+        )
 
 
 _open: dict[int, list[Change]] = {}

@@ -103,6 +103,7 @@ class WorldState:
 
 def save(world: World) -> WorldState:
     """Remember this instant; the physics server frees it when the returned object is gone."""
+    world.gripper.set_attachments(world.gripper.attachments())  # as restoring does
     saved = WorldState(Physics(world.client), read_marks(world))
     weakref.finalize(saved, saved.physics.forget)
     world.saved_states.add(saved)

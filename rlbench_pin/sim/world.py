@@ -189,8 +189,7 @@ class World:
 
     def step(self) -> None:
         """Advance one control tick."""
-        if self._origin is None:
-            self._end_building()
+        self.end_building()
         identifier = self.client.id
         self.robot.begin_tick()
         self.gripper.begin_tick()
@@ -229,7 +228,7 @@ class World:
         return body
 
     def remove_body(self, name: str) -> None:
-        """Remove a body that `add_body` made; those added after it stay.
+        """Remove a body that `add_body` made.
 
         Raises:
             RlbenchPinError: The body belongs to the scene file.
@@ -239,11 +238,19 @@ class World:
             raise RlbenchPinError(f"'{name}' belongs to the scene file; only bodies made by add_body can be removed.")
         if name in self.gripper.grasped:
             self.gripper.release()
-        del self._spawned[name], self.bodies[name]
+        self._close_gap(name)
+        del self.bodies[name]
         self._places.unhang(name)
         self._mask_table.remove(body.model)
         self._contacts.remove(body.model.uid)
         bullet.removeBody(body.model.uid, physicsClientId=self.client.id)
+
+    def _close_gap(self, name: str) -> None:
+        """Forget a run-time body; the last one takes its place, as in PyBullet's own list, by whose order states are restored."""
+        names = list(self._spawned)
+        last = names.pop()
+        names[:] = [last if n == name else n for n in names]
+        self._spawned = {n: self._spawned[n] for n in names}
 
     @property
     def spawned(self) -> Mapping[str, BodySpec]:
@@ -285,18 +292,20 @@ class World:
 
     @property
     def origin(self) -> WorldState:
-        """The world as it was built, with what was done to it before its first step and before it was first saved."""
-        return self._end_building() if self._origin is None else self._origin
-
-    def _end_building(self) -> WorldState:
-        self.client.end_building()
-        self._origin = state.save(self)
+        """The world as it was when its building ended: when that was said, at its first step, or when it was first saved."""
+        self.end_building()
+        assert self._origin is not None
         return self._origin
+
+    def end_building(self) -> None:
+        """Take the present state as the origin, unless there is one."""
+        if self._origin is None:
+            self.client.end_building()
+            self._origin = state.save(self)
 
     def save(self) -> WorldState:
         """Remember this instant exactly, in memory; freed with the returned object."""
-        if self._origin is None:
-            self._end_building()
+        self.end_building()
         return state.save(self)
 
     def restore(self, saved: WorldState) -> None:
@@ -318,10 +327,12 @@ class World:
         Args:
             exact: To the last bit; otherwise without contact forces, smaller, and with the same bytes in every process.
         """
+        self.end_building()
         return portable.to_arrays(self, exact)
 
     def set_arrays(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Continue from `arrays` of a world with the same scene and robot."""
+        self.end_building()
         portable.from_arrays(self, arrays)
 
     # End -------------------------------------------------------------------------------------------------------------

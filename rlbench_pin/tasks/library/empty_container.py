@@ -58,10 +58,6 @@ class EmptyContainer(Task):
     def step(self) -> None:
         self.left[:] = [o for o in OBJECTS if not self.sensor.detects(o)]
 
-    def cleanup(self) -> None:
-        for name in OBJECTS:
-            self.scene.remove_body(name)
-
     def _create_objects(self, rng: np.random.Generator) -> None:
         self.boundary.clear()
         for i, shape in enumerate(rng.choice(SOLIDS * SIZES, len(OBJECTS), replace=False)):

@@ -57,10 +57,6 @@ class PourFromCupToCup(Task):
             f"What is in the {source.name} cup should be in the {target.name} cup.",
         ]
 
-    def cleanup(self) -> None:
-        for drop in self.drops:
-            self.scene.remove_body(drop)
-
     def _lay_out(self, rng: np.random.Generator) -> None:
         """Place the cups so that the hand can come to source and target from somewhere in front."""
         for _ in range(MAX_LAYOUTS):
