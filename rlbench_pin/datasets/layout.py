@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from rlbench_pin.errors import DatasetError, nearest_name
@@ -86,10 +86,15 @@ def episode_files(root: Path, task: str, variation: int = ALL_VARIATIONS) -> tup
         DatasetError: The root, the task or the variation is not stored there.
     """
     stored = stored_variations(root, task)
-    if variation != ALL_VARIATIONS and variation not in stored:
-        raise DatasetError(f"'{root}' holds no variation {variation} of '{task}', only {list(stored)}.")
+    check_variation(root, task, variation, stored)
     wanted = stored if variation == ALL_VARIATIONS else (variation,)
     return tuple(path for v in wanted for path in _episodes_in(episode_path(root, task, v, 0).parent))
+
+
+def check_variation(root: Path, task: str, variation: int, stored: Collection[int]) -> None:
+    """Raise DatasetError unless the variation is one of those stored, or all (-1)."""
+    if variation != ALL_VARIATIONS and variation not in stored:
+        raise DatasetError(f"'{root}' holds no variation {variation} of '{task}', only {sorted(stored)}.")
 
 
 def _episodes_in(folder: Path) -> list[Path]:

@@ -81,6 +81,12 @@ def read_manifest(root: Path, task: str) -> tuple[EpisodeEntry, ...]:
     return tuple(entries[key] for key in sorted(entries))
 
 
+def has_manifest(root: Path, task: str) -> bool:
+    """Whether a task has a manifest, or the beginning of one."""
+    path = manifest_path(root, task)
+    return path.exists() or _journal(path).exists()
+
+
 @contextmanager
 def locked_manifest(root: Path, task: str) -> Iterator[Entries]:
     """Yield the entries of a manifest, to be changed; they are written when the block ends. One process at a time."""
@@ -203,6 +209,7 @@ __all__ = [
     "digest",
     "file_digest",
     "fold_journal",
+    "has_manifest",
     "locked_manifest",
     "read_manifest",
 ]

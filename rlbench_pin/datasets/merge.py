@@ -9,6 +9,7 @@ from pathlib import Path
 from rlbench_pin.datasets.info import stored_pictures
 from rlbench_pin.datasets.layout import episode_file, manifest_path, stored_tasks
 from rlbench_pin.datasets.manifest import EpisodeEntry, digest, fold_journal, read_manifest
+from rlbench_pin.datasets.storage import hold
 from rlbench_pin.datasets.writer import DatasetWriter
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 
@@ -29,17 +30,23 @@ def merge(roots: Sequence[Path], out: Path, on_episode: Callable[[Move], None] |
     An episode that is there already, byte for byte, is not copied again.
 
     Raises:
-        DatasetConflict: The same seed shows something else, or pictures differ in kind or size. Nothing was written.
+        DatasetConflict: The same seed shows something else, or pictures differ in kind or size, or the result is being written
+            to. Nothing was written.
         EpisodeFileError: A file is missing or not what its manifest says.
+        StorageError: The disk refused. Every episode stored before is whole; merging again completes the rest.
     """
-    moves = plan_merge(roots, out)
-    writer = DatasetWriter(out)
-    for move in moves:
-        writer.put(move.task, _checked_bytes(move), move.entry)
-        if on_episode is not None:
-            on_episode(move)
-    for task in dict.fromkeys(move.task for move in moves):
-        fold_journal(out, task)
+    out = Path(out)
+    if not plan_merge(roots, out):
+        return ()
+    with hold(out):
+        moves = plan_merge(roots, out)  # again: a recording may have ended in between
+        writer = DatasetWriter(out)
+        for move in moves:
+            writer.put(move.task, _checked_bytes(move), move.entry)
+            if on_episode is not None:
+                on_episode(move)
+        for task in dict.fromkeys(move.task for move in moves):
+            fold_journal(out, task)
     return moves
 
 

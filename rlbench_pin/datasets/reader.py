@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from rlbench_pin.datasets.episode import Episode
-from rlbench_pin.datasets.layout import checked_task_name, episode_files, episode_number
-from rlbench_pin.datasets.manifest import read_manifest
-from rlbench_pin.errors import DatasetError
+from rlbench_pin.datasets.layout import ALL_VARIATIONS, check_variation, episode_files, episode_number, manifest_path
+from rlbench_pin.datasets.manifest import has_manifest, read_manifest
+from rlbench_pin.errors import DatasetError, EpisodeFileError
 from rlbench_pin.observation import CAMERAS, PRODUCTS, Demo
 
 PICTURES = tuple(f"{camera}_{product}" for camera in CAMERAS for product in PRODUCTS)
@@ -69,7 +69,9 @@ def stored_demos(
     rng: np.random.Generator | None = None,
     fields: Collection[str] | None = None,
 ) -> list[Demo]:
-    """Read several episodes of a task; each file that the manifest lists must have the SHA-256 it says.
+    """Read several episodes of a task: those that its manifest lists, each with the SHA-256 it says.
+
+    A task without a manifest is read, too, file by file as they lie there.
 
     Args:
         root: Folder of the dataset.
@@ -83,18 +85,50 @@ def stored_demos(
         fields: Names of `Observation` fields to read; None reads all.
 
     Raises:
-        DatasetError: More are asked for than are stored, or a file cannot be read.
+        DatasetError: More are asked for than are stored, or a file cannot be read, or a listed one is missing.
     """
     root = Path(root)
-    sums = {root / task / entry.file: entry.sha256 for entry in read_manifest(root, checked_task_name(task))}
+    sums = counted_files(root, task, variation)
     files = select(
-        list(episode_files(root, task, variation)),
+        list(sums),
         f"of variation {variation} of '{task}' in '{root}'",
         amount,
         from_episode_number=None if random_selection else from_episode_number,
         rng=rng,
     )
-    return [read_demo(path, fields, sha256=sums.get(path), image_paths=image_paths) for path in files]
+    return [_counted_demo(path, sums[path], fields, image_paths) for path in files]
+
+
+def counted_files(root: Path, task: str, variation: int = ALL_VARIATIONS) -> dict[Path, str | None]:
+    """Return the episodes that count, in natural order, and the SHA-256 that each must have.
+
+    With a manifest these are the ones that it lists, there or not: whatever else lies there was never finished, or does not
+    belong there. Without one, every episode file counts, unchecked.
+
+    Raises:
+        DatasetError: The root, the task or the variation is not stored there, or the manifest is damaged.
+    """
+    if not has_manifest(root, task):
+        return dict.fromkeys(episode_files(root, task, variation))
+    entries = read_manifest(root, task)
+    check_variation(root, task, variation, {entry.variation for entry in entries})
+    folder = manifest_path(root, task).parent
+    return {folder / e.file: e.sha256 for e in entries if variation in (ALL_VARIATIONS, e.variation)}
+
+
+def check_there(path: Path) -> None:
+    """Raise EpisodeFileError unless a listed file is there."""
+    if not path.is_file():
+        raise EpisodeFileError(
+            path,
+            f"'{path}' is listed in its manifest but does not exist. `rlbench-pin dataset verify` names all that are missing, "
+            "`rlbench-pin record --resume` makes them again.",
+        )
+
+
+def _counted_demo(path: Path, sha256: str | None, fields: Collection[str] | None, image_paths: bool) -> Demo:
+    check_there(path)
+    return read_demo(path, fields, sha256=sha256, image_paths=image_paths)
 
 
 def select(

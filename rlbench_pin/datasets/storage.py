@@ -1,7 +1,8 @@
-"""Writing to a disk that may be full, read-only or pulled out: whole or not at all."""
+"""Writing to a disk that may be full, read-only or pulled out, or to a folder in use: whole or not at all."""
 
 from __future__ import annotations
 
+import fcntl
 import io
 import os
 from collections.abc import Iterator
@@ -10,7 +11,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from rlbench_pin.errors import StorageError
+from rlbench_pin.errors import DatasetConflict, StorageError
 
 
 @contextmanager
@@ -20,6 +21,27 @@ def storing(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise StorageError(path, error) from error
+
+
+@contextmanager
+def hold(root: Path) -> Iterator[None]:
+    """Hold the folder of a dataset against a second recording or merge; a killed one lets go by itself.
+
+    Raises:
+        DatasetConflict: Another one holds it.
+        StorageError: The disk refused.
+    """
+    with storing(root):
+        root.mkdir(parents=True, exist_ok=True)
+        lock = open(root / ".recording.lock", "w", encoding="utf-8")  # noqa: SIM115
+    with lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise DatasetConflict(
+                f"Another recording or merge into '{root}' is running. Wait for it, or choose another folder."
+            ) from error
+        yield
 
 
 def write_whole(path: Path, data: bytes) -> Path:

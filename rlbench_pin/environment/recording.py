@@ -6,13 +6,12 @@ killed, and whenever, the dataset is consistent and `resume` goes on where it en
 
 from __future__ import annotations
 
-import fcntl
 import json
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing, contextmanager, suppress
+from collections.abc import Callable, Sequence
+from contextlib import closing, suppress
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -20,7 +19,7 @@ from typing import Any
 from rlbench_pin.datasets import DatasetWriter, EpisodeEntry, checked_task_name, fold_journal, read_manifest, stored_tasks
 from rlbench_pin.datasets.info import stored_pictures
 from rlbench_pin.datasets.layout import episode_path
-from rlbench_pin.datasets.storage import remove_leftovers, storing, write_whole
+from rlbench_pin.datasets.storage import hold, remove_leftovers, write_whole
 from rlbench_pin.environment.record_config import PictureConfig, RecordConfig, WorkItem, plan_items
 from rlbench_pin.environment.record_engines import Engine, ProcessEngine, WorkerDeath
 from rlbench_pin.environment.record_work import ItemResult
@@ -92,7 +91,7 @@ def record(
         stop: When set, nothing more is begun; what is under way is finished and stored.
 
     Raises:
-        DatasetConflict: The folder holds these tasks, or another recording, or one is running.
+        DatasetConflict: The folder holds these tasks, or another recording, or it is being written to.
         StorageError: The disk refused. Every episode stored before is whole.
         UnknownName: A task does not exist.
     """
@@ -223,19 +222,3 @@ def _fold(root: Path, tasks: set[str]) -> None:
     for task in sorted(tasks):
         with suppress(StorageError):  # a full disk: the journal stays, and is read like the manifest
             fold_journal(root, checked_task_name(task))
-
-
-@contextmanager
-def hold(root: Path) -> Iterator[None]:
-    """Hold the folder against a second recording; a killed one lets go by itself."""
-    with storing(root):
-        root.mkdir(parents=True, exist_ok=True)
-        lock = open(root / ".recording.lock", "w", encoding="utf-8")  # noqa: SIM115
-    with lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            raise DatasetConflict(
-                f"Another recording into '{root}' is running. Wait for it, or choose another folder."
-            ) from error
-        yield

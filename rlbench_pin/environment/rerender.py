@@ -10,10 +10,10 @@ from pathlib import Path
 
 from rlbench_pin.datasets import EpisodeEntry, read_manifest, stored_tasks
 from rlbench_pin.datasets.layout import checked_task_name, chosen_tasks, episode_path
-from rlbench_pin.datasets.storage import remove_leftovers, write_whole
+from rlbench_pin.datasets.storage import hold, remove_leftovers, write_whole
 from rlbench_pin.environment.record_config import PictureConfig, WorkItem
 from rlbench_pin.environment.record_engines import Engine
-from rlbench_pin.environment.recording import RecordReport, Watch, hold, run_items
+from rlbench_pin.environment.recording import RecordReport, Watch, run_items
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 
 SEEDS_FORMAT = "rlbench_pin.seeds"

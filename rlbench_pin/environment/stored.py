@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rlbench_pin.datasets import Episode, checked_task_name, episode_files, stored_demos
+from rlbench_pin.datasets import Episode, checked_task_name, stored_demos
+from rlbench_pin.datasets.reader import check_there, counted_files
 from rlbench_pin.datasets.rlbench_reader import folder_demos, folder_descriptions, folder_episodes
 from rlbench_pin.environment.observation_config import ObservationConfig
 from rlbench_pin.environment.stored_fit import fit, wanted_fields
@@ -69,11 +70,12 @@ def read_stored_descriptions(dataset_root: str, task_name: str, episode: int) ->
     if not dataset_root:
         raise DatasetError("No dataset root was given, so there are no stored sentences. Pass `Environment(dataset_root=...)`.")
     folders = _holds_folders(root, task_name)
-    paths = folder_episodes(root, task_name) if folders else list(episode_files(root, task_name))
+    paths = folder_episodes(root, task_name) if folders else list(counted_files(root, task_name))
     if not 0 <= episode < len(paths):
         raise DatasetError(f"'{root}' holds {len(paths)} episodes of '{task_name}', so there is no episode {episode}.")
     if folders:
         return list(folder_descriptions(paths[episode]))
+    check_there(paths[episode])
     with Episode(paths[episode]) as stored:
         return list(stored.instructions)
 

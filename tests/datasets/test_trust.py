@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import os
 import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -19,6 +21,7 @@ from rlbench_pin.datasets import (
     encode_demo,
     episode_entry,
     episode_files,
+    episode_path,
     fold_journal,
     read_demo,
     read_manifest,
@@ -29,10 +32,12 @@ from rlbench_pin.datasets import (
     write_demo,
 )
 from rlbench_pin.datasets.manifest import append_entry
-from rlbench_pin.datasets.merge import merge
+from rlbench_pin.datasets.merge import Move, merge
+from rlbench_pin.datasets.storage import hold
 from rlbench_pin.environment.record_config import PictureConfig
 from rlbench_pin.environment.record_engines import SerialEngine
 from rlbench_pin.environment.rerender import read_seeds, rerender
+from rlbench_pin.environment.stored import read_stored_descriptions
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 from rlbench_pin.observation import Demo, Observation
 
@@ -111,6 +116,58 @@ def test_a_later_format_is_named(root: Path) -> None:
         file.attrs["version"] = 2
     with pytest.raises(EpisodeFileError, match=r"episode0\.h5.*version 2.*version 1.*record it again"):
         read_demo(path)
+
+
+# What counts ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_file_that_is_not_listed_does_not_count(root: Path) -> None:
+    """Whole or not, it is served neither in order nor at random, nor is a variation of such files."""
+    files = episode_files(root, TASK)
+    shutil.copy(files[0], files[0].with_name("episode4.h5"))
+    files[0].with_name("episode5.h5").write_bytes(b"half an episode")
+    (root / TASK / "variation7" / "episodes").mkdir(parents=True)
+    shutil.copy(files[0], root / TASK / "variation7" / "episodes" / "episode0.h5")
+    for variation in (0, -1):
+        demos = stored_demos(root, TASK, -1, variation, random_selection=False)
+        assert [demo.random_seed for demo in demos] == [0, 1, 2, 3]
+    drawn = stored_demos(root, TASK, 4, -1, rng=np.random.default_rng(0))
+    assert sorted(str(demo.random_seed) for demo in drawn) == ["0", "1", "2", "3"]
+    with pytest.raises(DatasetError, match=r"5 demos.*holds 4"):
+        stored_demos(root, TASK, 5, 0, random_selection=False)
+    with pytest.raises(DatasetError, match=r"no variation 7 .* only \[0\]"):
+        stored_demos(root, TASK, 1, 7, random_selection=False)
+    with pytest.raises(DatasetError, match="holds 4 episodes"):
+        read_stored_descriptions(str(root), TASK, 4)
+
+
+def test_a_listed_file_that_is_missing_is_named(root: Path) -> None:
+    """It is not skipped, so that nobody trains on fewer demonstrations than were asked for; the others are still served."""
+    path = episode_files(root, TASK)[1]
+    path.unlink()
+    words = r"episode1\.h5' is listed.*`rlbench-pin dataset verify`.*`rlbench-pin record --resume`"
+    with pytest.raises(EpisodeFileError, match=words) as caught:
+        stored_demos(root, TASK, -1, 0, random_selection=False)
+    assert caught.value.path == path
+    with pytest.raises(EpisodeFileError, match=words):
+        stored_demos(root, TASK, -1, -1, image_paths=True, rng=np.random.default_rng(0))
+    with pytest.raises(EpisodeFileError, match=words):
+        read_stored_descriptions(str(root), TASK, 1)
+    demos = stored_demos(root, TASK, 2, 0, random_selection=False, from_episode_number=2)
+    assert [demo.random_seed for demo in demos] == [2, 3]
+    assert read_stored_descriptions(str(root), TASK, 2) == ["reach the red ball", "touch the ball that is red"]
+
+
+def test_without_a_manifest_every_episode_file_counts(tmp_path: Path) -> None:
+    """`write_demo` alone makes a folder that can be read; with the first line of a manifest, only what is listed counts."""
+    demos = [make_demo(frames=2, seed=seed) for seed in range(3)]
+    for number, demo in enumerate(demos[:2]):
+        write_demo(demo, episode_path(tmp_path, TASK, 0, number))
+    assert [d.random_seed for d in stored_demos(tmp_path, TASK, -1, 0, random_selection=False)] == [0, 1]
+    assert len(read_stored_descriptions(str(tmp_path), TASK, 1)) == 2
+    data = encode_demo(demos[2])
+    DatasetWriter(tmp_path).put(TASK, data, episode_entry(demos[2], data, 2))
+    assert [d.random_seed for d in stored_demos(tmp_path, TASK, -1, 0, random_selection=False)] == [2]
 
 
 # The journal ----------------------------------------------------------------------------------------------------------
@@ -287,6 +344,38 @@ def test_merging_keeps_every_episode(tmp_path: Path) -> None:
     assert task_faults(out, TASK) == []
     assert merge([two, one], out) == ()
     assert read_manifest(out, TASK) == entries
+
+
+def test_merging_into_a_folder_in_use_is_refused(tmp_path: Path) -> None:
+    """While a recording holds the result nothing is merged, and the other way round: both would give the same numbers."""
+    one, out = fill(tmp_path / "one", range(2)), fill(tmp_path / "out", range(5, 6))
+    with hold(out), pytest.raises(DatasetConflict, match=r"into '.*out' is running\. Wait for it"):
+        merge([one], out)
+    assert len(read_manifest(out, TASK)) == len(episode_files(out, TASK)) == 1
+
+    def hold_too(_: Move) -> None:
+        with pytest.raises(DatasetConflict, match="is running"), hold(out):
+            pass
+
+    assert len(merge([one], out, hold_too)) == 2
+    with hold(out):
+        assert merge([one], out) == ()  # there is nothing to write
+
+
+def test_merging_counts_on_from_a_recording_that_has_just_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Episodes that were stored after the first look at the result keep their numbers."""
+    one, out = fill(tmp_path / "one", range(2)), fill(tmp_path / "out", range(5, 6))
+
+    @contextmanager
+    def hold_late(root: Path) -> Iterator[None]:
+        fill(root, range(7, 8))
+        with hold(root):
+            yield
+
+    monkeypatch.setattr("rlbench_pin.datasets.merge.hold", hold_late)
+    merge([one], out)
+    assert [entry.random_seed for entry in read_manifest(out, TASK)] == [5, 7, 0, 1]
+    assert task_faults(out, TASK) == []
 
 
 def test_merging_refuses_what_does_not_go_together(tmp_path: Path) -> None:

@@ -18,9 +18,10 @@ from engines_for_tests import MadeUpEngine
 
 from rlbench_pin.datasets import episode_files, read_demo, read_manifest, stored_demos, task_faults, verify_task
 from rlbench_pin.datasets.layout import episode_path
+from rlbench_pin.datasets.storage import hold
 from rlbench_pin.environment.record_config import PictureConfig, RecordConfig, item_seed, plan_items
 from rlbench_pin.environment.record_engines import SerialEngine
-from rlbench_pin.environment.recording import RecordReport, hold, read_recording, record
+from rlbench_pin.environment.recording import RecordReport, read_recording, record
 from rlbench_pin.errors import CameraError, DatasetConflict, DatasetError, StorageError, TaskEnvironmentError, UnknownName
 
 TASK = "reach_target"
