@@ -105,7 +105,8 @@ class Randomizer:
             world.wardrobe.dress_room(name, read_texture(path))
         look.lighting, look.offsets = disguise.lighting, dict(disguise.cameras)
         for name, (mass, friction, damping) in disguise.factors.items():
-            world.tuning.scale(world.body(name).model, mass=mass, friction=friction, damping=damping)
+            if name in world.bodies or name in world.room:
+                world.tuning.scale(world.body(name).model, mass=mass, friction=friction, damping=damping)
         world.tuning.scale_gains(disguise.gains)
 
     def take_off(self) -> None:
