@@ -29,7 +29,7 @@ def main() -> None:
     """Record, check, read, export."""
     options = _options()
     root = options.out / "dataset"
-    pictures = PictureConfig(cameras=("front", "wrist"), products=("rgb", "depth"), image_size=(96, 96))
+    pictures = PictureConfig(cameras=("front", "wrist"), products=("rgb", "depth"), image_size=(options.image_size,) * 2)
     config = RecordConfig(tasks=tuple(options.tasks), episodes=options.episodes, seed=options.seed, pictures=pictures)
     report = record(config, root, engine=ProcessEngine(options.workers), resume=True, on_progress=_tell)
     print(f"{report.recorded} recorded now, {report.found} found, {report.missing} missing")
@@ -68,6 +68,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--tasks", nargs="+", default=["reach_target", "pick_and_lift"])
     parser.add_argument("--episodes", type=int, default=4, help="of each task")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--image-size", type=int, default=96, help="width and height of the pictures [px]")
     parser.add_argument("--workers", type=int, default=2)
     return parser.parse_args()
 

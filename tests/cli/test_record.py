@@ -22,6 +22,7 @@ from rlbench_pin.cli.main import COMMANDS, main
 from rlbench_pin.datasets import DatasetWriter, episode_files, read_demo, read_manifest, task_faults, write_demo
 
 Capture = pytest.CaptureFixture[str]
+MonkeyPatch = pytest.MonkeyPatch
 TASK = "reach_target"
 HERE = ("record", TASK, "--workers", "0", "--products")
 
@@ -46,6 +47,18 @@ def test_record_and_resume(tmp_path: Path, capsys: Capture) -> None:
     assert json.loads(capsys.readouterr().out)["found"] == 2
     assert _exit_code(*HERE, "--episodes", "3", "--resume", *out) == 0
     assert json.loads(capsys.readouterr().out)["recorded"] == 1
+
+
+def test_without_ray_the_engine_is_explained(made_up: Path, tmp_path: Path, capsys: Capture, monkeypatch: MonkeyPatch) -> None:
+    """`--engine ray` where Ray cannot be imported says what to install, and begins nothing."""
+    monkeypatch.delitem(sys.modules, "rlbench_pin.environment.record_ray", raising=False)
+    monkeypatch.setitem(sys.modules, "ray", None)
+    for command in (("record", TASK), ("dataset", "rerender", str(made_up))):
+        assert _exit_code(*command, "--engine", "ray", "--out", str(tmp_path / "out")) == 1, command
+        told = capsys.readouterr().err
+        assert "The engine 'ray' needs 'ray', which is not installed. `pip install 'rlbench-pin[ray]'`" in told, command
+        assert "Traceback" not in told
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(
