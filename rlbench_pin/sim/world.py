@@ -318,7 +318,12 @@ class World:
         What follows is the same to the last bit whatever was simulated before, which `restore` cannot promise where many pieces
         touch: PyBullet looks at their contacts in an order that depends on earlier ones. Bodies, joints and frames stay the
         same objects; textures and changes of the physics are kept.
+
+        With EGL this only restores the origin, because PyBullet's EGL plugin never frees the textures of what is thrown away.
         """
+        if self.client.hardware:
+            self.restore(self.origin)
+            return
         state.build_again(self)
 
     def arrays(self, exact: bool = True) -> dict[str, np.ndarray]:

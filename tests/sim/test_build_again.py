@@ -145,7 +145,8 @@ def test_a_build_that_goes_otherwise_is_named(monkeypatch):
         monkeypatch.setattr(world.client, "_built", (*world.client._built, change))
         with pytest.raises(RlbenchPinError, match="getNumBodies.* gave 9 instead of 99"):
             world.build_again()
-        assert world.closed
+        with pytest.raises(EnvironmentClosed):
+            world.step()
 
 
 def test_model_files_are_read_once(tmp_path):
