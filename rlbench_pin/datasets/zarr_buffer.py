@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import zarr
+from zarr.core.buffer import Buffer
+from zarr.storage import LocalStore
 
 from rlbench_pin.datasets.episode import Episode
 from rlbench_pin.datasets.foreign import FPS, Watch, actions, joint_names, joint_state, new_folder, rgb_cameras, stored_episodes
@@ -29,8 +32,8 @@ def export_zarr(
     """
     episodes = stored_episodes(root, tasks)
     shapes = rgb_cameras(episodes, cameras)
-    with new_folder(out) as folder:
-        group = zarr.open_group(str(folder), mode="w", zarr_format=2)
+    with new_folder(out) as folder, _patient_store(folder) as store:
+        group = zarr.open_group(store, mode="w", zarr_format=2)
         data, meta = group.create_group("data"), group.create_group("meta")
         ends: list[int] = []
         numbers: list[int] = []
@@ -46,6 +49,7 @@ def export_zarr(
                 array = data[name]
                 assert isinstance(array, zarr.Array)
                 array.append(values)
+            store.check()
             ends.append((ends[-1] if ends else 0) + len(columns["action"]))
             numbers.append(sentences.setdefault(text, len(sentences)))
             if on_episode is not None:
@@ -54,6 +58,39 @@ def export_zarr(
         meta.create_array("task_index", data=np.array(numbers, dtype=np.int64))
         meta.attrs.update({"tasks": list(sentences), "fps": FPS, "names": joint_names(columns["action"].shape[1])})
     return out
+
+
+class PatientStore(LocalStore):
+    """A folder that takes everything, also what the disk refuses, and owns up when asked.
+
+    Zarr writes several chunks at a time; at an error it would leave the others to go on while the folder is being removed.
+    """
+
+    refused: OSError | None = None
+    """What the disk said first."""
+
+    def check(self) -> None:
+        """Raise what the disk said, if it refused anything."""
+        if self.refused is not None:
+            raise self.refused
+
+    async def set(self, key: str, value: Buffer) -> None:
+        """Write all of a chunk, or note why not."""
+        if self.refused is None:
+            try:
+                await super().set(key, value)
+            except OSError as error:
+                self.refused = self.refused or error
+
+
+@contextmanager
+def _patient_store(folder: Path) -> Iterator[PatientStore]:
+    """Yield a store in a folder; at the end, what the disk refused comes before what followed from it."""
+    store = PatientStore(folder)
+    try:
+        yield store
+    finally:
+        store.check()
 
 
 def _columns(episode: Episode, cameras: list[str]) -> dict[str, np.ndarray]:

@@ -1,14 +1,18 @@
 """Disks that are full or read-only, for all that is written beside a recording: exports, merged datasets, lists of seeds.
 
-`tests/environment/test_recording.py` has those of recordings. The disks are real, where this machine lets tests mount one.
+`tests/environment/test_recording.py` has those of recordings. The disks are real where this machine lets tests mount one;
+elsewhere a disk is feigned that refuses to sync, or the kernel is told to let no file grow beyond a size.
 """
 
 from __future__ import annotations
 
 import errno
 import importlib.util
+import os
+import resource
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import get_args
 
@@ -24,6 +28,7 @@ from rlbench_pin.environment.rerender import seeds_of, write_seeds
 from rlbench_pin.errors import StorageError
 from rlbench_pin.observation import Demo, Observation
 
+Capture = pytest.CaptureFixture[str]
 TASK = "reach_target"
 NEEDS = {"lerobot": "pyarrow", "zarr": "zarr"}
 SIZE = 500
@@ -68,15 +73,47 @@ def leave(disk: Path, kilobytes: int) -> None:
     (disk / "ballast").write_bytes(bytes(1024 * (SIZE - kilobytes)))
 
 
+@contextmanager
+def short_files(size: int) -> Iterator[None]:
+    """Let no file grow beyond so many bytes: the kernel refuses in the middle of a write, as a full disk does."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def fill_up(monkeypatch: pytest.MonkeyPatch, after: int) -> None:
+    """Feign a disk that is full after so many files and lines have reached it."""
+    calls, real = iter(range(1000)), os.fsync
+
+    def fsync(file: int) -> None:
+        if next(calls) >= after:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        real(file)
+
+    monkeypatch.setattr(os, "fsync", fsync)
+
+
+def exporter(name: ExportFormat) -> Callable[..., Path]:
+    """Return the function that writes a format; the test is skipped without the library that it needs."""
+    if name in NEEDS and importlib.util.find_spec(NEEDS[name]) is None:
+        pytest.skip(f"the extra '{name}' is not installed")
+    return find_exporter(name)
+
+
+# Real ones ------------------------------------------------------------------------------------------------------------
+
+
 @pytest.mark.parametrize("room", [0, 12, 100, 240])
 @pytest.mark.parametrize("name", get_args(ExportFormat))
 def test_an_export_to_a_full_disk(disk: Path, data: Path, name: ExportFormat, room: int) -> None:
     """Wherever in its course the disk is full, an export says so, and leaves nothing."""
-    if name in NEEDS and importlib.util.find_spec(NEEDS[name]) is None:
-        pytest.skip(f"the extra '{name}' is not installed")
+    export = exporter(name)
     leave(disk, room)
     with pytest.raises(StorageError, match=r"disk/out.*No space left.*Free some space") as caught:
-        find_exporter(name)(data, disk / "out")
+        export(data, disk / "out")
     assert caught.value.errno == errno.ENOSPC
     assert [path.name for path in disk.iterdir()] == ["ballast"]
 
@@ -105,7 +142,7 @@ def test_seeds_onto_a_full_disk(disk: Path, data: Path) -> None:
     assert (disk / "seeds.json").read_text() == "before"
 
 
-def test_the_commands_say_what_to_do(disk: Path, data: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_commands_say_what_to_do(disk: Path, data: Path, capsys: Capture) -> None:
     """On a full disk and on a read-only one: one line with the path and the remedy, exit code 1, no traceback."""
     leave(disk, 0)
     small = ("--episodes", "1", "--workers", "0", "--products")
@@ -124,3 +161,64 @@ def test_the_commands_say_what_to_do(disk: Path, data: Path, capsys: pytest.Capt
         told = capsys.readouterr().err
         assert str(disk) in told, command
         assert "The disk is read-only: choose another folder" in told, command
+
+
+# Feigned ones ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("size", [600, 5000])
+@pytest.mark.parametrize("name", get_args(ExportFormat))
+def test_an_export_whose_files_are_refused(tmp_path: Path, data: Path, name: ExportFormat, size: int) -> None:
+    """Refused in the middle of a file, every format says so with the path, and leaves nothing."""
+    export = exporter(name)
+    with short_files(size), pytest.raises(StorageError, match=r"'.*/out' cannot be written: File too large") as caught:
+        export(data, tmp_path / "out")
+    assert (caught.value.path, caught.value.errno) == (tmp_path / "out", errno.EFBIG)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("after", [0, 1, 4, 5, 12])
+def test_merging_while_the_disk_fills_up(tmp_path: Path, data: Path, monkeypatch: pytest.MonkeyPatch, after: int) -> None:
+    """Whenever it is full, the file is named, every episode that is there is whole, and merging again completes it."""
+    out, whole = tmp_path / "out", {path.read_bytes() for path in data.rglob("*.h5")}
+    fill_up(monkeypatch, after)
+    with pytest.raises(StorageError, match=rf"'{out}/{TASK}/.*No space left.*Free some space") as caught:
+        merge([data], out)
+    monkeypatch.undo()
+    assert caught.value.errno == errno.ENOSPC
+    assert {path.read_bytes() for path in out.rglob("*.h5")} <= whole
+    assert len(read_manifest(out, TASK)) == after // 2
+    assert not list(tmp_path.rglob("*.part"))
+    merge([data], out)
+    assert read_manifest(out, TASK) == read_manifest(data, TASK)
+    assert task_faults(out, TASK) == []
+
+
+def test_merging_leaves_no_half_of_an_episode(tmp_path: Path, data: Path) -> None:
+    """Refused in the middle of its first file, a merge leaves no file."""
+    with short_files(5000), pytest.raises(StorageError, match=r"episode0\.h5' cannot be written"):
+        merge([data], tmp_path)
+    assert not [*tmp_path.rglob("*.h5"), *tmp_path.rglob("*.part")]
+    assert read_manifest(tmp_path, TASK) == ()
+
+
+def test_seeds_while_the_disk_fills_up(tmp_path: Path, data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Refused at the end or in the middle, the list that was there before stays as it was, and nothing lies beside it."""
+    file, seeds = tmp_path / "seeds.json", seeds_of(data)
+    file.write_text("before")
+    with short_files(200), pytest.raises(StorageError, match=rf"'{file}' cannot be written: File too large"):
+        write_seeds(file, seeds)
+    fill_up(monkeypatch, 0)
+    with pytest.raises(StorageError, match=rf"'{file}' cannot be written: No space left.*Free some space"):
+        write_seeds(file, seeds)
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["before"]
+
+
+def test_the_commands_say_so(tmp_path: Path, data: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+    """One line with the path and the remedy, exit code 1."""
+    fill_up(monkeypatch, 0)
+    for command in (("merge", str(data), "--out", f"{tmp_path}/out"), ("seeds", str(data), f"{tmp_path}/out")):
+        assert main(["dataset", *command]) == 1, command
+        told = capsys.readouterr().err.splitlines()[-1]
+        assert told.startswith(f"rlbench-pin: '{tmp_path}/out"), command
+        assert "No space left on device. Free some space" in told, command
