@@ -81,6 +81,7 @@ class PhysicsClient:
         if hardware:
             self._plugin = self._load_egl()
         self._built: tuple[Change, ...] = ()
+        self._printed = False
         open_ledger(self.id)
         bullet.setTimeStep(timestep, physicsClientId=self.id)
         bullet.setGravity(*_GRAVITY, physicsClientId=self.id)
@@ -107,8 +108,9 @@ class PhysicsClient:
         """
         bullet.resetSimulation(physicsClientId=self.id)
         try:
-            for change in self._built:
-                change.repeat()
+            with captured_output() if self._printed else nullcontext():
+                for change in self._built:
+                    change.repeat()
         except BaseException:
             self.close()
             raise
@@ -155,9 +157,10 @@ class PhysicsClient:
         if not urdf.is_file():
             raise AssetNotFound(urdf, needed_by)
         check_urdf(urdf)
+        problem = ""
         with captured_output() as captured:
             try:
-                return bullet.loadURDF(
+                number: int = bullet.loadURDF(
                     str(urdf),
                     pose[:3].tolist(),
                     pose[3:].tolist(),
@@ -168,7 +171,10 @@ class PhysicsClient:
                 )
             except bullet.error as error:
                 problem = str(error)
-        raise AssetInvalid(urdf, f"{problem} {_tidy(captured.text)}".strip())
+        self._printed |= bool(captured.text)
+        if problem:
+            raise AssetInvalid(urdf, f"{problem} {_tidy(captured.text)}".strip())
+        return number
 
 
 def open_client(timestep: float, renderer: RendererName) -> PhysicsClient:

@@ -160,6 +160,18 @@ def test_model_files_are_read_once(tmp_path):
         assert go_on(world) == expected
 
 
+def test_what_pybullet_prints_of_a_model_is_not_printed_at_every_building(tmp_path, capfd):
+    """PyBullet complains of a link without inertia on the standard output, where programs read JSON."""
+    (tmp_path / "box.urdf").write_text(
+        '<robot name="box"><link name="box"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link></robot>'
+    )
+    spec = BodySpec(name="box", asset="./box.urdf", pose=(0.0, 0.0, 0.2, *UPRIGHT), fixed=True)
+    with build(SceneSpec(format=1, file=str(tmp_path / "scene.toml"), body=(spec,))) as world:
+        capfd.readouterr()
+        world.build_again()
+        assert capfd.readouterr() == ("", "")
+
+
 def test_arrays_of_a_new_world_do_not_disturb_its_building():
     """Asking a world for its arrays, or giving it some, before anything else leaves it able to be built again."""
     with build(cube_scene()) as world:
