@@ -7,17 +7,18 @@ import numpy as np
 from rlbench_pin.tasks import Detected, JointMoved, Task
 
 LOOSE = np.deg2rad(150.0)
-"""Turn that frees the cap [rad]."""
+"""Anticlockwise turn that frees the cap [rad]."""
 HELD = ("lift", "shift_x", "shift_y", "roll", "pitch")
 """Joints of the cap that the thread holds."""
 
 
 class OpenWineBottle(Task):
-    """The cap must leave the neck; the thread holds it until it has been turned by 150 degrees."""
+    """The cap must leave the neck; the thread holds it until it has been turned by 150 degrees, anticlockwise."""
 
     def init_task(self) -> None:
         self.held = [self.scene.joint(f"cap/{name}") for name in HELD]
-        self.loosened = JointMoved(self.scene.joint("cap/turn"), LOOSE)
+        self.turn = self.scene.joint("cap/turn")
+        self.loosened = JointMoved(self.turn, LOOSE)
         self.register_success_conditions([Detected(self.scene.body("cap"), self.scene.sensor("neck"), negated=True)])
 
     def variation_count(self) -> int:
@@ -31,6 +32,6 @@ class OpenWineBottle(Task):
         ]
 
     def step(self) -> None:
-        if self.held[0].locked and self.loosened.met():
+        if self.held[0].locked and self.loosened.met() and self.turn.position > 0.0:
             for joint in self.held:
                 joint.unlock()
