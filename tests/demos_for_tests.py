@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import subprocess
 from collections.abc import Iterator
@@ -96,3 +97,15 @@ def assert_equal(a: Any, b: Any) -> None:
             assert_equal(left, right)
     else:
         assert a == b
+
+
+def fill_up(monkeypatch: pytest.MonkeyPatch, after: int) -> None:
+    """Feign a disk that is full after so many files and lines have reached it."""
+    calls, real = iter(range(1000)), os.fsync
+
+    def fsync(file: int) -> None:
+        if next(calls) >= after:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        real(file)
+
+    monkeypatch.setattr(os, "fsync", fsync)

@@ -12,7 +12,7 @@ from rlbench_pin.scene.model_files import resolve_asset
 from rlbench_pin.scene.spec import BodySpec
 from rlbench_pin.sim.body import Body, OnMove
 from rlbench_pin.sim.client import PhysicsClient, bullet
-from rlbench_pin.sim.model import BASE, LoadedModel, inspect
+from rlbench_pin.sim.model import LoadedModel, inspect
 from rlbench_pin.sim.room import RoomBody
 from rlbench_pin.spatial import IDENTITY
 
@@ -48,14 +48,14 @@ def load_body(client: PhysicsClient, spec: BodySpec, scene_file: str, on_move: O
 
 
 def share_island(robot: LoadedModel, body: Body) -> None:
-    """Have a body solved in one go with the arm: a constraint without force ties the two together.
+    """Have a body with joints solved in one go with the arm: a constraint without force ties the two together.
 
     PyBullet sorts the constraints of joints, and the contacts between the same two links of several convex parts, by islands, in
     an order that leaves those of one island in no fixed sequence as soon as there are two. Islands come and go with contacts
     and with what was simulated before, so the same motion would differ in the last bits from one run to the next. With one
     island there is nothing to sort.
     """
-    link = min((joint.index for joint in body.model.joints.values()), default=BASE)
+    link = min(joint.index for joint in body.model.joints.values())
     zero = [0.0, 0.0, 0.0]
     constraint = bullet.createConstraint(
         robot.uid, 0, body.model.uid, link, bullet.JOINT_POINT2POINT, zero, zero, zero, physicsClientId=robot.client.id

@@ -249,8 +249,8 @@ class World:
         """Forget a run-time body; the last one takes its place, as in PyBullet's own list, by whose order states are restored."""
         names = list(self._spawned)
         last = names.pop()
-        names[:] = [last if n == name else n for n in names]
-        self._spawned = {n: self._spawned[n] for n in names}
+        order = [last if n == name else n for n in names]
+        self._spawned = {n: self._spawned[n] for n in order}
 
     @property
     def spawned(self) -> Mapping[str, BodySpec]:

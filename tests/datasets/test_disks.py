@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import errno
 import importlib.util
-import os
 import resource
 import subprocess
 from collections.abc import Callable, Iterator
@@ -18,7 +17,7 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from demos_for_tests import mounted
+from demos_for_tests import fill_up, mounted
 
 from rlbench_pin.cli.dataset import ExportFormat, find_exporter
 from rlbench_pin.cli.main import main
@@ -82,18 +81,6 @@ def short_files(size: int) -> Iterator[None]:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
-
-
-def fill_up(monkeypatch: pytest.MonkeyPatch, after: int) -> None:
-    """Feign a disk that is full after so many files and lines have reached it."""
-    calls, real = iter(range(1000)), os.fsync
-
-    def fsync(file: int) -> None:
-        if next(calls) >= after:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        real(file)
-
-    monkeypatch.setattr(os, "fsync", fsync)
 
 
 def exporter(name: ExportFormat) -> Callable[..., Path]:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from demos_for_tests import mounted
+from demos_for_tests import fill_up, mounted
 from engines_for_tests import MadeUpEngine
 
 from rlbench_pin.datasets import episode_files, read_demo, read_manifest, stored_demos, task_faults, verify_task
@@ -252,14 +252,7 @@ def test_settings_come_back(undisturbed: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize("call", range(2, 12))
 def test_a_full_disk_loses_nothing(tmp_path: Path, undisturbed: Path, monkeypatch: pytest.MonkeyPatch, call: int) -> None:
     """Whenever the disk is full, the error says so, what was stored is sound, and the recording goes on later."""
-    calls, real = iter(range(1000)), os.fsync
-
-    def fsync(file: int) -> None:
-        if next(calls) >= call:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        real(file)
-
-    monkeypatch.setattr(os, "fsync", fsync)
+    fill_up(monkeypatch, after=call)
     with pytest.raises(StorageError, match="No space left.*--resume"):
         record(CONFIG, tmp_path, engine=MadeUpEngine(retried=[1]))
     monkeypatch.undo()
