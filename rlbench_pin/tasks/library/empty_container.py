@@ -15,14 +15,19 @@ PLACES = (-0.04, 0.04, 0.0)
 """Where the first, second and third object are let go along the small tray [m]."""
 FALL = 20
 """Control ticks until the objects have come to rest."""
-KNOCK, KNOCKS = 1.0, 2
+KNOCK, KNOCKS = 3.0, 2
 """Speed of turning with which what stands on an edge is knocked over [rad/s], and how often."""
 SIDES = (0.0, -1.0, 1.0)
 """Where an object may be between the fingers: in the middle, or nearly at one of them."""
 INSIDE = np.array([0.165, 0.135])
 """Half size of the inside of the large tray [m]."""
-OPEN, FINGER, PAD = 0.028, 0.052, 0.008
-"""How far the middle of the hand may be from a side of an object, how far an open finger reaches, and half its breadth [m]."""
+OPEN, FINGER = 0.028, 0.053
+"""How far the middle of the hand may be from a side of an object, and from the middle of an open finger [m]."""
+PAD = np.array([0.014, 0.016])
+"""Half size of the place that a finger needs, along its breadth and its thickness [m]."""
+CORNERS = np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]])
+ANGLES = 24
+"""Turns of the hand that are judged."""
 
 
 class EmptyContainer(Task):
@@ -31,6 +36,7 @@ class EmptyContainer(Task):
     def init_task(self) -> None:
         self.trays = [self.scene.body("tray0"), self.scene.body("tray1")]
         self.boundary = SpawnBoundary([self.scene.region("patch")])
+        self.register_waypoint_ability_start(0, self._aim_at_next_object)
         self.register_waypoint_ability_start(1, self._aim_at_next_object)
         self.register_waypoint_ability_start(3, self._aim_at_tray)
         self.register_waypoints_should_repeat(lambda: bool(self.left))
@@ -83,10 +89,11 @@ class EmptyContainer(Task):
             self.scene.step()
 
     def _aim_at_next_object(self, waypoint: Waypoint) -> None:
-        """Go to the object that is easiest to grip, and close across a narrow side of it, with room for the fingers."""
-        angles = [n * np.pi / 12.0 for n in range(12)]
-        grips = [grip for o in self.left or OBJECTS[:1] for angle in angles for grip in self._grips(o, angle)]
+        """Go over, then down to the object that is easiest to grip, across a narrow side of it and with room for the fingers."""
+        grips = [grip for n in range(ANGLES) for grip in self._grips(n * np.pi / ANGLES)]
         _, place, angle = min(grips, key=lambda grip: grip[0])
+        if waypoint.index == 0:
+            place[2] = self.scene.frame("waypoint0").position[2]
         waypoint.frame.set_pose([*place, np.cos(angle / 2.0), np.sin(angle / 2.0), 0.0, 0.0])
 
     def _aim_at_tray(self, waypoint: Waypoint | None = None) -> None:
@@ -94,41 +101,44 @@ class EmptyContainer(Task):
         along = PLACES[len(OBJECTS) - max(len(self.left), 1)]
         self.scene.frame("waypoint3").set_local([along, self.goal_y, 0.17, 1.0, 0.0, 0.0, 0.0])
 
-    def _grips(self, name: str, angle: float) -> list[tuple[float, np.ndarray, float]]:
-        """Judge grips with the hand turned by `angle`, an object in its middle or nearly at one of the fingers.
+    def _grips(self, angle: float) -> list[tuple[float, np.ndarray, float]]:
+        """Judge grips with the hand turned by `angle`, every object in its middle or nearly at one of the fingers.
 
         Returns:
             Of each: a cost [m], which is how wide the object is between the fingers, how far from the middle, and tenfold how far
-            the fingers stand in a wall or on a neighbour; where the hand is (3,); the angle.
+            the fingers stand in a wall or on another object; where the hand is (3,); the angle.
         """
-        body = self.scene.body(name)
-        across = np.array([-np.sin(angle), np.cos(angle), 0.0])
-        turned = [*body.position, 0.0, 0.0, np.sin(angle / 2.0), np.cos(angle / 2.0)]
-        low, high = body.bounds_from(turned)[:, 1]
+        turn = turn_by(angle)
+        hand = [0.0, 0.0, 0.0, 0.0, 0.0, np.sin(angle / 2.0), np.cos(angle / 2.0)]
+        boxes = {o: self.scene.body(o).bounds_from(hand)[:, :2] for o in OBJECTS}
         grips = []
-        for side in SIDES:
-            shift = side * max(OPEN - 0.5 * (high - low), 0.0)
-            place = body.position + (0.5 * (low + high) + shift) * across
-            crossed = sum(self._in_the_way(name, place + finger * across) for finger in (-FINGER, FINGER))
-            grips.append((float(high - low) + 0.5 * abs(shift) + 10.0 * crossed, place, angle))
+        for name in self.left or OBJECTS[:1]:
+            position = self.scene.body(name).position
+            along, across = position[:2] @ turn
+            low, high = boxes[name][:, 1]
+            for side in SIDES:
+                shift = side * max(OPEN - 0.5 * (high - low), 0.0)
+                fingers = np.array([[along, 0.5 * (low + high) + shift + finger] for finger in (-FINGER, FINGER)])
+                crossed = sum(self._in_wall(finger, turn) for finger in fingers)
+                crossed += sum(overlap(finger, box) for finger in fingers for o, box in boxes.items() if o != name)
+                place = np.append(turn @ fingers.mean(axis=0), position[2])
+                grips.append((float(high - low) + 0.5 * abs(shift) + 10.0 * crossed, place, angle))
         return grips
 
-    def _in_the_way(self, name: str, finger: np.ndarray) -> float:
-        """Return how far a finger at a point stands in a wall or on what is not the object to grip [m]."""
-        crossed = self._in_wall(finger)
-        for other in (self.scene.body(o) for o in OBJECTS if o != name):
-            room = 0.5 * float(np.ptp(other.bounds(), axis=0).mean()) + PAD
-            crossed += max(room - float(np.linalg.norm((other.position - finger)[:2])), 0.0)
-        return crossed
-
-    def _in_wall(self, point: np.ndarray) -> float:
-        """Return how far a finger at a point stands in a wall of the large tray [m]."""
+    def _in_wall(self, finger: np.ndarray, turn: np.ndarray) -> float:
+        """Return how far a finger, its middle given in the axes of the hand, stands in a wall of the large tray [m]."""
         tray = self.scene.body("big_tray")
-        inside = np.abs(turned_back(point - tray.position, tray.quaternion))[:2]
-        return float(np.maximum(inside + PAD - INSIDE, 0.0).sum())
+        corners = (finger + CORNERS * PAD) @ turn.T - tray.position[:2]
+        tray_yaw = 2.0 * np.arctan2(tray.quaternion[2], tray.quaternion[3])
+        return float(np.maximum(np.abs(corners @ turn_by(tray_yaw)) - INSIDE, 0.0).max())
 
 
-def turned_back(vector: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
-    """Express a world vector (3,) in a frame of the given orientation."""
-    axis, w = -quaternion[:3], quaternion[3]
-    return vector + 2.0 * np.cross(axis, np.cross(axis, vector) + w * vector)
+def turn_by(angle: float) -> np.ndarray:
+    """Return the rotation of a plane (2, 2) by an angle [rad]."""
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
+def overlap(finger: np.ndarray, box: np.ndarray) -> float:
+    """Return how far a finger, its middle given in the axes of the hand, stands in a box [[min], [max]] of these axes [m]."""
+    depth = np.minimum(box[1] - finger, finger - box[0]) + PAD
+    return max(float(depth.min()), 0.0)
