@@ -10,7 +10,8 @@ import tyro
 
 from rlbench_pin.cli.judge import replay_succeeds
 from rlbench_pin.cli.setup import low_dim_config, make_environment
-from rlbench_pin.datasets import episode_files, read_demo, stored_tasks
+from rlbench_pin.datasets import read_demo, stored_tasks
+from rlbench_pin.datasets.reader import check_there, counted_files
 from rlbench_pin.environment import Environment, TaskEnvironment
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import LOW_DIM
@@ -21,15 +22,15 @@ class Replay:
     """Restore the start of stored episodes, repeat their joint-position actions, and say whether they succeed again."""
 
     files: tyro.conf.Positional[tuple[Path, ...]]
-    """Episode files, or folders of datasets."""
+    """Episode files, or folders of datasets, of which those count that their manifests list."""
 
     def run(self) -> int:
         """Print one line per episode; 1 when one does not succeed."""
         failed = 0
         with make_environment(low_dim_config()) as environment:
             task: TaskEnvironment | None = None
-            for path in _episodes(self.files):
-                demo = read_demo(path, LOW_DIM)
+            for path, sha256 in _episodes(self.files):
+                demo = read_demo(path, LOW_DIM, sha256=sha256)
                 task = _task(environment, task, demo.task_name)
                 task.reset_to_demo(demo)
                 succeeds = replay_succeeds(task, demo)
@@ -44,13 +45,16 @@ def _task(environment: Environment, present: TaskEnvironment | None, name: str) 
     return present if present is not None and present.get_name() == name else environment.get_task(name)
 
 
-def _episodes(paths: tuple[Path, ...]) -> Iterator[Path]:
+def _episodes(paths: tuple[Path, ...]) -> Iterator[tuple[Path, str | None]]:
+    """Yield episode files, and the SHA-256 that a manifest gives them."""
     for path in paths:
         if not path.is_dir():
-            yield path
+            yield path, None
             continue
         tasks = stored_tasks(path)
         if not tasks:
             raise DatasetError(f"'{path}' holds no demonstrations. `rlbench-pin record TASK --out {path}` makes some.")
         for task in tasks:
-            yield from episode_files(path, task)
+            for file, sha256 in counted_files(path, task).items():
+                check_there(file)
+                yield file, sha256

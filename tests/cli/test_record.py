@@ -229,6 +229,8 @@ def test_replay_tells_what_still_succeeds(tmp_path: Path, capsys: Capture) -> No
     write_demo(demo, path)
     assert _exit_code("replay", str(path)) == 1
     assert f"MISSED   {path}" in capsys.readouterr().out
+    assert _exit_code("replay", str(tmp_path)) == 1
+    assert path.name in capsys.readouterr().err, "it is not the file that its manifest lists"
     assert _exit_code("replay", str(tmp_path / "nothing.h5")) == 1
     assert "does not exist" in capsys.readouterr().err
 
