@@ -15,8 +15,12 @@ PLACES = (-0.04, 0.04, 0.0)
 """Where the first, second and third object are let go along the small tray [m]."""
 FALL = 20
 """Control ticks until the objects have come to rest."""
-KNOCK, KNOCKS = 3.0, 2
-"""Speed of turning with which what stands on an edge is knocked over [rad/s], and how often."""
+KNOCK, KNOCKS, MAX_KNOCKS = 3.0, 2, 10
+"""Speed of turning with which what stands on an edge is knocked over [rad/s], how often, and how often at most."""
+PUSH = 0.4
+"""Speed with which objects are pushed apart that do not come to rest [m/s]."""
+STILL = 2e-4
+"""What an object at rest may move [m] or turn (part of a quaternion) within a second."""
 SIDES = (0.0, -1.0, 1.0)
 """Where an object may be between the fingers: in the middle, or nearly at one of them."""
 INSIDE = np.array([0.165, 0.135])
@@ -78,15 +82,30 @@ class EmptyContainer(Task):
             body = self.scene.add_body(OBJECTS[i], spec)
             self.boundary.sample(body, rng, min_distance=0.0, ignore_collisions=True)
         self.register_graspable_objects(OBJECTS)
-        self._wait()
-        for _ in range(KNOCKS):
-            for angle, name in zip(rng.uniform(0.0, 2.0 * np.pi, len(OBJECTS)), OBJECTS, strict=True):
-                self.scene.body(name).set_velocity([0.0, 0.0, 0.0, KNOCK * np.cos(angle), KNOCK * np.sin(angle), 0.0])
-            self._wait()
+        self._settle(rng)
 
-    def _wait(self) -> None:
+    def _settle(self, rng: np.random.Generator) -> None:
+        """Let the objects fall, knock over what stands on an edge, and push apart what leans and creeps."""
+        self._wait()
+        for knock in range(MAX_KNOCKS):
+            for angle, name in zip(rng.uniform(0.0, 2.0 * np.pi, len(OBJECTS)), OBJECTS, strict=True):
+                push = PUSH * self._away(name) if knock >= KNOCKS else np.zeros(2)
+                self.scene.body(name).set_velocity([*push, 0.0, KNOCK * np.cos(angle), KNOCK * np.sin(angle), 0.0])
+            self._wait()
+            if knock + 1 >= KNOCKS and self._wait() < STILL:
+                return
+
+    def _away(self, name: str) -> np.ndarray:
+        """Return the horizontal direction (2,) from the middle of all objects to one of them."""
+        away = (self.scene.body(name).position - np.mean([self.scene.body(o).position for o in OBJECTS], axis=0))[:2]
+        return away / max(float(np.linalg.norm(away)), 1e-6)
+
+    def _wait(self) -> float:
+        """Wait a second, and return how much any object has moved or turned, the largest change of a number of its pose."""
+        before = [self.scene.body(name).pose for name in OBJECTS]
         for _ in range(FALL):
             self.scene.step()
+        return max(float(np.abs(self.scene.body(n).pose - pose).max()) for n, pose in zip(OBJECTS, before, strict=True))
 
     def _aim_at_next_object(self, waypoint: Waypoint) -> None:
         """Go over, then down to the object that is easiest to grip, across a narrow side of it and with room for the fingers."""
