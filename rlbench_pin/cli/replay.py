@@ -11,10 +11,10 @@ import tyro
 from rlbench_pin.cli.judge import replay_succeeds
 from rlbench_pin.cli.setup import low_dim_config, make_environment
 from rlbench_pin.datasets import read_demo, stored_tasks
-from rlbench_pin.datasets.reader import check_there, counted_files
+from rlbench_pin.datasets.reader import counted_demo, counted_files
 from rlbench_pin.environment import Environment, TaskEnvironment
 from rlbench_pin.errors import DatasetError
-from rlbench_pin.observation import LOW_DIM
+from rlbench_pin.observation import LOW_DIM, Demo
 
 
 @dataclass(frozen=True)
@@ -29,8 +29,7 @@ class Replay:
         failed = 0
         with make_environment(low_dim_config()) as environment:
             task: TaskEnvironment | None = None
-            for path, sha256 in _episodes(self.files):
-                demo = read_demo(path, LOW_DIM, sha256=sha256)
+            for path, demo in _episodes(self.files):
                 task = _task(environment, task, demo.task_name)
                 task.reset_to_demo(demo)
                 succeeds = replay_succeeds(task, demo)
@@ -45,16 +44,15 @@ def _task(environment: Environment, present: TaskEnvironment | None, name: str) 
     return present if present is not None and present.get_name() == name else environment.get_task(name)
 
 
-def _episodes(paths: tuple[Path, ...]) -> Iterator[tuple[Path, str | None]]:
-    """Yield episode files, and the SHA-256 that a manifest gives them."""
+def _episodes(paths: tuple[Path, ...]) -> Iterator[tuple[Path, Demo]]:
+    """Yield episodes and where they lie, each read when its turn comes."""
     for path in paths:
         if not path.is_dir():
-            yield path, None
+            yield path, read_demo(path, LOW_DIM)
             continue
         tasks = stored_tasks(path)
         if not tasks:
             raise DatasetError(f"'{path}' holds no demonstrations. `rlbench-pin record TASK --out {path}` makes some.")
         for task in tasks:
             for file, sha256 in counted_files(path, task).items():
-                check_there(file)
-                yield file, sha256
+                yield file, counted_demo(file, sha256, LOW_DIM)

@@ -96,7 +96,7 @@ def stored_demos(
         from_episode_number=None if random_selection else from_episode_number,
         rng=rng,
     )
-    return [_counted_demo(path, sums[path], fields, image_paths) for path in files]
+    return [counted_demo(path, sums[path], fields, image_paths) for path in files]
 
 
 def counted_files(root: Path, task: str, variation: int = ALL_VARIATIONS) -> dict[Path, str | None]:
@@ -126,7 +126,8 @@ def check_there(path: Path) -> None:
         )
 
 
-def _counted_demo(path: Path, sha256: str | None, fields: Collection[str] | None, image_paths: bool) -> Demo:
+def counted_demo(path: Path, sha256: str | None, fields: Collection[str] | None, image_paths: bool = False) -> Demo:
+    """Return an episode of `counted_files`, with the checks of `check_there` and `read_demo`."""
     check_there(path)
     return read_demo(path, fields, sha256=sha256, image_paths=image_paths)
 

@@ -15,10 +15,10 @@ PLACES = (-0.04, 0.04, 0.0)
 """Where the first, second and third object are let go along the small tray [m]."""
 FALL = 20
 """Control ticks until the objects have come to rest."""
-KNOCK, KNOCKS, MAX_KNOCKS = 3.0, 2, 10
-"""Speed of turning with which what stands on an edge is knocked over [rad/s], how often, and how often at most."""
-PUSH = 0.4
-"""Speed with which objects are pushed apart that do not come to rest [m/s]."""
+KNOCK, KNOCKS = 3.0, 2
+"""Speed of turning with which what stands on an edge is knocked over [rad/s], and how often."""
+PUSH, MAX_PUSHES = 0.4, 8
+"""Speed with which objects are pushed apart that do not come to rest [m/s], and how often at most."""
 STILL = 2e-4
 """What an object at rest may move [m] or turn (part of a quaternion) within a second."""
 SIDES = (0.0, -1.0, 1.0)
@@ -87,13 +87,19 @@ class EmptyContainer(Task):
     def _settle(self, rng: np.random.Generator) -> None:
         """Let the objects fall, knock over what stands on an edge, and push apart what leans and creeps."""
         self._wait()
-        for knock in range(MAX_KNOCKS):
-            for angle, name in zip(rng.uniform(0.0, 2.0 * np.pi, len(OBJECTS)), OBJECTS, strict=True):
-                push = PUSH * self._away(name) if knock >= KNOCKS else np.zeros(2)
-                self.scene.body(name).set_velocity([*push, 0.0, KNOCK * np.cos(angle), KNOCK * np.sin(angle), 0.0])
-            self._wait()
-            if knock + 1 >= KNOCKS and self._wait() < STILL:
-                return
+        for _ in range(KNOCKS):
+            self._knock(rng)
+        pushes = 0
+        while self._wait() >= STILL and pushes < MAX_PUSHES:
+            self._knock(rng, PUSH)
+            pushes += 1
+
+    def _knock(self, rng: np.random.Generator, push: float = 0.0) -> None:
+        """Turn every object about a random horizontal axis, push it away from the others, and wait."""
+        for angle, name in zip(rng.uniform(0.0, 2.0 * np.pi, len(OBJECTS)), OBJECTS, strict=True):
+            along = push * self._away(name)
+            self.scene.body(name).set_velocity([*along, 0.0, KNOCK * np.cos(angle), KNOCK * np.sin(angle), 0.0])
+        self._wait()
 
     def _away(self, name: str) -> np.ndarray:
         """Return the horizontal direction (2,) from the middle of all objects to one of them."""
@@ -112,7 +118,7 @@ class EmptyContainer(Task):
         grips = [grip for n in range(ANGLES) for grip in self._grips(n * np.pi / ANGLES)]
         _, place, angle = min(grips, key=lambda grip: grip[0])
         if waypoint.index == 0:
-            place[2] = self.scene.frame("waypoint0").position[2]
+            place[2] = waypoint.frame.position[2]
         waypoint.frame.set_pose([*place, np.cos(angle / 2.0), np.sin(angle / 2.0), 0.0, 0.0])
 
     def _aim_at_tray(self, waypoint: Waypoint | None = None) -> None:
@@ -127,7 +133,8 @@ class EmptyContainer(Task):
             Of each: a cost [m], which is how wide the object is between the fingers, how far from the middle, and tenfold how far
             the fingers stand in a wall or on another object; where the hand is (3,); the angle.
         """
-        turn = turn_by(angle)
+        turn, tray = turn_by(angle), self.scene.body("big_tray").pose
+        tray_turn = turn_by(2.0 * np.arctan2(tray[5], tray[6]))
         hand = [0.0, 0.0, 0.0, 0.0, 0.0, np.sin(angle / 2.0), np.cos(angle / 2.0)]
         boxes = {o: self.scene.body(o).bounds_from(hand)[:, :2] for o in OBJECTS}
         grips = []
@@ -135,21 +142,15 @@ class EmptyContainer(Task):
             position = self.scene.body(name).position
             along, across = position[:2] @ turn
             low, high = boxes[name][:, 1]
+            others = np.stack([box for o, box in boxes.items() if o != name])
             for side in SIDES:
                 shift = side * max(OPEN - 0.5 * (high - low), 0.0)
                 fingers = np.array([[along, 0.5 * (low + high) + shift + finger] for finger in (-FINGER, FINGER)])
-                crossed = sum(self._in_wall(finger, turn) for finger in fingers)
-                crossed += sum(overlap(finger, box) for finger in fingers for o, box in boxes.items() if o != name)
+                corners = (fingers[:, None] + CORNERS * PAD) @ turn.T - tray[:2]
+                crossed = in_walls(corners @ tray_turn) + in_boxes(fingers, others)
                 place = np.append(turn @ fingers.mean(axis=0), position[2])
                 grips.append((float(high - low) + 0.5 * abs(shift) + 10.0 * crossed, place, angle))
         return grips
-
-    def _in_wall(self, finger: np.ndarray, turn: np.ndarray) -> float:
-        """Return how far a finger, its middle given in the axes of the hand, stands in a wall of the large tray [m]."""
-        tray = self.scene.body("big_tray")
-        corners = (finger + CORNERS * PAD) @ turn.T - tray.position[:2]
-        tray_yaw = 2.0 * np.arctan2(tray.quaternion[2], tray.quaternion[3])
-        return float(np.maximum(np.abs(corners @ turn_by(tray_yaw)) - INSIDE, 0.0).max())
 
 
 def turn_by(angle: float) -> np.ndarray:
@@ -157,7 +158,13 @@ def turn_by(angle: float) -> np.ndarray:
     return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
-def overlap(finger: np.ndarray, box: np.ndarray) -> float:
-    """Return how far a finger, its middle given in the axes of the hand, stands in a box [[min], [max]] of these axes [m]."""
-    depth = np.minimum(box[1] - finger, finger - box[0]) + PAD
-    return max(float(depth.min()), 0.0)
+def in_walls(corners: np.ndarray) -> float:
+    """Return how far two fingers, their corners (2, 4, 2) given in the axes of the large tray, stand in its walls [m]."""
+    return float(np.maximum(np.abs(corners) - INSIDE, 0.0).max(axis=(1, 2)).sum())
+
+
+def in_boxes(fingers: np.ndarray, boxes: np.ndarray) -> float:
+    """Return how far two fingers (2, 2) stand in boxes (n, 2, 2) [[min], [max]], all in the axes of the hand [m]."""
+    middles = fingers[:, None]
+    depth = np.minimum(boxes[:, 1] - middles, middles - boxes[:, 0]) + PAD
+    return float(np.maximum(depth.min(axis=-1), 0.0).sum())
