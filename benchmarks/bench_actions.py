@@ -26,13 +26,11 @@ from rlbench_pin.environment import (
     JointVelocity,
     MoveArmThenGripper,
     TaskEnvironment,
-    convert_by_playing,
-    convert_demo,
-    verify,
 )
-from rlbench_pin.environment.arm_actions import ArmActionMode
+from rlbench_pin.environment.actions.arm_mode import ArmActionMode
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.observation import Demo
+from rlbench_pin.recording import convert_by_playing, convert_demo, verify
 from rlbench_pin.spatial import FloatArray
 
 SPACES: dict[str, Callable[[], ArmActionMode]] = {
@@ -107,7 +105,7 @@ def _judge(space: str, name: str, demo: Demo, cell: Cell) -> None:
         task = env.get_task(name)
         cell.demos += 1
         if not space.endswith("torque, delta"):
-            cell.alone += _succeeds(task, demo, lambda: convert_demo(demo, mode, task.scene.model))
+            cell.alone += _succeeds(task, demo, lambda: convert_demo(demo, mode, task.runtime.model))
         if not space.startswith(UNPLAYED):
             cell.played += _succeeds(task, demo, lambda: convert_by_playing(task, demo))
 

@@ -14,9 +14,9 @@ from rlbench_pin.robot.catalogue import robot_description
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.model import RobotModel
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-from control.analytic_worlds import TOP_DOWN, cluttered, simulate, smallest_margin
-from control.test_operational_space import circle
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from tests.control.analytic_worlds import TOP_DOWN, cluttered, simulate, smallest_margin
+from tests.control.test_operational_space import circle
 
 DT = 0.05
 

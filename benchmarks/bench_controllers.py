@@ -14,8 +14,8 @@ from pathlib import Path
 from harness import Result, summary
 
 from rlbench_pin.cli.evaluate import TASKS, Evaluate, report
-from rlbench_pin.environment.controller_summary import ControllerSummary, summarise
-from rlbench_pin.environment.controller_trials import PLAN, LegTrial
+from rlbench_pin.evaluation.controller_summary import ControllerSummary, summarise
+from rlbench_pin.evaluation.controller_trials import PLAN, LegTrial
 
 EXPLANATION = """# Controllers on demonstrations
 

@@ -22,7 +22,7 @@ def benchmark(tasks: Sequence[str] = (), seeds: int = SEEDS) -> list[Result]:
     for name in tasks or task_names():
         with velocity_environment() as environment:
             task = environment.get_task(name)
-            record_plans(task.scene.planner, plans.append)
+            record_plans(task.runtime.planner, plans.append)
             outcomes = [task.try_demo(seed=s, variation=s % task.variation_count(), record=False) for s in range(seeds)]
             legs[name] = [leg for outcome in outcomes for leg in outcome.legs]
     return [*_by_task(legs), *_by_stage(plans)]

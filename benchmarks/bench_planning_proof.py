@@ -15,7 +15,7 @@ from harness import velocity_environment
 from rlbench_pin.planning.path import through
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.planning.planner import MotionPlanner
-from rlbench_pin.planning.retime import retime
+from rlbench_pin.planning.timing.retime import retime
 from rlbench_pin.tasks import task_names
 
 FINE = 1e-4
@@ -71,7 +71,7 @@ def inspect(tasks: Sequence[str], legs: int, seeds: int) -> dict[str, float]:
     for name in tasks:
         with velocity_environment() as environment:
             task = environment.get_task(name)
-            inspectors.append(inspector := Inspector(task.scene.planner))
+            inspectors.append(inspector := Inspector(task.runtime.planner))
             for seed in range(seeds):
                 if inspector.legs < share:
                     task.try_demo(seed=seed, variation=seed % task.variation_count(), record=False)

@@ -20,10 +20,10 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from rlbench_pin.environment.record_config import PictureConfig, RecordConfig
-from rlbench_pin.environment.record_engines import ProcessEngine
-from rlbench_pin.environment.recording import RecordReport, record
 from rlbench_pin.environment.task_environment import library_versions
+from rlbench_pin.recording.config import PictureConfig, RecordConfig
+from rlbench_pin.recording.engines import ProcessEngine
+from rlbench_pin.recording.record import RecordReport, record
 
 TASKS = ("reach_target", "pick_and_lift", "push_button", "open_drawer", "put_rubbish_in_bin")
 PRODUCTS: tuple[tuple[str, ...], ...] = ((), ("rgb", "depth", "mask"))

@@ -25,9 +25,9 @@ from pathlib import Path
 
 import numpy as np
 
-from rlbench_pin.environment.record_config import PictureConfig, RecordConfig, WorkItem, plan_items
-from rlbench_pin.environment.record_engines import ProcessEngine, WorkerDeath
 from rlbench_pin.environment.task_environment import library_versions
+from rlbench_pin.recording.config import PictureConfig, RecordConfig, WorkItem, plan_items
+from rlbench_pin.recording.engines import ProcessEngine, WorkerDeath
 
 TASKS = ("reach_target", "push_button", "beat_the_buzz", "close_microwave", "take_lid_off_saucepan", "slide_block_to_target")
 

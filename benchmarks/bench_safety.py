@@ -28,8 +28,8 @@ from rlbench_pin.environment import (
     SafeArm,
     TaskEnvironment,
 )
-from rlbench_pin.environment.safe_arm import LIMIT_MARGIN, wanted_velocity
-from rlbench_pin.environment.scene import Scene
+from rlbench_pin.environment.actions.safe_arm import LIMIT_MARGIN, wanted_velocity
+from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.spatial import FloatArray
 
@@ -85,16 +85,16 @@ class TimedArm(SafeArm):
         self.states: list[State] = []
         self.seconds: list[float] = []
 
-    def _command(self, scene: Scene) -> None:
-        q, v = scene.robot.joint_positions, scene.robot.joint_velocities
-        self.states.append((q, v, wanted_velocity(scene, q, v).copy()))
+    def _command(self, runtime: Runtime) -> None:
+        q, v = runtime.robot.joint_positions, runtime.robot.joint_velocities
+        self.states.append((q, v, wanted_velocity(runtime, q, v).copy()))
         began = time.process_time()
-        super()._command(scene)
+        super()._command(runtime)
         self.seconds.append(time.process_time() - began)
 
-    def alone(self, scene: Scene) -> list[float]:
+    def alone(self, runtime: Runtime) -> list[float]:
         """Filter the states again, and nothing else; return the processor time of each [s]."""
-        guard: SafetyFilter = self._filter_for(scene)
+        guard: SafetyFilter = self._filter_for(runtime)
         seconds = []
         for state in self.states:
             began = time.process_time()
@@ -107,8 +107,8 @@ class Judge:
     """Measures the simulated arm after every tick."""
 
     def __init__(self, task: TaskEnvironment) -> None:
-        self.task, self.limits, self.dt = task, task.scene.model.limits, task.world.control_dt
-        self.distances = DistanceModel(task.scene.model)
+        self.task, self.limits, self.dt = task, task.runtime.model.limits, task.world.control_dt
+        self.distances = DistanceModel(task.runtime.model)
         self.figures = Figures()
 
     def look(self) -> None:
@@ -148,7 +148,7 @@ def measure_scene(name: str, actions: int, hold: int = 1, seed: int = 0) -> Figu
     observations.set_all(False)
     with Environment(MoveArmThenGripper(arm, Discrete()), obs_config=observations, seed=0) as env:
         task = env.get_task(name)
-        judge, fastest = Judge(task), task.scene.model.limits.velocity
+        judge, fastest = Judge(task), task.runtime.model.limits.velocity
         for tick in range(actions):
             if tick % EPISODE == 0:
                 arm.states.clear()
@@ -158,7 +158,7 @@ def measure_scene(name: str, actions: int, hold: int = 1, seed: int = 0) -> Figu
                 action = np.append(rng.uniform(-fastest, fastest), 1.0)
             task.step(action)
             judge.judge(arm)
-        judge.figures.loop_tick_us, judge.figures.tick_us = _percentiles(arm.seconds), _percentiles(arm.alone(task.scene))
+        judge.figures.loop_tick_us, judge.figures.tick_us = _percentiles(arm.seconds), _percentiles(arm.alone(task.runtime))
     return judge.figures
 
 

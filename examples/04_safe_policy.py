@@ -50,7 +50,7 @@ def run(arm: JointVelocity | SafeArm) -> Fall:
         for action in policy():
             obs, _, _ = task.step(action)
             contacts = task.world.contacts("panda", "table")
-            touched |= set(task.scene.touching())
+            touched |= set(task.runtime.touching())
             deepest = max([deepest, *(-contact.distance for contact in contacts)])
             lowest = min(lowest, float(obs.gripper_pose[2]))
         return Fall(touched, deepest, lowest, obs.front_rgb)

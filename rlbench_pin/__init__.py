@@ -10,7 +10,7 @@ import importlib
 import logging
 from typing import TYPE_CHECKING
 
-from rlbench_pin.gym_ids import announce
+from rlbench_pin.gym.ids import announce
 
 if TYPE_CHECKING:
     from rlbench_pin.environment import (

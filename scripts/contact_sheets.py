@@ -11,9 +11,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from rlbench_pin.cli.setup import low_dim_config, make_environment
-from rlbench_pin.cli.sheet import contact_sheet
-from rlbench_pin.cli.view import moments
+from rlbench_pin.checking.pages.demo_sheet import moments
+from rlbench_pin.checking.pages.sheet import contact_sheet
 from rlbench_pin.environment import (
     Discrete,
     Environment,
@@ -23,6 +22,7 @@ from rlbench_pin.environment import (
     RandomizeEvery,
     VisualRandomizationConfig,
 )
+from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.observation import CAMERAS, Observation
 from rlbench_pin.tasks import task_names

@@ -13,14 +13,14 @@ from collections.abc import Callable
 from pathlib import Path
 
 from rlbench_pin.datasets import Episode, read_manifest, stored_tasks, task_faults
-from rlbench_pin.datasets.rlbench_folders import export_rlbench
-from rlbench_pin.datasets.robomimic import export_robomimic
-from rlbench_pin.environment.record_config import PictureConfig, RecordConfig
-from rlbench_pin.environment.record_engines import ProcessEngine
-from rlbench_pin.environment.recording import RecordReport, record
+from rlbench_pin.datasets.formats.rlbench_folders import export_rlbench
+from rlbench_pin.datasets.formats.robomimic import export_robomimic
+from rlbench_pin.recording.config import PictureConfig, RecordConfig
+from rlbench_pin.recording.engines import ProcessEngine
+from rlbench_pin.recording.record import RecordReport, record
 
 try:
-    from rlbench_pin.datasets.lerobot import export_lerobot
+    from rlbench_pin.datasets.formats.lerobot import export_lerobot
 except ImportError:  # the extra `lerobot` is not installed
     export_lerobot = None  # type: ignore[assignment]
 

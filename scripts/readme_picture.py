@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from rlbench_pin.cli.film import side_picture
-from rlbench_pin.cli.setup import low_dim_config, make_environment
-from rlbench_pin.environment.cameras import look_at
+from rlbench_pin.environment.observations.cameras import look_at
+from rlbench_pin.environment.presets import low_dim_config, make_environment
+from rlbench_pin.recording.film import side_picture
 from rlbench_pin.sim import CameraView
 from rlbench_pin.tasks import task_names
 

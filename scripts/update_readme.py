@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from rlbench_pin.cli.page import interval, page, share
+from rlbench_pin.checking.pages.page import interval, page, share
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "docs" / "results"

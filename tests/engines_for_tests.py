@@ -5,13 +5,12 @@ from __future__ import annotations
 import threading
 from collections.abc import Generator, Sequence
 
-from demos_for_tests import make_demo
-
 from rlbench_pin.datasets import encode_demo, episode_entry
-from rlbench_pin.environment.record_config import PictureConfig, WorkItem
-from rlbench_pin.environment.record_engines import Event
-from rlbench_pin.environment.record_work import ItemResult
 from rlbench_pin.observation import Demo
+from rlbench_pin.recording.config import PictureConfig, WorkItem
+from rlbench_pin.recording.engines import Event
+from rlbench_pin.recording.work import ItemResult
+from tests.demos_for_tests import make_demo
 
 
 def made_up_demo(item: WorkItem) -> Demo:

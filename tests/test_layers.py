@@ -15,12 +15,12 @@ ROOT = Path(__file__).resolve().parents[1] / PACKAGE
 # Top row first; the rooms of one row do not know each other.
 ROWS: tuple[tuple[str, ...], ...] = (
     ("cli",),
-    ("challenges", "learning"),
+    ("checking", "evaluation", "recording", "gym"),
     ("environment",),
     ("tasks",),
     ("sim", "planning", "control"),
     ("robot", "scene", "datasets"),
-    ("errors", "spatial", "observation", "assets", "gym_ids"),
+    ("errors", "spatial", "observation", "assets"),
 )
 FLOOR = len(ROWS) - 1
 
@@ -36,7 +36,7 @@ HOMES: dict[str, tuple[str, ...]] = {
     "osqp": ("control",),
     "placo": ("planning", "control"),
     "coal": ("robot",),
-    "pinocchio": ("spatial", "robot", "planning", "control", "sim", "environment"),
+    "pinocchio": ("spatial", "robot", "planning", "control", "sim", "environment", "evaluation", "gym", "recording", "checking"),
     "h5py": ("datasets",),
     "pyarrow": ("datasets",),
     "av": ("datasets",),
@@ -45,13 +45,13 @@ HOMES: dict[str, tuple[str, ...]] = {
     "pydantic": ("scene",),
     "tyro": ("cli",),
     "tqdm": ("cli",),
-    "PIL": ("cli", "sim", "datasets"),
-    "ray": ("environment",),
+    "PIL": ("cli", "checking", "recording", "sim", "datasets"),
+    "ray": ("recording",),
     "zarr": ("datasets",),
-    "gymnasium": ("environment",),
+    "gymnasium": ("gym",),
     "trimesh": (),
     "manifold3d": (),
-    "pickle": ("datasets",),  # foreign files only; tests/datasets/test_rlbench_folders.py says which module
+    "pickle": ("datasets",),  # foreign files only; tests/datasets/formats/test_rlbench_folders.py says which module
 }
 
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from rlbench_pin.datasets import read_demo, read_manifest, stored_demos, verify_task
+from rlbench_pin.datasets.formats.rlbench_reader import folder_demos
 from rlbench_pin.datasets.layout import episode_path
-from rlbench_pin.datasets.rlbench_reader import folder_demos
 
 EXPORT = Path(__file__).resolve().parents[1] / "scripts" / "export_demos.py"
 TASK = "reach_target"

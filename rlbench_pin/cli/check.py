@@ -10,18 +10,17 @@ from typing import Any
 
 import tyro
 
-from rlbench_pin.cli.explain import explain_failure
-from rlbench_pin.cli.journal import Journal
-from rlbench_pin.cli.page import page
-from rlbench_pin.cli.pictures import draw_pictures
-from rlbench_pin.cli.pool import do_all
-from rlbench_pin.cli.report import TaskReport, summarise
-from rlbench_pin.cli.setup import find_task
-from rlbench_pin.cli.table import table
-from rlbench_pin.cli.trials import Item, Part, Trial
+from rlbench_pin.checking.explain import explain_failure
+from rlbench_pin.checking.journal import Journal
+from rlbench_pin.checking.pages.page import page
+from rlbench_pin.checking.pages.pictures import draw_pictures
+from rlbench_pin.checking.pages.table import table
+from rlbench_pin.checking.pool import do_all
+from rlbench_pin.checking.report import TaskReport, summarise
+from rlbench_pin.checking.trials import Item, Part, Trial
 from rlbench_pin.environment.task_environment import library_versions
 from rlbench_pin.errors import TaskEnvironmentError
-from rlbench_pin.tasks import task_class, task_names
+from rlbench_pin.tasks import find_task, task_class, task_names
 
 FORMAT = 2
 REPEATS = 4

@@ -17,13 +17,13 @@ from tqdm import tqdm
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
 from rlbench_pin.cli.record import EngineName, make_engine, tell
 from rlbench_pin.datasets import stored_tasks, task_faults
-from rlbench_pin.datasets.foreign import stored_episodes
+from rlbench_pin.datasets.formats.common import stored_episodes
 from rlbench_pin.datasets.info import TaskInfo, task_info
 from rlbench_pin.datasets.merge import merge, plan_merge
-from rlbench_pin.environment.record_config import PictureConfig
-from rlbench_pin.environment.rerender import rerender, seeds_of, write_seeds
 from rlbench_pin.errors import DatasetError, MissingExtra
 from rlbench_pin.observation import CAMERAS
+from rlbench_pin.recording.config import PictureConfig
+from rlbench_pin.recording.rerender import rerender, seeds_of, write_seeds
 
 Root = tyro.conf.Positional[Path]
 ExportFormat = Literal["lerobot", "robomimic", "rlbench", "peract", "zarr"]
@@ -162,7 +162,7 @@ def find_exporter(name: ExportFormat, cameras: tuple[str, ...] = ()) -> Callable
     """
     module, function, options, extra = _EXPORTERS[name]
     try:
-        export: Callable[..., Path] = getattr(importlib.import_module(f"rlbench_pin.datasets.{module}"), function)
+        export: Callable[..., Path] = getattr(importlib.import_module(f"rlbench_pin.datasets.formats.{module}"), function)
     except ImportError as error:
         raise MissingExtra(f"The export to '{name}'", error.name or extra, extra) from error
     return partial(export, **options) if module == "rlbench_folders" else partial(export, cameras=cameras)

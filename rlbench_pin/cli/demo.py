@@ -12,12 +12,13 @@ from pathlib import Path
 import tyro
 from tqdm import tqdm
 
-from rlbench_pin.cli.film import Film
-from rlbench_pin.cli.setup import find_task, make_environment, picture_config
 from rlbench_pin.datasets import DatasetWriter
 from rlbench_pin.environment import TaskEnvironment
+from rlbench_pin.environment.presets import make_environment, picture_config
 from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import CAMERAS, Demo, Observation
+from rlbench_pin.recording.film import Film
+from rlbench_pin.tasks import find_task
 
 
 @dataclass(frozen=True)

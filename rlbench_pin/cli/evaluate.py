@@ -10,10 +10,11 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from rlbench_pin.cli.setup import find_task, low_dim_config, make_environment
-from rlbench_pin.environment.controller_summary import ControllerSummary, summarise, table
-from rlbench_pin.environment.controller_trials import LegTrial, chosen_controllers, follow_demo
+from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.environment.task_environment import library_versions
+from rlbench_pin.evaluation.controller_summary import ControllerSummary, summarise, table
+from rlbench_pin.evaluation.controller_trials import LegTrial, chosen_controllers, follow_demo
+from rlbench_pin.tasks import find_task
 
 TASKS = (
     "reach_target", "push_button", "pick_and_lift", "take_lid_off_saucepan", "open_drawer",

@@ -30,10 +30,10 @@ class $cls(Task):
 
     def init_task(self) -> None:
         """Called once: look things up by the names in $name.toml, say what may be grasped and what success is."""
-        self.ball = self.scene.body("ball")
-        self.place = SpawnBoundary([self.scene.region("air")])
+        self.ball = self.world.body("ball")
+        self.place = SpawnBoundary([self.world.region("air")])
         # self.register_graspable_objects(["ball"])
-        self.register_success_conditions([TipInside(self.robot, self.scene.sensor("goal"))])
+        self.register_success_conditions([TipInside(self.robot, self.world.sensor("goal"))])
 
     def variation_count(self) -> int:
         """How many goals there are."""

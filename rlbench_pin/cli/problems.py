@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import tyro
 
-from rlbench_pin.cli.setup import low_dim_config, make_environment
+from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.planning.planner import MotionPlanner, Plan
-from rlbench_pin.planning.problems import PlanningProblem, write_problem
+from rlbench_pin.planning.problems.problem import PlanningProblem, write_problem
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray, PoseLike
 from rlbench_pin.tasks import task_class
@@ -45,7 +45,7 @@ class Problems:
     def _export(self, name: str) -> int:
         with make_environment(low_dim_config()) as environment:
             task = environment.get_task(name)
-            recorder = LegRecorder(task.scene.planner)
+            recorder = LegRecorder(task.runtime.planner)
             for episode in range(self.episodes):
                 recorder.prefix = f"{name}_{self.seed + episode:04d}"
                 task.try_demo(seed=self.seed + episode, variation=episode % task.variation_count(), record=False)

@@ -11,7 +11,7 @@ from types import FrameType
 
 from tqdm import tqdm
 
-from rlbench_pin.environment.recording import RecordReport
+from rlbench_pin.recording.record import RecordReport
 
 
 class RecordBar:

@@ -16,11 +16,11 @@ import tyro
 
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
 from rlbench_pin.datasets.writer import Compression
-from rlbench_pin.environment.record_config import PictureConfig, RecordConfig
-from rlbench_pin.environment.record_engines import Engine, ProcessEngine, SerialEngine
-from rlbench_pin.environment.recording import RecordReport, read_recording, record
 from rlbench_pin.errors import MissingExtra
 from rlbench_pin.observation import CAMERAS
+from rlbench_pin.recording.config import PictureConfig, RecordConfig
+from rlbench_pin.recording.engines import Engine, ProcessEngine, SerialEngine
+from rlbench_pin.recording.record import RecordReport, read_recording, record
 from rlbench_pin.tasks import task_names
 
 EngineName = Literal["processes", "ray"]
@@ -97,7 +97,7 @@ def make_engine(name: EngineName, workers: int) -> Engine:
     if name == "processes":
         return ProcessEngine(workers) if workers else SerialEngine()
     try:
-        module = importlib.import_module("rlbench_pin.environment.record_ray")
+        module = importlib.import_module("rlbench_pin.recording.ray_engine")
     except ImportError as error:
         raise MissingExtra("The engine 'ray'", "ray", "ray") from error
     make: Callable[[int], Engine] = module.RayEngine

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import tyro
 
-from rlbench_pin.cli.judge import replay_succeeds
-from rlbench_pin.cli.setup import low_dim_config, make_environment
+from rlbench_pin.checking.judge import replay_succeeds
 from rlbench_pin.datasets import read_demo, stored_tasks
 from rlbench_pin.datasets.reader import counted_demo, counted_files
 from rlbench_pin.environment import Environment, TaskEnvironment
+from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import LOW_DIM, Demo
 

@@ -12,9 +12,6 @@ import numpy as np
 import tyro
 from tqdm import tqdm
 
-from rlbench_pin.cli.grid import Reel, grid_frames, grid_size
-from rlbench_pin.cli.orbit import Orbit
-from rlbench_pin.cli.setup import low_dim_config
 from rlbench_pin.datasets import VideoWriter
 from rlbench_pin.environment import (
     Discrete,
@@ -25,7 +22,10 @@ from rlbench_pin.environment import (
     TaskEnvironment,
     VisualRandomizationConfig,
 )
+from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import DemoError
+from rlbench_pin.recording.grid import Reel, grid_frames, grid_size
+from rlbench_pin.recording.orbit import Orbit
 from rlbench_pin.tasks import task_names
 
 ALL = "all"
@@ -130,10 +130,10 @@ def _each_tick(task: TaskEnvironment, orbit: Orbit, add: Callable[[np.ndarray], 
         frame += 1
         bar.update()
 
-    task.scene.register_step_callback(shoot)
+    task.runtime.register_step_callback(shoot)
     try:
         yield
     finally:
-        task.scene.remove_step_callback(shoot)
+        task.runtime.remove_step_callback(shoot)
     for _ in range(round(1.0 / task.world.control_dt)):
         shoot()

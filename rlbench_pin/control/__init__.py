@@ -6,18 +6,18 @@ position, velocity and acceleration limits in such a way that there always is a 
 
 from __future__ import annotations
 
-from rlbench_pin.control.constraints import Hold, JointBounds
 from rlbench_pin.control.differential_ik import DifferentialIK, DifferentialIKConfig
 from rlbench_pin.control.differential_ik_qp import DifferentialIKQP
 from rlbench_pin.control.following import ComputedTorque, TrackingReport, TrajectoryFollower, VelocityFollowing
 from rlbench_pin.control.gripper import GripperCommand, GripperConfig, GripperController
 from rlbench_pin.control.impedance import CartesianImpedance, JointImpedance
-from rlbench_pin.control.objectives import PostureObjective, TipObjective
 from rlbench_pin.control.operational_space import OperationalSpaceConfig, OperationalSpaceQP, TorqueCommand
-from rlbench_pin.control.osqp_solver import OsqpSolver
 from rlbench_pin.control.pose_ik import PoseIK, PoseIKConfig, PoseSolution
 from rlbench_pin.control.predictive import CartesianMPC, PredictiveCommand, PredictiveConfig
-from rlbench_pin.control.quadratic_program import QPSolver, QuadraticProgram
+from rlbench_pin.control.qp.constraints import Hold, JointBounds
+from rlbench_pin.control.qp.objectives import PostureObjective, TipObjective
+from rlbench_pin.control.qp.osqp_solver import OsqpSolver
+from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram
 from rlbench_pin.control.safety_filter import SafeCommand, SafetyConfig, SafetyFilter
 from rlbench_pin.control.tracking import TrajectoryTracker
 

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rlbench_pin.control.constraints import JointBounds
+from rlbench_pin.control.qp.constraints import JointBounds
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.motion_bounds import IndexArray
 from rlbench_pin.spatial import FloatArray

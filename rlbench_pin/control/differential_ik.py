@@ -29,9 +29,9 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from rlbench_pin.control.checks import as_pose, as_state, as_vector
-from rlbench_pin.control.constraints import Hold, JointBounds
-from rlbench_pin.control.objectives import Manipulability, PostureObjective, TipApproach, TipObjective, moved
-from rlbench_pin.control.placo_arm import PlacoArm
+from rlbench_pin.control.qp.constraints import Hold, JointBounds
+from rlbench_pin.control.qp.objectives import Manipulability, PostureObjective, TipApproach, TipObjective, moved
+from rlbench_pin.control.qp.placo_arm import PlacoArm
 from rlbench_pin.errors import InfeasibleControl
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.model import RobotModel

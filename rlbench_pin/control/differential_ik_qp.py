@@ -14,8 +14,8 @@ import numpy as np
 import pinocchio as pin
 
 from rlbench_pin.control.differential_ik import DifferentialIKConfig, Target, TipController
-from rlbench_pin.control.osqp_solver import OsqpSolver
-from rlbench_pin.control.quadratic_program import QPSolver, QuadraticProgram, empty_rows
+from rlbench_pin.control.qp.osqp_solver import OsqpSolver
+from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram, empty_rows
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray

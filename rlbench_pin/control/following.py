@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rlbench_pin.control.checks import as_state
-from rlbench_pin.control.constraints import Hold, JointBounds
+from rlbench_pin.control.qp.constraints import Hold, JointBounds
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.robot.trajectory import Trajectory

@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import eigh
 
 from rlbench_pin.control.checks import as_placement, as_state, as_vector
-from rlbench_pin.control.constraints import JointBounds
+from rlbench_pin.control.qp.constraints import JointBounds
 from rlbench_pin.errors import InvalidTarget
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray

@@ -28,9 +28,9 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from rlbench_pin.control.checks import as_placement, as_state, as_vector
-from rlbench_pin.control.constraints import JointBounds
-from rlbench_pin.control.osqp_solver import OsqpSolver
-from rlbench_pin.control.quadratic_program import QPSolver, QuadraticProgram
+from rlbench_pin.control.qp.constraints import JointBounds
+from rlbench_pin.control.qp.osqp_solver import OsqpSolver
+from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram
 from rlbench_pin.errors import InfeasibleControl
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.model import RobotModel

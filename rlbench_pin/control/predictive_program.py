@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from rlbench_pin.control.constraints import JointBounds
+from rlbench_pin.control.qp.constraints import JointBounds
 from rlbench_pin.spatial import FloatArray
 
 IndexArray = NDArray[np.intp]

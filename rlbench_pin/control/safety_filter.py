@@ -30,9 +30,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from rlbench_pin.control.braking import BrakingCheck
 from rlbench_pin.control.checks import as_state, as_vector
-from rlbench_pin.control.constraints import Hold, JointBounds
-from rlbench_pin.control.osqp_solver import OsqpSolver
-from rlbench_pin.control.quadratic_program import QPSolver, QuadraticProgram
+from rlbench_pin.control.qp.constraints import Hold, JointBounds
+from rlbench_pin.control.qp.osqp_solver import OsqpSolver
+from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram
 from rlbench_pin.errors import InfeasibleControl
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.limits import JointLimits

@@ -9,9 +9,9 @@ from itertools import zip_longest
 
 import numpy as np
 
-from rlbench_pin.environment.gripper_actions import GRIP_SPEED
+from rlbench_pin.environment.actions.gripper import GRIP_SPEED
 from rlbench_pin.environment.motion import follow, move_gripper
-from rlbench_pin.environment.scene import Scene
+from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.turns import poses_of, rank_turns, runs
 from rlbench_pin.errors import DemoError, NotStraight, NoWaypointsError, PlanningError, RlbenchPinError, WaypointError
 from rlbench_pin.observation import Demo, Observation
@@ -60,7 +60,7 @@ class DemoPlayer:
     """Plays the waypoints of the running task once.
 
     Args:
-        scene: A scene at the start of an episode.
+        runtime: A scene at the start of an episode.
         record: Keep observations.
         record_gripper: Keep one observation per tick of finger motion, not only the last.
         on_frame: Called with every observation kept.
@@ -68,19 +68,19 @@ class DemoPlayer:
 
     def __init__(
         self,
-        scene: Scene,
+        runtime: Runtime,
         *,
         record: bool = True,
         record_gripper: bool = False,
         on_frame: Callable[[Observation], None] | None = None,
     ) -> None:
-        self.scene, self.record, self.record_gripper, self.on_frame = scene, record, record_gripper, on_frame
+        self.runtime, self.record, self.record_gripper, self.on_frame = runtime, record, record_gripper, on_frame
         self.frames: list[Observation] = []
         self.legs: list[LegReport] = []
         self.waypoint: Waypoint | None = None
         self._following: Waypoint | None = None
         self._amount = 1.0
-        self._target = scene.robot.joint_positions
+        self._target = runtime.robot.joint_positions
         self._chosen_turn = 0.0
         self._succeeded = False
 
@@ -98,7 +98,7 @@ class DemoPlayer:
             WaypointError: A waypoint is out of reach.
             PlanningError: A leg could not be planned.
         """
-        task = self.scene.task
+        task = self.runtime.task
         if not task.get_waypoints():
             raise NoWaypointsError(f"Task '{task.get_name()}' has no waypoints, so it cannot be demonstrated.", task)
         self._frame()
@@ -117,7 +117,7 @@ class DemoPlayer:
 
         Start hooks run here, before the poses of their leg are read.
         """
-        waypoints = self.scene.task.get_waypoints()
+        waypoints = self.runtime.task.get_waypoints()
         for run in runs(waypoints):
             turns: list[float] | None = None
             for waypoint, following in zip_longest(run, run[1:]):
@@ -134,22 +134,24 @@ class DemoPlayer:
     def _rank(self, run: Sequence[Waypoint]) -> list[float]:
         if run[0].symmetry == 1:
             return [0.0]
-        scene = self.scene
+        runtime = self.runtime
         alive = [w for w in run if not w.skip]
-        choices = rank_turns(scene.planner, alive, scene.robot.joint_positions, scene.robot.tip_pose(), scene.planning_rng)
+        choices = rank_turns(
+            runtime.planner, alive, runtime.robot.joint_positions, runtime.robot.tip_pose(), runtime.planning_rng
+        )
         return [choice.turn for choice in choices]
 
     def _run_leg(self, waypoint: Waypoint, turns: Sequence[float]) -> None:
         self._succeeded = False
         plan = self._plan(waypoint, turns)
-        follow(self.scene, plan.trajectory, until=self._check, on_tick=self._arm_tick)
+        follow(self.runtime, plan.trajectory, until=self._check, on_tick=self._arm_tick)
         if waypoint.gripper is not None:
             self._operate_gripper(waypoint)
         waypoint.run_end_hook()
 
     def _plan(self, waypoint: Waypoint, turns: Sequence[float]) -> Plan:
         started = time.process_time()
-        self.scene.refresh_planner()
+        self.runtime.refresh_planner()
         error: PlanningError | None = None
         for turn in turns:
             try:
@@ -165,17 +167,17 @@ class DemoPlayer:
         raise error
 
     def _plan_turn(self, waypoint: Waypoint, turn: float) -> Plan:
-        scene, rng = self.scene, self.scene.planning_rng
-        q = scene.robot.joint_positions
-        poses = poses_of(waypoint, turn, scene.robot.tip_pose())
+        runtime, rng = self.runtime, self.runtime.planning_rng
+        q = runtime.robot.joint_positions
+        poses = poses_of(waypoint, turn, runtime.robot.tip_pose())
         if waypoint.path == "curve":
-            return scene.planner.plan_curve(q, poses, ignore_collisions=True, rng=rng)
-        return scene.planner.plan_to_pose(
+            return runtime.planner.plan_curve(q, poses, ignore_collisions=True, rng=rng)
+        return runtime.planner.plan_to_pose(
             q,
             poses[0],
             straight=True if waypoint.path == "straight" else None,
             ignore_collisions=waypoint.ignore_collisions,
-            allowed=scene.touching(),
+            allowed=runtime.touching(),
             rng=rng,
         )
 
@@ -183,22 +185,22 @@ class DemoPlayer:
         """Return the plan, or one to another configuration at the same pose if the arm could not go on straight from its end."""
         if waypoint.path != "plan" or self._goes_on(plan.path[-1], turn):
             return plan
-        scene, rng = self.scene, self.scene.planning_rng
-        q, pose = scene.robot.joint_positions, poses_of(waypoint, turn, scene.robot.tip_pose())[0]
-        limits, blind, allowed = scene.planner.limits, waypoint.ignore_collisions, scene.touching()
+        runtime, rng = self.runtime, self.runtime.planning_rng
+        q, pose = runtime.robot.joint_positions, poses_of(waypoint, turn, runtime.robot.tip_pose())[0]
+        limits, blind, allowed = runtime.planner.limits, waypoint.ignore_collisions, runtime.touching()
         for _ in range(_OTHER_WAYS):
             start = rng.uniform(limits.lower, limits.upper)
             try:
-                goal = scene.planner.reachable(start, pose, rng, ignore_collisions=blind, allowed=allowed)
+                goal = runtime.planner.reachable(start, pose, rng, ignore_collisions=blind, allowed=allowed)
                 if self._goes_on(goal, turn):
-                    return scene.planner.plan_to_configuration(q, goal, ignore_collisions=blind, allowed=allowed, rng=rng)
+                    return runtime.planner.plan_to_configuration(q, goal, ignore_collisions=blind, allowed=allowed, rng=rng)
             except PlanningError:
                 continue
         return plan
 
     def _goes_on(self, q: FloatArray, turn: float) -> bool:
         """Whether the next leg, if it has to be a line or a curve, can be followed from configuration `q` (n,)."""
-        following, model = self._following, self.scene.model
+        following, model = self._following, self.runtime.model
         if following is None:
             return True
         tip = model.tip_pose(q)
@@ -216,7 +218,7 @@ class DemoPlayer:
     def _operate_gripper(self, waypoint: Waypoint) -> None:
         self._amount = waypoint.gripper_amount
         move_gripper(
-            self.scene,
+            self.runtime,
             self._amount,
             release=waypoint.releases,
             speed=GRIP_SPEED,
@@ -237,9 +239,9 @@ class DemoPlayer:
 
     def _check(self) -> bool:
         """Note success; raise when the fail list ends the episode. Never cuts a motion short."""
-        success, terminate = self.scene.task.success()
+        success, terminate = self.runtime.task.success()
         if terminate and not success:
-            raise DemoError("The fail list of the task was met.", self.scene.task)
+            raise DemoError("The fail list of the task was met.", self.runtime.task)
         self._succeeded = self._succeeded or success
         return False
 
@@ -248,16 +250,16 @@ class DemoPlayer:
         for _ in range(_EXTRA_TICKS):
             if self._succeeded:
                 return
-            self.scene.drive_to(self._target)
+            self.runtime.drive_to(self._target)
             self._frame()
             self._check()
         if not self._succeeded:
-            raise DemoError("All waypoints were visited but the goal was not reached.", self.scene.task)
+            raise DemoError("All waypoints were visited but the goal was not reached.", self.runtime.task)
 
     def _frame(self) -> None:
         if not self.record:
             return
-        observation = self.scene.get_observation()
+        observation = self.runtime.get_observation()
         if self.frames:
             observation.misc["joint_position_action"] = np.append(self._target, self._amount)
         self.frames.append(observation)

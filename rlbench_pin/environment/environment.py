@@ -8,19 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from rlbench_pin.environment.action_mode import ActionMode
-from rlbench_pin.environment.cameras import camera_view
-from rlbench_pin.environment.gripper_actions import GripperMode
-from rlbench_pin.environment.observation_config import ObservationConfig
-from rlbench_pin.environment.observe import camera_misc
-from rlbench_pin.environment.randomize import (
+from rlbench_pin.environment.actions.action_mode import ActionMode
+from rlbench_pin.environment.actions.gripper import GripperMode
+from rlbench_pin.environment.observations.cameras import camera_view
+from rlbench_pin.environment.observations.config import ObservationConfig
+from rlbench_pin.environment.observations.observe import camera_misc
+from rlbench_pin.environment.randomization.config import (
     DynamicsRandomizationConfig,
     RandomizeEvery,
     VisualRandomizationConfig,
     check_randomisation,
 )
-from rlbench_pin.environment.randomizer import Randomizer
-from rlbench_pin.environment.scene import Scene
+from rlbench_pin.environment.randomization.randomizer import Randomizer
+from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.stored import read_stored_demos, read_stored_descriptions
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DatasetError, EnvironmentClosed, TaskEnvironmentError, UnknownName
@@ -98,7 +98,7 @@ class Environment:
         self._planner_config = PlannerConfig(max_velocity=arm_max_velocity, max_acceleration=arm_max_acceleration)
         self._seeds = np.random.default_rng(seed)
         self._model: RobotModel | None = None
-        self._scene: Scene | None = None
+        self._runtime: Runtime | None = None
 
     # Life -------------------------------------------------------------------------------------------------------
 
@@ -117,9 +117,9 @@ class Environment:
 
     def shutdown(self) -> None:
         """Free the world; safe to call repeatedly."""
-        if self._scene is not None:
-            self._scene.world.close()
-        self._scene, self._model = None, None
+        if self._runtime is not None:
+            self._runtime.world.close()
+        self._runtime, self._model = None, None
 
     def __enter__(self) -> Environment:
         if self._model is None:
@@ -141,33 +141,33 @@ class Environment:
         if self._model is None:
             self.launch()
         assert self._model is not None
-        scene = self._build(chosen, task_scene(chosen), self._model)
-        if self._scene is not None:
-            self._scene.world.close()
-        self._scene = scene
+        runtime = self._build(chosen, task_scene(chosen), self._model)
+        if self._runtime is not None:
+            self._runtime.world.close()
+        self._runtime = runtime
         return TaskEnvironment(
-            scene,
+            runtime,
             self._action_mode,
             self._obs_config,
             self._seeds,
             self._dataset_root,
             self._static_positions,
             self._shaped_rewards,
-            self._randomizer(scene),
+            self._randomizer(runtime),
         )
 
-    def _randomizer(self, scene: Scene) -> Randomizer | None:
+    def _randomizer(self, runtime: Runtime) -> Randomizer | None:
         if self._randomize_every is None:
             return None
-        return Randomizer(scene, self._obs_config, self._randomize_every, self._frequency, self._visual, self._dynamics)
+        return Randomizer(runtime, self._obs_config, self._randomize_every, self._frequency, self._visual, self._dynamics)
 
-    def _build(self, chosen: type[Task], spec: SceneSpec, model: RobotModel) -> Scene:
+    def _build(self, chosen: type[Task], spec: SceneSpec, model: RobotModel) -> Runtime:
         world = World(spec, model.description, renderer=self._renderer)
         try:
             task = chosen(world)
             task.init_task()
             planner = MotionPlanner(model, self._planner_config)
-            return Scene(world, task, model.description, model, planner, self._obs_config)
+            return Runtime(world, task, model.description, model, planner, self._obs_config)
         except BaseException:
             world.close()
             raise
@@ -218,15 +218,15 @@ class Environment:
     @property
     def action_size(self) -> int:
         """How many numbers an action has; needs a task."""
-        if self._scene is None:
+        if self._runtime is None:
             raise NoTask("The shape of actions is known once a task is loaded. Call `get_task(...)` first.")
-        return self._action_mode.action_shape(self._scene)
+        return self._action_mode.action_shape(self._runtime)
 
     def action_bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest values of an action; needs a task."""
-        if self._scene is None:
+        if self._runtime is None:
             raise NoTask("The bounds of actions are known once a task is loaded. Call `get_task(...)` first.")
-        return self._action_mode.action_bounds(self._scene)
+        return self._action_mode.action_bounds(self._runtime)
 
     def get_scene_data(self) -> dict[str, dict[str, Any] | None]:
         """Return intrinsics, extrinsics and clipping planes of each camera at the home posture, None where it is switched off."""

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from rlbench_pin.control.tracking import TrajectoryTracker
-from rlbench_pin.environment.scene import Scene
+from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
 
@@ -19,7 +19,7 @@ _SETTLE_TICKS_AFTER_OPENING = 10
 
 
 def follow(
-    scene: Scene,
+    runtime: Runtime,
     trajectory: Trajectory,
     *,
     until: Callable[[], bool] = lambda: False,
@@ -28,28 +28,28 @@ def follow(
     """Track `trajectory` to its end and come to rest there.
 
     Args:
-        scene: The scene to move in.
+        runtime: The scene to move in.
         trajectory: Timed joint motion that starts where the arm is.
         until: Asked after every tick; True ends the motion early.
         on_tick: Called after every tick with the commanded joint positions (n,) [rad].
     """
-    target = scene.robot.joint_positions
-    for target in TrajectoryTracker(trajectory, scene.world.control_dt):
-        scene.drive_to(target)
+    target = runtime.robot.joint_positions
+    for target in TrajectoryTracker(trajectory, runtime.world.control_dt):
+        runtime.drive_to(target)
         on_tick(target)
         if until():
             return
     for _ in range(_REST_TICKS):
-        if np.abs(scene.robot.joint_velocities).max() < REST_SPEED:
+        if np.abs(runtime.robot.joint_velocities).max() < REST_SPEED:
             return
-        scene.drive_to(target)
+        runtime.drive_to(target)
         on_tick(target)
         if until():
             return
 
 
 def move_gripper(
-    scene: Scene,
+    runtime: Runtime,
     amount: float,
     *,
     release: bool,
@@ -63,7 +63,7 @@ def move_gripper(
     Closing runs by physics until the fingers stall; then every registered graspable body between them is fixed to the hand.
 
     Args:
-        scene: The scene to act in.
+        runtime: The scene to act in.
         amount: Opening fraction, 0 shut to 1 open.
         release: Let go of what is held (an opening motion); otherwise hold what lies between the fingers afterwards.
         speed: Finger speed [m/s].
@@ -71,26 +71,26 @@ def move_gripper(
         detach_before_open: Release before the fingers move; otherwise after.
         on_tick: Called after every tick.
     """
-    if scene.robot.mode == "torque":
-        scene.hold()
+    if runtime.robot.mode == "torque":
+        runtime.hold()
     if release and detach_before_open:
-        scene.gripper.release()
-    scene.gripper.set_target(amount, speed)
+        runtime.gripper.release()
+    runtime.gripper.set_target(amount, speed)
     for tick in range(_GRIPPER_TICKS):
-        scene.step()
+        runtime.step()
         on_tick()
-        if tick > 0 and not scene.gripper.moving:
+        if tick > 0 and not runtime.gripper.moving:
             break
-    hold_or_release(scene, release=release, attach=attach)
+    hold_or_release(runtime, release=release, attach=attach)
     for _ in range(_SETTLE_TICKS_AFTER_OPENING if release else 0):
-        scene.step()
+        runtime.step()
         on_tick()
 
 
-def hold_or_release(scene: Scene, *, release: bool, attach: bool) -> None:
+def hold_or_release(runtime: Runtime, *, release: bool, attach: bool) -> None:
     """Let everything go, or fix every graspable body between the fingers to the hand."""
     if release:
-        scene.gripper.release()
+        runtime.gripper.release()
     elif attach:
-        for name in scene.gripper.between_fingers():
-            scene.gripper.grasp(name)
+        for name in runtime.gripper.between_fingers():
+            runtime.gripper.grasp(name)

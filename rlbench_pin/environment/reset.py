@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rlbench_pin.environment.randomness import EpisodeRandom
-from rlbench_pin.environment.scene import Scene
+from rlbench_pin.environment.episode_seeds import EpisodeRandom
+from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.turns import check_feasible
 from rlbench_pin.errors import BoundaryError, PlanningError, ResetError, WaypointError
 from rlbench_pin.tasks import place_task
@@ -27,7 +27,7 @@ class EpisodeStart:
 
 
 def start_episode(
-    scene: Scene,
+    runtime: Runtime,
     variation: int,
     random: EpisodeRandom,
     *,
@@ -37,7 +37,7 @@ def start_episode(
     """Bring the scene to the start of an episode.
 
     Args:
-        scene: The running scene.
+        runtime: The running scene.
         variation: Variation of the task.
         random: Generators of this episode.
         static: Leave the task where its scene file puts it.
@@ -47,24 +47,24 @@ def start_episode(
         ResetError: No attempt gave a placement whose waypoints can all be reached; carries why each failed.
     """
     causes: list[str] = []
-    scene.task.end_episode()
-    scene.world.build_again()
+    runtime.task.end_episode()
+    runtime.world.build_again()
     for attempt in range(1, max_attempts + 1):
         try:
-            instructions = _try_start(scene, variation, random, static)
+            instructions = _try_start(runtime, variation, random, static)
         except (BoundaryError, WaypointError, PlanningError) as error:
             causes.append(f"{type(error).__name__}: {error}")
             continue
         return EpisodeStart(tuple(instructions), attempt)
-    scene.world.restore(scene.world.origin)
-    raise ResetError(scene.task.get_name(), causes)
+    runtime.world.restore(runtime.world.origin)
+    raise ResetError(runtime.task.get_name(), causes)
 
 
-def lay_out(scene: Scene, variation: int, random: EpisodeRandom, *, static: bool) -> list[str]:
+def lay_out(runtime: Runtime, variation: int, random: EpisodeRandom, *, static: bool) -> list[str]:
     """Put one draw of a variation on the table, whether it can be reached or not, and return its instructions.
 
     Args:
-        scene: The running scene.
+        runtime: The running scene.
         variation: Variation of the task.
         random: Generators of this episode.
         static: Leave the task where its scene file puts it.
@@ -72,48 +72,48 @@ def lay_out(scene: Scene, variation: int, random: EpisodeRandom, *, static: bool
     Raises:
         BoundaryError: Something found no place.
     """
-    task = scene.task
+    task = runtime.task
     task.end_episode()
-    scene.world.restore(scene.world.origin)
-    scene.variation = variation
-    scene.planning_rng, scene.noise_rng = random.planning, random.noise
+    runtime.world.restore(runtime.world.origin)
+    runtime.variation = variation
+    runtime.planning_rng, runtime.noise_rng = random.planning, random.noise
     instructions = task.begin_episode(variation, random.placement)
     if not static and not task.is_static_workspace():
-        place_task(scene.world, random.placement, task.base_rotation_bounds())
+        place_task(runtime.world, random.placement, task.base_rotation_bounds())
     return instructions
 
 
-def check_arm_is_free(scene: Scene) -> None:
+def check_arm_is_free(runtime: Runtime) -> None:
     """Raise BoundaryError when the arm at home touches something."""
-    scene.refresh_planner()
-    pairs = scene.planner.collision.colliding_pairs(np.array(scene.description.home))
+    runtime.refresh_planner()
+    pairs = runtime.planner.collision.colliding_pairs(np.array(runtime.description.home))
     if pairs:
         raise BoundaryError(f"the arm at home touches {pairs[0][1]}")
 
 
-def _try_start(scene: Scene, variation: int, random: EpisodeRandom, static: bool) -> list[str]:
-    instructions = lay_out(scene, variation, random, static=static)
-    check_arm_is_free(scene)
-    waypoints = scene.task.get_waypoints()
+def _try_start(runtime: Runtime, variation: int, random: EpisodeRandom, static: bool) -> list[str]:
+    instructions = lay_out(runtime, variation, random, static=static)
+    check_arm_is_free(runtime)
+    waypoints = runtime.task.get_waypoints()
     if waypoints:
-        check_feasible(scene.planner, waypoints, np.array(scene.description.home), random.planning)
-        _check_later_rounds(scene, random)
+        check_feasible(runtime.planner, waypoints, np.array(runtime.description.home), random.planning)
+        _check_later_rounds(runtime, random)
     for _ in range(SETTLE_TICKS):
-        scene.world.step()
-    scene.task.reset_conditions()
+        runtime.world.step()
+    runtime.task.reset_conditions()
     return instructions
 
 
-def _check_later_rounds(scene: Scene, random: EpisodeRandom) -> None:
+def _check_later_rounds(runtime: Runtime, random: EpisodeRandom) -> None:
     """Raise WaypointError unless the waypoints of every round can be reached, as far as the rounds are known beforehand.
 
     The start hooks aim as in a demonstration. A round that asks for the same poses as the one before waits for something to
     happen, and is the last one that is looked at.
     """
-    task = scene.task
+    task = runtime.task
     if not task.repeats_waypoints:
         return
-    state, poses = scene.save(), b""
+    state, poses = runtime.save(), b""
     try:
         for _ in range(_MAX_ROUNDS):
             waypoints = task.get_waypoints()
@@ -122,8 +122,8 @@ def _check_later_rounds(scene: Scene, random: EpisodeRandom) -> None:
             before, poses = poses, b"".join(waypoint.pose.tobytes() for waypoint in waypoints)
             if poses == before:
                 return
-            check_feasible(scene.planner, waypoints, np.array(scene.description.home), random.planning)
+            check_feasible(runtime.planner, waypoints, np.array(runtime.description.home), random.planning)
             if not task.should_repeat_waypoints():
                 return
     finally:
-        scene.restore(state)
+        runtime.restore(state)

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rlbench_pin.environment.action_mode import ActionMode
+from rlbench_pin.environment.actions.action_mode import ActionMode
 from rlbench_pin.environment.demonstrate import DemoOutcome, DemoPlayer, try_play
-from rlbench_pin.environment.observation_config import ObservationConfig
-from rlbench_pin.environment.randomizer import Disguise, Randomizer
-from rlbench_pin.environment.randomness import EpisodeRandom
+from rlbench_pin.environment.episode_seeds import EpisodeRandom
+from rlbench_pin.environment.observations.config import ObservationConfig
+from rlbench_pin.environment.randomization.randomizer import Disguise, Randomizer
 from rlbench_pin.environment.reset import start_episode
-from rlbench_pin.environment.scene import Scene, SceneState
+from rlbench_pin.environment.runtime import Runtime, RuntimeState
 from rlbench_pin.environment.stored import read_stored_demos
 from rlbench_pin.errors import DemoError, NotReset, TaskEnvironmentError
 from rlbench_pin.observation import Demo, Observation
@@ -33,7 +33,7 @@ _LIBRARIES = ("rlbench_pin", "pin", "coal", "pybullet", "ompl", "toppra", "placo
 class EnvironmentState:
     """A moment of an episode, to go back to."""
 
-    scene: SceneState
+    runtime: RuntimeState
     instructions: tuple[str, ...]
     seed: int
     disguise: Disguise | None = None
@@ -44,7 +44,7 @@ class TaskEnvironment:
     """The loop of one task: `reset`, `step`, `get_demos`.
 
     Args:
-        scene: The running scene, as it was built.
+        runtime: The running scene, as it was built.
         action_mode: What actions mean.
         obs_config: What observations contain.
         seeds: Source of the seeds of episodes that are not given one.
@@ -56,7 +56,7 @@ class TaskEnvironment:
 
     def __init__(
         self,
-        scene: Scene,
+        runtime: Runtime,
         action_mode: ActionMode,
         obs_config: ObservationConfig,
         seeds: np.random.Generator,
@@ -65,11 +65,11 @@ class TaskEnvironment:
         shaped_rewards: bool = False,
         randomizer: Randomizer | None = None,
     ) -> None:
-        self._scene, self._action_mode, self._obs_config = scene, action_mode, obs_config
+        self._runtime, self._action_mode, self._obs_config = runtime, action_mode, obs_config
         self._seeds, self._dataset_root = seeds, dataset_root
         self._static_positions, self._shaped_rewards = static_positions, shaped_rewards
         self._randomizer = randomizer
-        scene.world.end_building()
+        runtime.world.end_building()
         self._variation_number = 0
         self._instructions: tuple[str, ...] = ()
         self._seed = 0
@@ -82,17 +82,17 @@ class TaskEnvironment:
     @property
     def world(self) -> World:
         """The simulated world."""
-        return self._scene.world
+        return self._runtime.world
 
     @property
     def task(self) -> Task:
         """The running task."""
-        return self._scene.task
+        return self._runtime.task
 
     @property
-    def scene(self) -> Scene:
+    def runtime(self) -> Runtime:
         """World, task and planner together, as action modes see them."""
-        return self._scene
+        return self._runtime
 
     @property
     def action_mode(self) -> ActionMode:
@@ -174,7 +174,7 @@ class TaskEnvironment:
             variation = int(random.variation.integers(self.variation_count()))
         if self._randomizer is not None:
             self._randomizer.take_off()
-        start = start_episode(self._scene, variation, random, static=self._static_positions)
+        start = start_episode(self._runtime, variation, random, static=self._static_positions)
         if self._randomizer is not None:
             self._randomizer.begin_episode(variation, random.look)
         self._instructions, self._reset_attempts, self._seed = start.instructions, start.attempts, seed
@@ -191,7 +191,7 @@ class TaskEnvironment:
             InvalidActionError: The action was refused; the world is as it was.
         """
         self._need_reset("step")
-        self._action_mode.action(self._scene, action)
+        self._action_mode.action(self._runtime, action)
         success, terminate = self.task.success()
         self._succeeded = bool(success)
         return self.get_observation(), self._reward(success), bool(terminate)
@@ -208,24 +208,24 @@ class TaskEnvironment:
 
     def action_bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Return lowest and highest values of an action, each of shape (n,)."""
-        return self._action_mode.action_bounds(self._scene)
+        return self._action_mode.action_bounds(self._runtime)
 
     def get_observation(self) -> Observation:
         """Observe without stepping."""
         self._need_reset("get_observation")
-        return self._scene.get_observation()
+        return self._runtime.get_observation()
 
     def get_state(self) -> EnvironmentState:
         """Return the present moment; valid while this environment lives."""
         self._need_reset("get_state")
         disguise = None if self._randomizer is None else self._randomizer.disguise
-        return EnvironmentState(self._scene.save(), self._instructions, self._seed, disguise)
+        return EnvironmentState(self._runtime.save(), self._instructions, self._seed, disguise)
 
     def set_state(self, state: EnvironmentState) -> Observation:
         """Go back to a moment from `get_state` and observe it."""
         if self._randomizer is not None:
             self._randomizer.take_off()
-        self._scene.restore(state.scene)
+        self._runtime.restore(state.runtime)
         if self._randomizer is not None:
             self._randomizer.put_on(state.disguise)
         self._instructions, self._seed, self._reset_called = state.instructions, state.seed, True
@@ -310,7 +310,9 @@ class TaskEnvironment:
         self._start(_checked_seed(seed), attempt)
         state = self.world.arrays(exact=False)
         began = self.world.time
-        player = DemoPlayer(self._scene, record=record, record_gripper=self._obs_config.record_gripper_closing, on_frame=on_frame)
+        player = DemoPlayer(
+            self._runtime, record=record, record_gripper=self._obs_config.record_gripper_closing, on_frame=on_frame
+        )
         cause, leg = try_play(player)
         demo = None if cause else self._as_demo(player.frames, seed, attempt, state)
         duration = self.world.time - began
@@ -321,7 +323,7 @@ class TaskEnvironment:
             frames,
             random_seed=seed,
             num_reset_attempts=self._reset_attempts,
-            variation_number=self._scene.variation,
+            variation_number=self._runtime.variation,
             instructions=self._instructions,
             state=state,
             versions=library_versions(),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from rlbench_pin.planning.sampling import ALGORITHMS, Algorithm
+from rlbench_pin.planning.search.sampling import ALGORITHMS, Algorithm
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
 

@@ -8,16 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from rlbench_pin.errors import GoalInCollision, NoIkSolution, NoPath, NotStraight
-from rlbench_pin.planning.around import path_around
-from rlbench_pin.planning.goals import PoseRegion, self_motions
-from rlbench_pin.planning.ik import cost, solve_ik
+from rlbench_pin.planning.kinematics.goals import PoseRegion, self_motions
+from rlbench_pin.planning.kinematics.ik import cost, solve_ik
 from rlbench_pin.planning.path import JointPath, along, edge_is_free, through
 from rlbench_pin.planning.plan import Method, Plan, PlannerConfig, PlanReport
-from rlbench_pin.planning.retime import retime
 from rlbench_pin.planning.rules import Rules
+from rlbench_pin.planning.search.around import path_around
 from rlbench_pin.planning.stages import Stages
 from rlbench_pin.planning.straight import curve_path, straight_path
-from rlbench_pin.planning.torque import TorqueLimits
+from rlbench_pin.planning.timing.retime import retime
+from rlbench_pin.planning.timing.torque import TorqueLimits
 from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.robot.payload import payload_inertia

@@ -14,22 +14,22 @@ RESERVED = frozenset({ROOT, WORLD, "table", "floor", "robot"})
 SENSOR_SIZES = {"box": ("x", "y", "z"), "cylinder": ("diameter", "length"), "sphere": ("diameter",)}
 
 
-def check_scene(scene: SceneSpec) -> None:
+def check_scene(spec: SceneSpec) -> None:
     """Check one scene as a whole.
 
     Raises:
         SceneFileError: Names the table and the key that are wrong.
         AssetNotFound: A URDF, mesh or texture does not exist.
     """
-    _check_names(scene)
-    models = {body.name: _check_assets(scene, body) for body in scene.body}
-    _check_parents(scene, models)
-    _check_cycles(scene)
-    _check_joints(scene, models)
-    for sensor in scene.sensor:
-        _check_sensor(scene, sensor)
-    _check_waypoints(scene)
-    _check_bounds(scene)
+    _check_names(spec)
+    models = {body.name: _check_assets(spec, body) for body in spec.body}
+    _check_parents(spec, models)
+    _check_cycles(spec)
+    _check_joints(spec, models)
+    for sensor in spec.sensor:
+        _check_sensor(spec, sensor)
+    _check_waypoints(spec)
+    _check_bounds(spec)
 
 
 def table_of(item: Posed) -> str:
@@ -37,8 +37,8 @@ def table_of(item: Posed) -> str:
     return f"[[{type(item).__name__.removesuffix('Spec').lower()}]]"
 
 
-def _error(scene: SceneSpec, item: Posed, key: str, problem: str, hint: str = "") -> SceneFileError:
-    return SceneFileError(scene.file, f"{table_of(item)} '{item.name}', key '{key}'", problem, hint)
+def _error(spec: SceneSpec, item: Posed, key: str, problem: str, hint: str = "") -> SceneFileError:
+    return SceneFileError(spec.file, f"{table_of(item)} '{item.name}', key '{key}'", problem, hint)
 
 
 def _guess(name: str, known: Collection[str]) -> str:
@@ -46,20 +46,20 @@ def _guess(name: str, known: Collection[str]) -> str:
     return f"Did you mean '{near}'?" if near else f"Known: {', '.join(sorted(known)) or 'none'}."
 
 
-def _check_names(scene: SceneSpec) -> None:
+def _check_names(spec: SceneSpec) -> None:
     seen: dict[str, Posed] = {}
-    for item in scene.posed():
+    for item in spec.posed():
         if item.name in RESERVED or item.name.startswith("wall_"):
-            raise _error(scene, item, "name", f"'{item.name}' is reserved for the room.", "Choose another name.")
+            raise _error(spec, item, "name", f"'{item.name}' is reserved for the room.", "Choose another name.")
         if item.name in seen:
             other = table_of(seen[item.name])
-            raise _error(scene, item, "name", f"'{item.name}' is used twice, first in {other}.", "Names are unique in a file.")
+            raise _error(spec, item, "name", f"'{item.name}' is used twice, first in {other}.", "Names are unique in a file.")
         seen[item.name] = item
 
 
-def _check_assets(scene: SceneSpec, body: BodySpec) -> UrdfNames:
-    path = resolve_asset(scene, body.asset)
-    needed_by = f"body '{body.name}' of {Path(scene.file).name}"
+def _check_assets(spec: SceneSpec, body: BodySpec) -> UrdfNames:
+    path = resolve_asset(spec, body.asset)
+    needed_by = f"body '{body.name}' of {Path(spec.file).name}"
     if not path.is_file():
         raise AssetNotFound(body.asset, needed_by)
     names = urdf_names(path)
@@ -69,83 +69,83 @@ def _check_assets(scene: SceneSpec, body: BodySpec) -> UrdfNames:
     return names
 
 
-def _check_parents(scene: SceneSpec, models: dict[str, UrdfNames]) -> None:
-    names = {item.name for item in scene.posed()} | {ROOT, WORLD}
-    for item in scene.posed():
+def _check_parents(spec: SceneSpec, models: dict[str, UrdfNames]) -> None:
+    names = {item.name for item in spec.posed()} | {ROOT, WORLD}
+    for item in spec.posed():
         owner, _, link = item.parent.partition("/")
         if owner not in names:
-            raise _error(scene, item, "parent", f"there is no '{owner}' in this scene.", _guess(owner, names))
+            raise _error(spec, item, "parent", f"there is no '{owner}' in this scene.", _guess(owner, names))
         if not link:
             continue
         if owner not in models:
-            raise _error(scene, item, "parent", f"'{owner}' is not a body, so it has no link '{link}'.")
+            raise _error(spec, item, "parent", f"'{owner}' is not a body, so it has no link '{link}'.")
         if link not in models[owner].links:
-            raise _error(scene, item, "parent", f"body '{owner}' has no link '{link}'.", _guess(link, models[owner].links))
+            raise _error(spec, item, "parent", f"body '{owner}' has no link '{link}'.", _guess(link, models[owner].links))
 
 
-def _check_cycles(scene: SceneSpec) -> None:
-    parents = {item.name: item.parent.partition("/")[0] for item in scene.posed()}
-    for item in scene.posed():
+def _check_cycles(spec: SceneSpec) -> None:
+    parents = {item.name: item.parent.partition("/")[0] for item in spec.posed()}
+    for item in spec.posed():
         chain = [item.name]
         while (parent := parents.get(chain[-1])) is not None:
             if parent in chain:
                 loop = " -> ".join([*chain[chain.index(parent) :], parent])
-                raise _error(scene, item, "parent", f"the parents form a circle: {loop}.")
+                raise _error(spec, item, "parent", f"the parents form a circle: {loop}.")
             chain.append(parent)
 
 
-def _check_joints(scene: SceneSpec, models: dict[str, UrdfNames]) -> None:
+def _check_joints(spec: SceneSpec, models: dict[str, UrdfNames]) -> None:
     seen: set[str] = set()
-    for joint in scene.joint:
+    for joint in spec.joint:
         where = f"[[joint]] '{joint.name}'"
         body, _, name = joint.name.partition("/")
         if body not in models:
-            raise SceneFileError(scene.file, where, f"there is no body '{body}'.", _guess(body, models))
+            raise SceneFileError(spec.file, where, f"there is no body '{body}'.", _guess(body, models))
         if name not in models[body].joints:
             hint = _guess(name, models[body].joints)
-            raise SceneFileError(scene.file, where, f"body '{body}' has no movable joint '{name}'.", hint)
+            raise SceneFileError(spec.file, where, f"body '{body}' has no movable joint '{name}'.", hint)
         if joint.name in seen:
-            raise SceneFileError(scene.file, where, "it is described twice.")
+            raise SceneFileError(spec.file, where, "it is described twice.")
         seen.add(joint.name)
         lower, upper = models[body].joints[name]
         if not lower - 1e-9 <= joint.position <= upper + 1e-9:
-            raise SceneFileError(scene.file, f"{where}, key 'position'", f"{joint.position} is outside [{lower}, {upper}].")
+            raise SceneFileError(spec.file, f"{where}, key 'position'", f"{joint.position} is outside [{lower}, {upper}].")
 
 
-def _check_sensor(scene: SceneSpec, sensor: SensorSpec) -> None:
+def _check_sensor(spec: SceneSpec, sensor: SensorSpec) -> None:
     meaning = SENSOR_SIZES[sensor.shape]
     if len(sensor.size) != len(meaning):
         problem = f"a {sensor.shape} has {len(meaning)} numbers ({', '.join(meaning)}), not {len(sensor.size)}."
-        raise _error(scene, sensor, "size", problem)
+        raise _error(spec, sensor, "size", problem)
 
 
-def _check_waypoints(scene: SceneSpec) -> None:
-    expected = [f"waypoint{i}" for i in range(len(scene.waypoint))]
-    present = {waypoint.name for waypoint in scene.waypoint}
-    for waypoint in scene.waypoint:
+def _check_waypoints(spec: SceneSpec) -> None:
+    expected = [f"waypoint{i}" for i in range(len(spec.waypoint))]
+    present = {waypoint.name for waypoint in spec.waypoint}
+    for waypoint in spec.waypoint:
         digits = waypoint.name.removeprefix("waypoint")
         if not waypoint.name.startswith("waypoint") or digits != str(int(digits) if digits.isdigit() else -1):
             problem = "a waypoint is called 'waypoint' and its number."
-            raise _error(scene, waypoint, "name", problem, "Use a [[frame]] for other places.")
+            raise _error(spec, waypoint, "name", problem, "Use a [[frame]] for other places.")
     missing = [name for name in expected if name not in present]
     if missing:
-        raise SceneFileError(scene.file, "[[waypoint]]", f"'{missing[0]}' is missing.", "Number waypoints from 0 without gaps.")
-    for waypoint in scene.waypoint:
-        _check_curve(scene, waypoint)
+        raise SceneFileError(spec.file, "[[waypoint]]", f"'{missing[0]}' is missing.", "Number waypoints from 0 without gaps.")
+    for waypoint in spec.waypoint:
+        _check_curve(spec, waypoint)
 
 
-def _check_curve(scene: SceneSpec, waypoint: WaypointSpec) -> None:
+def _check_curve(spec: SceneSpec, waypoint: WaypointSpec) -> None:
     described = int(bool(waypoint.points)) + int(waypoint.arc is not None)
     if waypoint.path == "curve" and described != 1:
-        raise _error(scene, waypoint, "path", "a curve needs either 'points' or 'arc'.")
+        raise _error(spec, waypoint, "path", "a curve needs either 'points' or 'arc'.")
     if waypoint.path != "curve" and described:
-        raise _error(scene, waypoint, "path", "'points' and 'arc' belong to a curve.", 'Write path = "curve".')
+        raise _error(spec, waypoint, "path", "'points' and 'arc' belong to a curve.", 'Write path = "curve".')
 
 
-def _check_bounds(scene: SceneSpec) -> None:
-    low, high = scene.placement.yaw
+def _check_bounds(spec: SceneSpec) -> None:
+    low, high = spec.placement.yaw
     if low > high:
-        raise SceneFileError(scene.file, "[placement], key 'yaw'", f"the lower bound {low} is above the upper bound {high}.")
-    for region in scene.region:
+        raise SceneFileError(spec.file, "[placement], key 'yaw'", f"the lower bound {low} is above the upper bound {high}.")
+    for region in spec.region:
         if min(region.size[:2]) <= 0.0 or region.size[2] < 0.0:
-            raise _error(scene, region, "size", f"x and y are > 0 and z is >= 0, not {list(region.size)}.")
+            raise _error(spec, region, "size", f"x and y are > 0 and z is >= 0, not {list(region.size)}.")

@@ -1,18 +1,18 @@
 """The simulated world: PyBullet behind plain names and arrays. Nothing else imports pybullet."""
 
-from rlbench_pin.sim.body import Body
-from rlbench_pin.sim.camera import CameraView, Pictures, look_at
+from rlbench_pin.sim.arm.gripper import SimGripper
+from rlbench_pin.sim.arm.robot import SimRobot
+from rlbench_pin.sim.bodies.body import Body
+from rlbench_pin.sim.bodies.joint import ObjectJoint
 from rlbench_pin.sim.contacts import Contact
-from rlbench_pin.sim.egl import RENDERERS, EglMissing, RendererName
 from rlbench_pin.sim.frame import Frame, Region
-from rlbench_pin.sim.gripper import SimGripper
-from rlbench_pin.sim.joint import ObjectJoint
-from rlbench_pin.sim.lighting import Light, Lighting
+from rlbench_pin.sim.render.camera import CameraView, Pictures, look_at
+from rlbench_pin.sim.render.egl import RENDERERS, EglMissing, RendererName
+from rlbench_pin.sim.render.lighting import Light, Lighting
+from rlbench_pin.sim.render.shadows import ShadowMap
+from rlbench_pin.sim.render.texture import read_texture
 from rlbench_pin.sim.sensor import Sensor
-from rlbench_pin.sim.shadows import ShadowMap
-from rlbench_pin.sim.sim_robot import SimRobot
 from rlbench_pin.sim.state import WorldState
-from rlbench_pin.sim.texture import read_texture
 from rlbench_pin.sim.world import World
 
 __all__ = [

@@ -7,9 +7,9 @@ from collections.abc import Iterable
 import numpy as np
 
 from rlbench_pin.scene.snapshot import BodySnapshot, WorldSnapshot
-from rlbench_pin.sim.body import Body
-from rlbench_pin.sim.gripper import SimGripper
-from rlbench_pin.sim.sim_robot import SimRobot
+from rlbench_pin.sim.arm.gripper import SimGripper
+from rlbench_pin.sim.arm.robot import SimRobot
+from rlbench_pin.sim.bodies.body import Body
 
 
 def capture(bodies: Iterable[Body], robot: SimRobot, gripper: SimGripper) -> WorldSnapshot:

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rlbench_pin.errors import AssetInvalid, AssetNotFound, EnvironmentClosed, UnknownName
-from rlbench_pin.sim.egl import RENDERERS, EglMissing, RendererName, plugin_file
-from rlbench_pin.sim.ledger import Change, close_ledger, noting, open_ledger
-from rlbench_pin.sim.urdf import check_urdf
+from rlbench_pin.sim.bodies.urdf import check_urdf
+from rlbench_pin.sim.journal import Change, close_ledger, noting, open_ledger
+from rlbench_pin.sim.render.egl import RENDERERS, EglMissing, RendererName, plugin_file
 from rlbench_pin.spatial import FloatArray
 
 

@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from rlbench_pin.errors import RlbenchPinError, UnknownName
 from rlbench_pin.scene.spec import ROOT, WORLD, BodySpec, SceneSpec
-from rlbench_pin.sim.body import Body, carried
+from rlbench_pin.sim.bodies.body import Body, carried
 from rlbench_pin.sim.frame import Frame, Region
 from rlbench_pin.sim.sensor import Sensor
 from rlbench_pin.spatial import FloatArray, pose_to_se3, se3_to_pose
@@ -22,19 +22,19 @@ class PlaceTree:
     """Resolves names to placements, and moves bodies with what they hang on.
 
     Args:
-        scene: Names, parents and local poses.
+        spec: Names, parents and local poses.
         find: Looks a body up by name.
     """
 
-    def __init__(self, scene: SceneSpec, find: Callable[[str], Body]) -> None:
+    def __init__(self, spec: SceneSpec, find: Callable[[str], Body]) -> None:
         self._find = find
         self._hanging: dict[str, BodySpec] = {}
-        self.frames: dict[str, Frame] = {ROOT: Frame(ROOT, WORLD, scene.placement.pose, self)}
-        for spec in (*scene.frame, *scene.waypoint):
-            self.frames[spec.name] = Frame(spec.name, spec.parent, spec.pose, self)
-        for region in scene.region:
+        self.frames: dict[str, Frame] = {ROOT: Frame(ROOT, WORLD, spec.placement.pose, self)}
+        for f in (*spec.frame, *spec.waypoint):
+            self.frames[f.name] = Frame(f.name, f.parent, f.pose, self)
+        for region in spec.region:
             self.frames[region.name] = Region(region.name, region.parent, region.pose, self, region.size)
-        for s in scene.sensor:
+        for s in spec.sensor:
             self.frames[s.name] = Sensor(s.name, s.parent, s.pose, self, shape=s.shape, size=s.size, find=find)
 
     # Names -----------------------------------------------------------------------------------------------------------

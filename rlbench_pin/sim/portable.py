@@ -11,9 +11,9 @@ import numpy as np
 
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.scene.spec import BodySpec
-from rlbench_pin.sim.grasp import Attachment
-from rlbench_pin.sim.gripper import FingerControl
-from rlbench_pin.sim.sim_robot import ArmControl
+from rlbench_pin.sim.arm.grasp import Attachment
+from rlbench_pin.sim.arm.gripper import FingerControl
+from rlbench_pin.sim.arm.robot import ArmControl
 from rlbench_pin.sim.state import (
     BodyMarks,
     Marks,

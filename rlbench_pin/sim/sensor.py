@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from rlbench_pin.robot import geometry
-from rlbench_pin.sim.body import Body
+from rlbench_pin.sim.bodies.body import Body
 from rlbench_pin.sim.checks import finite_vector
 from rlbench_pin.sim.frame import Frame, Places
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3

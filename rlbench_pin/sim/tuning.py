@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from rlbench_pin.sim.arm.robot import POSITION_GAIN, SimRobot
+from rlbench_pin.sim.bodies.model import LoadedModel
 from rlbench_pin.sim.client import bullet
-from rlbench_pin.sim.model import LoadedModel
-from rlbench_pin.sim.sim_robot import POSITION_GAIN, SimRobot
 
 
 class Tuning:

@@ -13,25 +13,25 @@ from rlbench_pin.errors import RlbenchPinError, UnknownName
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.scene.spec import ROOT, BodySpec, SceneSpec
-from rlbench_pin.sim import builder, portable, state
-from rlbench_pin.sim.body import Body
-from rlbench_pin.sim.camera import CameraView, Pictures
+from rlbench_pin.sim import build, portable, state
+from rlbench_pin.sim.arm.gripper import SimGripper
+from rlbench_pin.sim.arm.robot import SimRobot
+from rlbench_pin.sim.bodies.body import Body
+from rlbench_pin.sim.bodies.joint import ObjectJoint
 from rlbench_pin.sim.capture import capture
 from rlbench_pin.sim.client import bullet, open_client
 from rlbench_pin.sim.contacts import Contact, ContactReader
-from rlbench_pin.sim.egl import RendererName
 from rlbench_pin.sim.frame import Frame, Region
-from rlbench_pin.sim.gripper import SimGripper
-from rlbench_pin.sim.joint import ObjectJoint
-from rlbench_pin.sim.masks import MaskTable
 from rlbench_pin.sim.places import PlaceTree
-from rlbench_pin.sim.renderer import Renderer
+from rlbench_pin.sim.render.camera import CameraView, Pictures
+from rlbench_pin.sim.render.egl import RendererName
+from rlbench_pin.sim.render.masks import MaskTable
+from rlbench_pin.sim.render.renderer import Renderer
+from rlbench_pin.sim.render.shadows import ShadowMap
+from rlbench_pin.sim.render.wardrobe import Wardrobe
 from rlbench_pin.sim.sensor import Sensor
-from rlbench_pin.sim.shadows import ShadowMap
-from rlbench_pin.sim.sim_robot import SimRobot
 from rlbench_pin.sim.state import WorldState
 from rlbench_pin.sim.tuning import Tuning
-from rlbench_pin.sim.wardrobe import Wardrobe
 from rlbench_pin.spatial import PoseLike
 
 
@@ -39,14 +39,14 @@ class World:
     """Everything that is simulated; a context manager that frees the physics server.
 
     Args:
-        scene: What the scene file says.
+        spec: What the scene file says.
         robot: Which arm stands behind the table.
         timestep: Physics step [s].
         control_dt: Control tick [s], a whole number of physics steps.
         renderer: Who draws moving things: `cpu`, `egl`, or `auto` for EGL where there is one.
 
     Attributes:
-        scene: The scene it was built from.
+        spec: The scene it was built from.
         robot: Arm and fingers.
         gripper: The hand and what it holds.
         bodies: Bodies of the scene and those added at run time, by name.
@@ -62,14 +62,14 @@ class World:
 
     def __init__(
         self,
-        scene: SceneSpec,
+        spec: SceneSpec,
         robot: RobotDescription,
         *,
         timestep: float = 1.0 / 240.0,
         control_dt: float = 0.05,
         renderer: RendererName = "cpu",
     ) -> None:
-        self.scene, self.timestep, self.control_dt = scene, timestep, control_dt
+        self.spec, self.timestep, self.control_dt = spec, timestep, control_dt
         self._substeps = _whole_ratio(control_dt, timestep)
         self._ticks = 0
         self.on_step: list[Callable[[], None]] = []
@@ -82,12 +82,12 @@ class World:
 
     def _build(self, robot: RobotDescription) -> None:
         self._mask_table, self._contacts = MaskTable(), ContactReader(self.client)
-        self._places = PlaceTree(self.scene, self.body)
-        model = builder.load_robot(self.client, robot)
+        self._places = PlaceTree(self.spec, self.body)
+        model = build.load_robot(self.client, robot)
         self._arm = model
         self._mask_table.add(robot.name, model)
         self._contacts.add(robot.name, model)
-        self.room = builder.load_room(self.client, self._places.carry)
+        self.room = build.load_room(self.client, self._places.carry)
         for body in self.room.values():
             self._register(body)
         self._mask_table.begin_objects()
@@ -95,9 +95,9 @@ class World:
         self.renderer = Renderer(self.client, self.room, room_ids, self._mask_table.table, hardware=self.client.hardware)
         self.bodies: dict[str, Body] = {}
         self._spawned: dict[str, BodySpec] = {}
-        for spec in self.scene.body:
+        for spec in self.spec.body:
             self._load(spec)
-        for joint in self.scene.joint:
+        for joint in self.spec.joint:
             self.joint(joint.name).configure(joint)
         self._springs = [j for body in self.bodies.values() for j in body.joints.values() if j.has_spring]
         self._places.place_bodies()
@@ -107,9 +107,9 @@ class World:
         self.gripper = SimGripper(self.robot, self.body, lambda: tuple(self.bodies.values()))
 
     def _load(self, spec: BodySpec) -> Body:
-        body = builder.load_body(self.client, spec, self.scene.file, self._places.carry)
+        body = build.load_body(self.client, spec, self.spec.file, self._places.carry)
         if body.joints:
-            builder.share_island(self._arm, body)
+            build.share_island(self._arm, body)
         self.bodies[spec.name] = body
         self._places.hang(spec)
         self._register(body)

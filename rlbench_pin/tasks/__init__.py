@@ -24,7 +24,7 @@ from rlbench_pin.tasks.conditions import (
 )
 from rlbench_pin.tasks.palette import BUTTON_COLORS, COLORS, Color, distractor_colors
 from rlbench_pin.tasks.placement import NO_ROTATION, WORKSPACE, SpawnBoundary, place_task, swap_places
-from rlbench_pin.tasks.registry import LIBRARY, camel_case, load_task_file, task_class, task_names, task_scene
+from rlbench_pin.tasks.registry import LIBRARY, camel_case, find_task, load_task_file, task_class, task_names, task_scene
 from rlbench_pin.tasks.task import Task, TaskState
 from rlbench_pin.tasks.waypoints import Waypoint
 
@@ -56,6 +56,7 @@ __all__ = [
     "Waypoint",
     "camel_case",
     "distractor_colors",
+    "find_task",
     "load_task_file",
     "place_task",
     "swap_places",

@@ -21,11 +21,11 @@ class LowDimState:
 
     def __init__(self, world: World) -> None:
         self._world = world
-        self._bodies = sorted(body.name for body in world.scene.body)
+        self._bodies = sorted(body.name for body in world.spec.body)
         self._joints = sorted(
             f"{body.name}/{joint}"
-            for body in world.scene.body
-            for joint in urdf_names(resolve_asset(world.scene, body.asset)).joints
+            for body in world.spec.body
+            for joint in urdf_names(resolve_asset(world.spec, body.asset)).joints
         )
 
     @property

@@ -129,7 +129,7 @@ def place_task(world: World, rng: np.random.Generator, bounds: tuple[Rotation, R
     Raises:
         BoundaryError: The footprint does not fit at any of `MAX_SAMPLES` drawn orientations.
     """
-    nominal = np.array(world.scene.placement.pose)
+    nominal = np.array(world.spec.placement.pose)
     low, high = footprint(world)
     for _ in range(MAX_SAMPLES):
         quaternion = _turned(rng.uniform(*bounds), nominal[3:])
@@ -157,7 +157,7 @@ def swap_places(first: Body, second: Body) -> None:
 
 def footprint(world: World) -> tuple[FloatArray, FloatArray]:
     """Return the lowest and highest x, y of the patch that has to fit, in the root frame, each of shape (2,) [m]."""
-    placement = world.scene.placement
+    placement = world.spec.placement
     if placement.footprint is not None:
         half, center = np.array(placement.footprint) / 2.0, np.array(placement.footprint_center)
         return center - half, center + half

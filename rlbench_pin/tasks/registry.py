@@ -71,6 +71,16 @@ def load_task_file(path: Path | str) -> type[Task]:
     return _class_in(module, camel_case(path.stem))
 
 
+def find_task(name: str) -> type[Task]:
+    """Return the task of that name, or the one in the file when `name` ends with `.py`.
+
+    Raises:
+        UnknownName: No task is called so.
+        TaskError: The file does not exist, or holds no task class named after it.
+    """
+    return load_task_file(name) if name.endswith(".py") else task_class(name)
+
+
 def camel_case(name: str) -> str:
     """Turn `reach_target` into `ReachTarget`."""
     return "".join(word.capitalize() for word in name.split("_"))

@@ -46,7 +46,7 @@ class Task:
         world: The world that was built from the scene file of this task.
 
     Attributes:
-        scene: The world: `body`, `joint`, `frame`, `region`, `sensor` by name.
+        world: The world: `body`, `joint`, `frame`, `region`, `sensor` by name.
         robot: The arm.
         gripper: The hand.
     """
@@ -57,7 +57,7 @@ class Task:
     """Whether some variations ask for the same, in the same words; otherwise that is a fault."""
 
     def __init__(self, world: World) -> None:
-        self.scene, self.robot, self.gripper = world, world.robot, world.gripper
+        self.world, self.robot, self.gripper = world, world.robot, world.gripper
         self._success: tuple[Condition, ...] = ()
         self._fail: tuple[Condition, ...] = ()
         self._graspable: tuple[str, ...] = ()
@@ -111,11 +111,11 @@ class Task:
 
     def is_static_workspace(self) -> bool:
         """Return whether the scene stays at its nominal place in every episode."""
-        return self.scene.scene.placement.static
+        return self.world.spec.placement.static
 
     def base_rotation_bounds(self) -> RotationBounds:
         """Return the bounds of the random rotation of the scene."""
-        low, high = self.scene.scene.placement.yaw
+        low, high = self.world.spec.placement.yaw
         return (0.0, 0.0, low), (0.0, 0.0, high)
 
     # What a task file calls ---------------------------------------------------------------------------------------------
@@ -131,9 +131,9 @@ class Task:
     def register_graspable_objects(self, names: Iterable[str]) -> None:
         """Allow the hand to hold these bodies. Replaces what was registered before."""
         wanted = tuple(names)
-        bodies = [self.scene.body(name) for name in wanted]
+        bodies = [self.world.body(name) for name in wanted]
         for name in self._graspable:
-            self.scene.body(name).graspable = False
+            self.world.body(name).graspable = False
         for body in bodies:
             body.graspable = True
         self._graspable = wanted
@@ -262,7 +262,7 @@ class Task:
             )
 
 
-_FIXED = frozenset({"scene", "robot", "gripper", "_waypoints", "_low_dim"})
+_FIXED = frozenset({"world", "robot", "gripper", "_waypoints", "_low_dim"})
 """Attributes that are the same throughout the life of a task."""
 
 
@@ -272,7 +272,7 @@ def snake_case(name: str) -> str:
 
 
 def _waypoints(world: World) -> list[Waypoint]:
-    specs = sorted(world.scene.waypoint, key=lambda spec: int(spec.name.removeprefix("waypoint")))
+    specs = sorted(world.spec.waypoint, key=lambda spec: int(spec.name.removeprefix("waypoint")))
     result: list[Waypoint] = []
     for index, spec in enumerate(specs):
         before = result[-1].gripper_amount if result else 1.0

@@ -9,8 +9,7 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from rlbench_pin.assets import ASSETS
-
-from .support import OBJECTS, PANDA, URDFS, label, meshes_of, read_obj
+from tests.assets.support import OBJECTS, PANDA, URDFS, label, meshes_of, read_obj
 
 OBJECT_TRIANGLES = 1100
 PANDA_TRIANGLES = 3600

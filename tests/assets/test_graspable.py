@@ -11,8 +11,7 @@ import pytest
 
 from rlbench_pin.robot.geometry import link_geometry
 from rlbench_pin.spatial import FloatArray
-
-from .support import PANDA, object_urdf
+from tests.assets.support import PANDA, object_urdf
 
 HAND = ("panda_hand", "panda_leftfinger", "panda_rightfinger")
 DOWN = np.diag([1.0, -1.0, -1.0])

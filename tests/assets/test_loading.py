@@ -12,8 +12,7 @@ import pybullet as p
 import pytest
 
 from rlbench_pin.robot.geometry import bounds, link_geometry
-
-from .support import PANDA, URDFS, client, geometry, inertial_place, joint_table, label, load
+from tests.assets.support import PANDA, URDFS, client, geometry, inertial_place, joint_table, label, load
 
 SHAPES = {coal.Box: p.GEOM_BOX, coal.Cylinder: p.GEOM_CYLINDER, coal.Sphere: p.GEOM_SPHERE}
 

@@ -7,8 +7,7 @@ import pybullet as p
 import pytest
 
 from rlbench_pin.assets import ASSETS
-
-from .support import base_position, client, joint_table, load, object_urdf
+from tests.assets.support import base_position, client, joint_table, load, object_urdf
 
 TOP = 0.752
 REST = {

@@ -13,10 +13,10 @@ from typing import Any
 import pytest
 from PIL import Image
 
-from rlbench_pin.cli import pool
-from rlbench_pin.cli.journal import Journal
+from rlbench_pin.checking import pool
+from rlbench_pin.checking.journal import Journal
+from rlbench_pin.checking.trials import Item, Trial, work
 from rlbench_pin.cli.main import main
-from rlbench_pin.cli.trials import Item, Trial, work
 from rlbench_pin.errors import ResetError, RlbenchPinError
 
 Capture = pytest.CaptureFixture[str]

@@ -8,10 +8,10 @@ from dataclasses import replace
 import pytest
 
 from rlbench_pin.cli.progress import RecordBar
-from rlbench_pin.environment.record_config import WorkItem
-from rlbench_pin.environment.record_engines import WorkerDeath
-from rlbench_pin.environment.record_work import ItemResult
-from rlbench_pin.environment.recording import RecordReport
+from rlbench_pin.recording.config import WorkItem
+from rlbench_pin.recording.engines import WorkerDeath
+from rlbench_pin.recording.record import RecordReport
+from rlbench_pin.recording.work import ItemResult
 
 Capture = pytest.CaptureFixture[str]
 ITEM = WorkItem("reach_target", "reach_target", 0, 0, 1, (0,))

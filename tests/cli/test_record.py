@@ -16,10 +16,10 @@ import h5py
 import numpy as np
 import pytest
 import tyro
-from demos_for_tests import make_demo
 
 from rlbench_pin.cli.main import COMMANDS, main
 from rlbench_pin.datasets import DatasetWriter, episode_files, read_demo, read_manifest, task_faults, write_demo
+from tests.demos_for_tests import make_demo
 
 Capture = pytest.CaptureFixture[str]
 MonkeyPatch = pytest.MonkeyPatch
@@ -51,7 +51,7 @@ def test_record_and_resume(tmp_path: Path, capsys: Capture) -> None:
 
 def test_without_ray_the_engine_is_explained(made_up: Path, tmp_path: Path, capsys: Capture, monkeypatch: MonkeyPatch) -> None:
     """`--engine ray` where Ray cannot be imported says what to install, and begins nothing."""
-    monkeypatch.delitem(sys.modules, "rlbench_pin.environment.record_ray", raising=False)
+    monkeypatch.delitem(sys.modules, "rlbench_pin.recording.ray_engine", raising=False)
     monkeypatch.setitem(sys.modules, "ray", None)
     for command in (("record", TASK), ("dataset", "rerender", str(made_up))):
         assert _exit_code(*command, "--engine", "ray", "--out", str(tmp_path / "out")) == 1, command

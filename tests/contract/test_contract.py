@@ -11,7 +11,7 @@ import inspect
 import numpy as np
 import pytest
 
-from rlbench_pin.cli import judge
+from rlbench_pin.checking import judge
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.motion import REST_SPEED
 

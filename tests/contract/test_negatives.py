@@ -9,7 +9,7 @@ import pytest
 
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.demonstrate import DemoPlayer, try_play
-from rlbench_pin.environment.scene import Scene
+from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.tasks import Waypoint, task_class
 
 SEEDS = range(2)
@@ -42,8 +42,8 @@ DEEDS = {
 class Negative(DemoPlayer):
     """Plays a demonstration with something left out."""
 
-    def __init__(self, scene: Scene, left_out: LeftOut) -> None:
-        super().__init__(scene, record=False)
+    def __init__(self, runtime: Runtime, left_out: LeftOut) -> None:
+        super().__init__(runtime, record=False)
         self.left_out = left_out
 
     def _run_leg(self, waypoint: Waypoint, turns: Sequence[float]) -> None:
@@ -61,7 +61,7 @@ def test_without_the_deed_there_is_no_success(task_env: TaskEnvironment) -> None
     task_env.set_variation(-1)
     for seed in SEEDS:
         task_env.reset(seed=seed)
-        cause, _ = try_play(Negative(task_env.scene, left_out))
+        cause, _ = try_play(Negative(task_env.runtime, left_out))
         assert cause, f"seed {seed}: reached without the deed"
         assert task_env.task.success()[0] is False
     task_env.set_variation(0)

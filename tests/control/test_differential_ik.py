@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from control.analytic_worlds import random_goals
 
 from rlbench_pin.control import DifferentialIK, DifferentialIKConfig, DifferentialIKQP, PostureObjective, TipObjective
-from rlbench_pin.control.objectives import Manipulability
+from rlbench_pin.control.qp.objectives import Manipulability
 from rlbench_pin.errors import InvalidTarget
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, pose_to_se3
+from tests.control.analytic_worlds import random_goals
 
 DT = 0.05
 

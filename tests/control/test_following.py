@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from control.analytic_worlds import simulate
 
 from rlbench_pin.control import ComputedTorque, TrajectoryFollower, VelocityFollowing
 from rlbench_pin.errors import InvalidTarget
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.robot.trajectory import Trajectory
+from tests.control.analytic_worlds import simulate
 
 START = np.array([0.0, 0.175, 0.0, -1.2, 0.0, 1.4, 0.785])
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from control.analytic_worlds import simulate
 
 from rlbench_pin.control import CartesianImpedance, JointImpedance
 from rlbench_pin.control.impedance import as_stiffness, damping_for
 from rlbench_pin.errors import InvalidTarget
 from rlbench_pin.robot.model import RobotModel
+from tests.control.analytic_worlds import simulate
 
 DT = 1.0 / 240.0
 BENT = np.array([0.0, 0.175, 0.0, -1.8, 0.0, 2.2, 0.785])

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from control.analytic_worlds import TABLE_TOP, TOP_DOWN, box, table
 
 from rlbench_pin.control import CartesianMPC, PredictiveConfig
 from rlbench_pin.errors import InvalidTarget
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import WorldSnapshot
+from tests.control.analytic_worlds import TABLE_TOP, TOP_DOWN, box, table
 
 DT = 0.05
 GOAL = np.array([0.3, 0.2, 1.1, *TOP_DOWN])

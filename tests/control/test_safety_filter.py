@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from control.analytic_worlds import TABLE_TOP, TOP_DOWN, box, cluttered, smallest_margin, table
 
 from rlbench_pin.control import DifferentialIK, SafetyConfig, SafetyFilter
-from rlbench_pin.control.constraints import Hold
-from rlbench_pin.control.quadratic_program import QuadraticProgram
+from rlbench_pin.control.qp.constraints import Hold
+from rlbench_pin.control.qp.quadratic_program import QuadraticProgram
 from rlbench_pin.errors import InfeasibleControl, InvalidTarget
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray
+from tests.control.analytic_worlds import TABLE_TOP, TOP_DOWN, box, cluttered, smallest_margin, table
 
 DT = 0.05
 CONFIG = SafetyConfig()

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from demos_for_tests import assert_equal, make_demo
 
 from rlbench_pin.datasets import (
     DatasetWriter,
@@ -21,6 +20,7 @@ from rlbench_pin.datasets import (
     verify_task,
 )
 from rlbench_pin.errors import DatasetError
+from tests.demos_for_tests import assert_equal, make_demo
 
 TASK = "reach_target"
 

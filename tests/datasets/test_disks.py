@@ -1,6 +1,6 @@
 """Disks that are full or read-only, for all that is written beside a recording: exports, merged datasets, lists of seeds.
 
-`tests/environment/test_recording.py` has those of recordings. The disks are real where this machine lets tests mount one;
+`tests/recording/test_record.py` has those of recordings. The disks are real where this machine lets tests mount one;
 elsewhere a disk is feigned that refuses to sync, or the kernel is told to let no file grow beyond a size.
 """
 
@@ -17,15 +17,15 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from demos_for_tests import fill_up, mounted
 
 from rlbench_pin.cli.dataset import ExportFormat, find_exporter
 from rlbench_pin.cli.main import main
 from rlbench_pin.datasets import DatasetWriter, read_manifest, task_faults
 from rlbench_pin.datasets.merge import merge
-from rlbench_pin.environment.rerender import seeds_of, write_seeds
 from rlbench_pin.errors import StorageError
 from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.recording.rerender import seeds_of, write_seeds
+from tests.demos_for_tests import fill_up, mounted
 
 Capture = pytest.CaptureFixture[str]
 TASK = "reach_target"

@@ -8,11 +8,11 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from demos_for_tests import assert_equal, make_demo
 
 from rlbench_pin.datasets import read_demo, write_demo
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import Demo, Observation
+from tests.demos_for_tests import assert_equal, make_demo
 
 
 @pytest.fixture

@@ -13,7 +13,6 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from demos_for_tests import make_demo
 
 from rlbench_pin.datasets import (
     DatasetWriter,
@@ -34,12 +33,13 @@ from rlbench_pin.datasets import (
 from rlbench_pin.datasets.manifest import append_entry
 from rlbench_pin.datasets.merge import Move, merge
 from rlbench_pin.datasets.storage import hold
-from rlbench_pin.environment.record_config import PictureConfig
-from rlbench_pin.environment.record_engines import SerialEngine
-from rlbench_pin.environment.rerender import read_seeds, rerender
 from rlbench_pin.environment.stored import read_stored_descriptions
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.recording.config import PictureConfig
+from rlbench_pin.recording.engines import SerialEngine
+from rlbench_pin.recording.rerender import read_seeds, rerender
+from tests.demos_for_tests import make_demo
 
 TASK = "reach_target"
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from rlbench_pin.cli.setup import find_task, low_dim_config, make_environment
 from rlbench_pin.environment import reset
-from rlbench_pin.tasks import Waypoint
+from rlbench_pin.environment.presets import low_dim_config, make_environment
+from rlbench_pin.tasks import Waypoint, find_task
 
 
 def test_a_reset_looks_at_every_round(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -27,7 +27,7 @@ def test_a_reset_looks_at_every_round(monkeypatch: pytest.MonkeyPatch) -> None:
         task.reset(seed=0, variation=2)
         assert len(set(grasps[-3:])) == 3
         assert vars(task.task)["placed"] == 0
-        assert task.scene.world.frame("waypoint1").parent == f"piece{vars(task.task)['missing'][0]}"
+        assert task.runtime.world.frame("waypoint1").parent == f"piece{vars(task.task)['missing'][0]}"
 
 
 def test_a_leg_ends_where_the_next_can_go_straight() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench_pin.environment.gymnasium_env import GymnasiumEnv
+from rlbench_pin.gym.environment import GymnasiumEnv
 
 
 def test_a_scene_of_many_convex_parts_starts_the_same_every_time() -> None:

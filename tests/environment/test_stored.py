@@ -10,12 +10,12 @@ from PIL import Image
 
 from rlbench_pin import Environment
 from rlbench_pin.datasets import read_picture
-from rlbench_pin.datasets.rlbench_folders import export_rlbench
+from rlbench_pin.datasets.formats.rlbench_folders import export_rlbench
 from rlbench_pin.environment import Discrete, JointPosition, MoveArmThenGripper, ObservationConfig
-from rlbench_pin.environment.record_config import PictureConfig, RecordConfig
-from rlbench_pin.environment.record_engines import SerialEngine
-from rlbench_pin.environment.recording import record
 from rlbench_pin.errors import DatasetError, UnknownName
+from rlbench_pin.recording.config import PictureConfig, RecordConfig
+from rlbench_pin.recording.engines import SerialEngine
+from rlbench_pin.recording.record import record
 
 TASK = "reach_target"
 SIZE = (24, 16)
@@ -63,7 +63,7 @@ def test_no_simulator_is_started(stored: Path) -> None:
     first, second = variations(stored)
     demos = env.get_demos(TASK, -1, first, random_selection=False)
     assert [d.variation_number for d in demos] == [first, first]
-    assert env._scene is None
+    assert env._runtime is None
     assert len(env.get_demos(TASK, -1, -1)) == 4
     (last,) = env.get_demos(TASK, 1, second, random_selection=False, from_episode_number=1)
     every = env.get_demos(TASK, -1, second, random_selection=False)

@@ -12,8 +12,8 @@ from rlbench_pin.environment import (
     MoveArmThenGripper,
     ObservationConfig,
     TaskEnvironment,
-    pose_actions,
 )
+from rlbench_pin.environment.actions import pose
 from rlbench_pin.errors import InvalidActionError, PlanningError
 
 
@@ -28,7 +28,7 @@ def act(count: int, monkeypatch: pytest.MonkeyPatch, every: int) -> dict[str, in
     config = ObservationConfig()
     config.set_all_high_dim(False)
     outcomes: dict[str, int] = {}
-    follow = pose_actions.follow
+    follow = pose.follow
     rng = np.random.default_rng(0)
     with Environment(
         MoveArmThenGripper(EndEffectorPoseViaPlanning(collision_checking=True), Discrete()), obs_config=config
@@ -37,7 +37,7 @@ def act(count: int, monkeypatch: pytest.MonkeyPatch, every: int) -> dict[str, in
         task.reset(seed=0)
         for _ in range(count):
             really = outcomes.get("done", 0) % every == 0
-            monkeypatch.setattr(pose_actions, "follow", follow if really else lambda *a, **k: None)
+            monkeypatch.setattr(pose, "follow", follow if really else lambda *a, **k: None)
             quaternion = rng.normal(size=4)
             place = rng.uniform([-0.4, -0.7, 0.7], [0.85, 0.7, 1.8])
             action = np.concatenate([place, quaternion / np.linalg.norm(quaternion), [1.0]])

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from worlds_for_tests import Boxes
 
 from rlbench_pin.robot.catalogue import robot_description
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.model import RobotModel
+from tests.worlds_for_tests import Boxes
 
 
 @pytest.fixture(scope="session")

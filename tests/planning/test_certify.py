@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from worlds_for_tests import HOME, Boxes
 
 from rlbench_pin.planning.certify import certify
 from rlbench_pin.planning.path import along
@@ -12,6 +11,7 @@ from rlbench_pin.planning.planner import MotionPlanner, PlannerConfig
 from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import WorldSnapshot
+from tests.worlds_for_tests import HOME, Boxes
 
 
 def judge(model: RobotModel, world: WorldSnapshot) -> CollisionModel:

@@ -6,12 +6,12 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from worlds_for_tests import HOME, TABLE_TOP, Boxes
 
 from rlbench_pin.errors import GoalInCollision, NoIkSolution, NoPath, NotStraight, PlanningError
 from rlbench_pin.planning.planner import MotionPlanner, PlannerConfig
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import pose_at
+from tests.worlds_for_tests import HOME, TABLE_TOP, Boxes
 
 REASONS = {"unreachable", "start in collision", "goal in collision", "no path", "no straight line", "timing"}
 

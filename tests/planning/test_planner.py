@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from worlds_for_tests import HOME, TABLE_TOP, Boxes
 
 from rlbench_pin.errors import GoalInCollision, NoIkSolution, NoPath, NotStraight, StartInCollision
 from rlbench_pin.planning.planner import MotionPlanner, Plan, PlannerConfig
@@ -17,6 +16,7 @@ from rlbench_pin.robot.catalogue import robot_description
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import pose_at, rotation_distance
+from tests.worlds_for_tests import HOME, TABLE_TOP, Boxes
 
 LEFT, RIGHT = pose_at((0.35, 0.25, TABLE_TOP + 0.1), np.pi), pose_at((0.35, -0.25, TABLE_TOP + 0.1), np.pi)
 
@@ -215,7 +215,7 @@ def test_same_arguments_same_bytes(tmp_path: Path, planner: MotionPlanner, boxes
     around_the_screen(planner, boxes.snapshot(boxes.screen()), seed=99)
     assert digest(tmp_path) == first
     code = (
-        "import sys; sys.path.insert(0, 'tests'); from pathlib import Path; from planning.test_planner import digest;"
+        "import sys; sys.path.insert(0, '.'); from pathlib import Path; from tests.planning.test_planner import digest;"
         f"sys.stdout.write(digest(Path({str(tmp_path)!r})))"
     )
     run = subprocess.run([sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, check=True)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from worlds_for_tests import Boxes
 
 from rlbench_pin.robot.catalogue import robot_description
 from rlbench_pin.robot.model import RobotModel
+from tests.worlds_for_tests import Boxes
 
 
 @pytest.fixture(scope="session")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from worlds_for_tests import HOME, Boxes
 
 from rlbench_pin.errors import StartInCollision
 from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.robot.model import RobotModel
+from tests.worlds_for_tests import HOME, Boxes
 
 PALM = 0.1034
 """Distance from the hand's frame to the tip [m]."""

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from worlds_for_tests import Boxes
 
 from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import WorldSnapshot
+from tests.worlds_for_tests import Boxes
 
 
 @pytest.fixture

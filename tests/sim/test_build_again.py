@@ -9,16 +9,15 @@ import numpy as np
 import pytest
 
 from rlbench_pin.assets import asset_path
-from rlbench_pin.environment.randomize import VisualRandomizationConfig
+from rlbench_pin.environment.randomization.config import VisualRandomizationConfig
 from rlbench_pin.errors import EnvironmentClosed, RlbenchPinError
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
 from rlbench_pin.sim import World, read_texture
 from rlbench_pin.sim.client import bullet
-from rlbench_pin.sim.ledger import Change
+from rlbench_pin.sim.journal import Change
 from rlbench_pin.tasks import task_class, task_scene
-
-from .support import UPRIGHT, build, close_on_cube, cube, cube_scene, digest, furniture_scene, steps
-from .test_state import clutter, go_on, wander
+from tests.sim.support import UPRIGHT, build, close_on_cube, cube, cube_scene, digest, furniture_scene, steps
+from tests.sim.test_state import clutter, go_on, wander
 
 PASTS = (1, 4)
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
-
-from .support import HOME, build, close_on_cube, furniture_scene
+from tests.sim.support import HOME, build, close_on_cube, furniture_scene
 
 
 def test_snapshot_of_furniture():

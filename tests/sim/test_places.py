@@ -8,8 +8,7 @@ import pytest
 from rlbench_pin.errors import RlbenchPinError, UnknownName
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
 from rlbench_pin.spatial import compose, pose_at, relative
-
-from .support import UPRIGHT, build, cube_scene, furniture_scene, steps
+from tests.sim.support import UPRIGHT, build, cube_scene, furniture_scene, steps
 
 NEW_ROOT = pose_at((0.2, 0.1, 0.752), 0.0, 0.0, 0.7)
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.scene.spec import BodySpec, SceneSpec, SensorSpec
-
-from .support import UPRIGHT, build
+from tests.sim.support import UPRIGHT, build
 
 PLACE = np.array([0.3, 0.0, 1.0])
 

@@ -14,8 +14,7 @@ import pytest
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
 from rlbench_pin.sim import World
-
-from .support import (
+from tests.sim.support import (
     ABOVE,
     AROUND,
     HOME,
@@ -159,7 +158,7 @@ def test_bodies_added_later_are_removed_and_missing_ones_come_back():
 
 def test_pictures_after_restoring_are_equal():
     """What a camera sees after restoring is byte-equal."""
-    from .test_camera import looking
+    from tests.sim.render.test_camera import looking
 
     view = looking((1.35, 0.0, 1.58), (0.15, 0.0, 0.9), fov=40.0, size=(64, 64))
     with build(clutter()) as world:
@@ -209,8 +208,8 @@ def held_in_the_air(world: World) -> None:
 CONTINUE = """
 import sys, hashlib, numpy as np
 sys.path.insert(0, {tests!r})
-from sim import support, test_state
-from sim.support import build
+from tests.sim import support, test_state
+from tests.sim.support import build
 world = build((support.cube_scene if {scene!r} == 'cube_scene' else test_state.clutter)())
 world.set_arrays(dict(np.load({file!r})))
 digest = hashlib.sha256(test_state.go_on(world)).hexdigest()
@@ -228,7 +227,7 @@ def test_arrays_continue_in_another_process_to_the_last_bit(tmp_path, scene):
         np.savez(tmp_path / "state.npz", **world.arrays())
         digest_here = hashlib.sha256(go_on(world)).hexdigest()
         expected = f"{digest_here} {world.gripper.grasped} {round(world.time, 6)} {world.body(body).color}"
-    code = CONTINUE.format(tests=str(Path(__file__).parents[1]), scene=scene, file=str(tmp_path / "state.npz"), body=body)
+    code = CONTINUE.format(tests=str(Path(__file__).parents[2]), scene=scene, file=str(tmp_path / "state.npz"), body=body)
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == expected
 
@@ -266,8 +265,8 @@ def test_the_same_calls_give_the_same_bytes_in_another_process():
     code = """
 import sys, hashlib
 sys.path.insert(0, {tests!r})
-from sim import test_state as t
-from sim.support import build, close_on_cube
+from tests.sim import test_state as t
+from tests.sim.support import build, close_on_cube
 world = build(t.clutter()); clean = world.save()
 print(hashlib.sha256(t.go_on(world)).hexdigest())
 if {wander}: t.wander(world)
@@ -276,7 +275,7 @@ print(hashlib.sha256(t.go_on(world)).hexdigest())
 """
     outputs = set()
     for wander_first in (False, True):
-        script = code.format(tests=str(Path(__file__).parents[1]), wander=wander_first)
+        script = code.format(tests=str(Path(__file__).parents[2]), wander=wander_first)
         outputs.add(subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout)
     (output,) = outputs
     first, second = output.split()

@@ -11,8 +11,7 @@ import pytest
 from rlbench_pin.errors import AssetNotFound, EnvironmentClosed, RlbenchPinError, UnknownName
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
 from rlbench_pin.sim import World
-
-from .support import HOME, PANDA, build, close_on_cube, cube, cube_scene, digest, furniture_scene, steps
+from tests.sim.support import HOME, PANDA, build, close_on_cube, cube, cube_scene, digest, furniture_scene, steps
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tasks.stand_ins import FakeBody, FakeFrame, FakeGripper, FakeJoint, FakeRobot, FakeSensor
 
 from rlbench_pin.errors import TaskError
 from rlbench_pin.tasks import (
@@ -22,6 +21,7 @@ from rlbench_pin.tasks import (
     NothingGrasped,
     TipInside,
 )
+from tests.tasks.stand_ins import FakeBody, FakeFrame, FakeGripper, FakeJoint, FakeRobot, FakeSensor
 
 
 class Switch(Condition):

@@ -99,10 +99,10 @@ def begin(task: Task, variation: int = 0, seed: int = 0) -> list[str]:
 def test_every_variation_begins_with_three_sentences_of_its_own(name: str) -> None:
     """Sentences name the goal, are whole, and no two variations share them."""
     with running(name) as task:
-        clean, seen = task.scene.save(), set()
+        clean, seen = task.world.save(), set()
         assert task.variation_count() == VARIATIONS[name]
         for variation in range(task.variation_count()):
-            task.scene.restore(clean)
+            task.world.restore(clean)
             sentences = begin(task, variation, seed=variation)
             assert len(sentences) >= 3
             assert all(s[0].isupper() and s[-1] in ".?!" for s in sentences)
@@ -131,17 +131,17 @@ def test_the_numbers_of_the_specification_hold(name: str) -> None:
 def test_an_episode_depends_on_its_generator_alone(name: str) -> None:
     """Same seed, same bytes, whatever was before; and the scene stays on the table when it is placed."""
     with running(name) as task:
-        clean, states = task.scene.save(), []
+        clean, states = task.world.save(), []
         for seed in (1, 2, 1):
             task.end_episode()
-            task.scene.restore(clean)
+            task.world.restore(clean)
             generator = np.random.default_rng(seed)
             task.begin_episode(0, generator)
             if not task.is_static_workspace():
                 with suppress(BoundaryError):  # a reset draws again
-                    place_task(task.scene, generator, task.base_rotation_bounds())
-            states.append(b"".join(body.pose.tobytes() for body in task.scene.bodies.values()))
-            assert all(body.position[2] > 0.75 for body in task.scene.bodies.values())
+                    place_task(task.world, generator, task.base_rotation_bounds())
+            states.append(b"".join(body.pose.tobytes() for body in task.world.bodies.values()))
+            assert all(body.position[2] > 0.75 for body in task.world.bodies.values())
         assert states[0] == states[2]
         assert name in ("reach_target",) or states[0] != states[1]
 
@@ -151,11 +151,11 @@ def test_things_stand_where_they_are_put(name: str) -> None:
     """Settling moves nothing by more than a millimetre."""
     with running(name) as task:
         begin(task)
-        before = {n: b.position for n, b in task.scene.bodies.items()}
+        before = {n: b.position for n, b in task.world.bodies.items()}
         for _ in range(10):
-            task.scene.step()
-        for n, body in task.scene.bodies.items():
-            assert n in task.scene.spawned or np.linalg.norm(body.position - before[n]) < 1e-3, n
+            task.world.step()
+        for n, body in task.world.bodies.items():
+            assert n in task.world.spawned or np.linalg.norm(body.position - before[n]) < 1e-3, n
         assert task.success() == (False, False)
 
 
@@ -166,7 +166,7 @@ def test_all_tasks_of_the_library_are_judged_here() -> None:
 
 def colors(task: Task, *names: str) -> list[tuple[float, ...]]:
     """Colours of bodies."""
-    return [task.scene.body(n).color[:3] for n in names]
+    return [task.world.body(n).color[:3] for n in names]
 
 
 def test_reach_target_colours_and_spreads_its_balls() -> None:
@@ -177,7 +177,7 @@ def test_reach_target_colours_and_spreads_its_balls() -> None:
         seen = colors(task, *names)
         assert seen[0] == COLORS[4].rgb
         assert len(set(seen)) == 3
-        places = [task.scene.body(n).position for n in names]
+        places = [task.world.body(n).position for n in names]
         assert min(np.linalg.norm(places[i] - places[j]) for i in range(3) for j in range(i)) >= 0.2
         np.testing.assert_array_equal(task.get_low_dim_state(), places[0])
         task.target.set_pose(np.concatenate([task.robot.tip_pose()[:3] + [0.0, 0.0, 0.02], [0, 0, 0, 1]]))
@@ -188,11 +188,11 @@ def test_reach_target_colours_and_spreads_its_balls() -> None:
 def test_push_button_latches_and_turns_green() -> None:
     """A press of 3 mm counts for good; the colours start anew."""
     with running("push_button") as task:
-        clean = task.scene.save()
+        clean = task.world.save()
         for variation in (3, 5):
-            task.scene.restore(clean)
+            task.world.restore(clean)
             begin(task, variation)
-            cap = task.scene.joint("button/cap_joint")
+            cap = task.world.joint("button/cap_joint")
             assert colors(task, "button") == [BUTTON_COLORS[variation].rgb]
             task.step()
             assert not task.is_green
@@ -207,10 +207,10 @@ def test_the_button_springs_back() -> None:
     """A pressed cap comes up by itself."""
     with running("push_button") as task:
         begin(task)
-        cap = task.scene.joint("button/cap_joint")
+        cap = task.world.joint("button/cap_joint")
         cap.set_position(0.006)
         for _ in range(10):
-            task.scene.step()
+            task.world.step()
         assert cap.position < 0.001
 
 
@@ -250,12 +250,12 @@ def test_stack_blocks_counts_the_blocks_of_its_colour(variation: int) -> None:
         assert colors(task, "block0", "block3") == [COLORS[variation // 3].rgb] * 2
         assert len(set(colors(task, *(f"distractor{i}" for i in range(4))))) == 1
         assert str(height) in sentences[0]
-        square = task.scene.body("square").position
+        square = task.world.body("square").position
         names = [*(f"block{i}" for i in range(height - 1)), "distractor0"]
         for k, name in enumerate(names):
-            task.scene.body(name).set_pose(pose_at((square[0], square[1], 0.777 + 0.05 * k)))
+            task.world.body(name).set_pose(pose_at((square[0], square[1], 0.777 + 0.05 * k)))
         assert task.success() == (False, False)
-        task.scene.body("block3").set_pose(task.scene.body("distractor0").pose)
+        task.world.body("block3").set_pose(task.world.body("distractor0").pose)
         assert task.success() == (True, True)
         task.gripper.grasp("block3")
         assert task.success() == (False, False)
@@ -270,8 +270,8 @@ def test_stack_blocks_retargets_its_waypoints_every_round() -> None:
             points = task.get_waypoints()
             for i in (0, 3, 5):
                 points[i].run_start_hook()
-            np.testing.assert_allclose(points[1].pose[:3], task.scene.body(f"block{k}").position, atol=1e-9)
-            heights.append(points[3].pose[2] - task.scene.body("square").position[2])
+            np.testing.assert_allclose(points[1].pose[:3], task.world.body(f"block{k}").position, atol=1e-9)
+            heights.append(points[3].pose[2] - task.world.body("square").position[2])
             skips.append(points[5].skip)
             assert task.should_repeat_waypoints() == (k < 3)
         np.testing.assert_allclose(heights, [0.08, 0.13, 0.18, 0.23])
@@ -294,9 +294,9 @@ def test_take_lid_off_wants_the_lid_held_high() -> None:
 def test_rubbish_stands_in_any_of_three_places() -> None:
     """Each about equally often; the tomatoes take the others."""
     with running("put_rubbish_in_bin") as task:
-        clean, counts = task.scene.save(), {}
+        clean, counts = task.world.save(), {}
         for seed in range(60):
-            task.scene.restore(clean)
+            task.world.restore(clean)
             begin(task, seed=seed)
             x = round(float(task.rubbish.position[0]), 3)
             counts[x] = counts.get(x, 0) + 1
@@ -309,7 +309,7 @@ def test_rubbish_has_to_reach_the_bottom() -> None:
     """A tomato in the bin does not count, nor does paper above it."""
     with running("put_rubbish_in_bin") as task:
         begin(task)
-        x, y, z = task.scene.body("bin").position
+        x, y, z = task.world.body("bin").position
         task.tomatoes[0].set_pose(pose_at((x, y, z + 0.04)))
         task.rubbish.set_pose(pose_at((x, y, z + 0.2)))
         assert task.success() == (False, False)
@@ -321,15 +321,15 @@ def test_rubbish_has_to_reach_the_bottom() -> None:
 def test_meat_off_grill_wants_the_asked_meat(variation: int, meat: str, other: str) -> None:
     """The grasp goes to it at the same height, and only it counts."""
     with running("meat_off_grill") as task:
-        height = task.scene.frame("waypoint1").position[2]
+        height = task.world.frame("waypoint1").position[2]
         begin(task, variation)
         grasp = task.get_waypoints()[1].pose
-        np.testing.assert_allclose(grasp[:2], task.scene.body(meat).position[:2], atol=1e-9)
+        np.testing.assert_allclose(grasp[:2], task.world.body(meat).position[:2], atol=1e-9)
         assert grasp[2] == pytest.approx(height)
-        side = task.scene.sensor("side").position
-        task.scene.body(other).set_pose(pose_at(side))
+        side = task.world.sensor("side").position
+        task.world.body(other).set_pose(pose_at(side))
         assert task.success() == (False, False)
-        task.scene.body(meat).set_pose(pose_at(side))
+        task.world.body(meat).set_pose(pose_at(side))
         assert task.success() == (True, True)
 
 
@@ -338,12 +338,12 @@ def test_open_drawer_wants_the_asked_drawer(variation: int, drawer: str) -> None
     """The grasp goes to its handle; another drawer does not count; pushed back is undone."""
     with running("open_drawer") as task:
         begin(task, variation)
-        np.testing.assert_allclose(task.get_waypoints()[1].pose, task.scene.frame(f"handle_{drawer}").pose, atol=1e-9)
+        np.testing.assert_allclose(task.get_waypoints()[1].pose, task.world.frame(f"handle_{drawer}").pose, atol=1e-9)
         for name in ("bottom", "middle", "top"):
             if name != drawer:
-                task.scene.joint(f"chest/drawer_{name}").set_position(0.2)
+                task.world.joint(f"chest/drawer_{name}").set_position(0.2)
         assert task.success() == (False, False)
-        joint = task.scene.joint(f"chest/drawer_{drawer}")
+        joint = task.world.joint(f"chest/drawer_{drawer}")
         joint.set_position(0.151)
         assert task.success() == (True, True)
         joint.set_position(0.149)
@@ -354,9 +354,9 @@ def test_close_microwave_wants_forty_degrees() -> None:
     """The door starts at 1.5 rad and stays there until pushed."""
     with running("close_microwave") as task:
         begin(task)
-        door = task.scene.joint("microwave/door")
+        door = task.world.joint("microwave/door")
         for _ in range(20):
-            task.scene.step()
+            task.world.step()
         assert door.position == pytest.approx(1.5, abs=1e-3)
         door.set_position(1.5 - np.deg2rad(39.0))
         assert task.success() == (False, False)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tasks.stand_ins import FakeBody, FakeFrame
 
 from rlbench_pin.errors import BoundaryError, TaskError
 from rlbench_pin.robot.catalogue import robot_description
@@ -14,6 +13,7 @@ from rlbench_pin.spatial import compose, inverse, pose_at, quaternion_yaw, relat
 from rlbench_pin.tasks import NO_ROTATION, WORKSPACE, SpawnBoundary, place_task, swap_places
 from rlbench_pin.tasks.boxes import OrientedBox
 from rlbench_pin.tasks.placement import footprint
+from tests.tasks.stand_ins import FakeBody, FakeFrame
 
 
 def corners(body: FakeBody) -> np.ndarray:

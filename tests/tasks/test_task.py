@@ -30,7 +30,7 @@ class Chore(Task):
 
     def init_task(self) -> None:
         self.todo = ["a", "b"]
-        self.pulled = InOrder([JointMoved(self.scene.joint("chest/drawer_top"), 0.1)])
+        self.pulled = InOrder([JointMoved(self.world.joint("chest/drawer_top"), 0.1)])
         self.cleaned = 0
         self.register_graspable_objects(["cube"])
 
@@ -64,7 +64,7 @@ def test_success_needs_all_conditions_at_once(task: Chore) -> None:
     """Plain bools come back; success also ends the episode."""
     task.begin_episode(0, rng())
     assert task.success() == (False, False)
-    task.scene.joint("chest/drawer_top").set_position(0.2)
+    task.world.joint("chest/drawer_top").set_position(0.2)
     assert task.success() == (False, False)
     task.todo.clear()
     assert task.success() == (True, True)
@@ -74,7 +74,7 @@ def test_success_needs_all_conditions_at_once(task: Chore) -> None:
 def test_stateful_conditions_see_every_evaluation(task: Chore) -> None:
     """A later condition counts on while an earlier one does not hold."""
     task.begin_episode(0, rng())
-    joint = task.scene.joint("chest/drawer_top")
+    joint = task.world.joint("chest/drawer_top")
     joint.set_position(0.2)
     task.success()
     joint.set_position(0.0)
@@ -103,7 +103,7 @@ def test_resetting_conditions_starts_from_now(task: Chore) -> None:
     """What moved before does not count."""
     task.begin_episode(0, rng())
     task.todo.clear()
-    task.scene.joint("chest/drawer_top").set_position(0.2)
+    task.world.joint("chest/drawer_top").set_position(0.2)
     assert task.success() == (True, True)
     task.reset_conditions()
     assert task.success() == (False, False)
@@ -137,11 +137,11 @@ def test_cleanup_runs_once_after_each_episode(task: Chore) -> None:
 def test_state_brings_everything_back(task: Chore) -> None:
     """Attributes, lists that conditions share, pointers, registrations and skips."""
     task.begin_episode(1, rng())
-    task.scene.joint("chest/drawer_top").set_position(0.2)
+    task.world.joint("chest/drawer_top").set_position(0.2)
     task.todo.pop()
     task.success()
     task.get_waypoints()[1].skip = True
-    world, state, todo = task.scene.save(), task.state(), task.todo
+    world, state, todo = task.world.save(), task.state(), task.todo
 
     task.end_episode()
     task.begin_episode(2, rng())
@@ -150,12 +150,12 @@ def test_state_brings_everything_back(task: Chore) -> None:
     task.todo.clear()
     task.extra = 1  # type: ignore[attr-defined]
 
-    task.scene.restore(world)
+    task.world.restore(world)
     task.set_state(state)
     assert (task.count, task.todo, task.cleaned, task.pulled.passed) == (1, ["a"], 0, 1)
     assert task.todo is todo
     assert not hasattr(task, "extra")
-    assert task.scene.body("cube").graspable
+    assert task.world.body("cube").graspable
     assert task.get_waypoints()[1].skip
     assert task.success() == (False, False)
     task.todo.clear()
@@ -169,10 +169,10 @@ def test_graspable_bodies_are_marked_and_replaced(task: Chore) -> None:
     assert task.get_graspable_objects() == ("cube",)
     with pytest.raises(UnknownName, match="Did you mean 'chest'"):
         task.register_graspable_objects(["chst"])
-    assert task.scene.body("cube").graspable
+    assert task.world.body("cube").graspable
     task.register_graspable_objects(["chest"])
-    assert not task.scene.body("cube").graspable
-    assert task.scene.body("chest").graspable
+    assert not task.world.body("cube").graspable
+    assert task.world.body("chest").graspable
 
 
 def test_waypoints_come_in_order_and_stop_where_told(task: Chore) -> None:
@@ -215,11 +215,11 @@ def test_the_defaults_come_from_the_scene_file(task: Chore) -> None:
 
 def test_the_default_low_dim_state_is_poses_then_joints_by_name(task: Chore) -> None:
     """Its layout is fixed by the scene file."""
-    task.scene.joint("chest/drawer_middle").set_position(0.1)
+    task.world.joint("chest/drawer_middle").set_position(0.1)
     state = task.get_low_dim_state()
     assert state.shape == (2 * 7 + 3,)
-    np.testing.assert_allclose(state[:7], task.scene.body("chest").pose)
-    np.testing.assert_allclose(state[7:14], task.scene.body("cube").pose)
+    np.testing.assert_allclose(state[:7], task.world.body("chest").pose)
+    np.testing.assert_allclose(state[7:14], task.world.body("cube").pose)
     np.testing.assert_allclose(state[14:], [0.0, 0.1, 0.0], atol=1e-12)
-    del task.scene.bodies["cube"]
+    del task.world.bodies["cube"]
     assert not task.get_low_dim_state()[7:14].any()

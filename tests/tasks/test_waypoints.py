@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tasks.stand_ins import FakeFrame
 
 from rlbench_pin.scene.spec import ArcSpec, WaypointSpec
 from rlbench_pin.spatial import pose_at, relative
 from rlbench_pin.tasks import Waypoint
+from tests.tasks.stand_ins import FakeFrame
 
 
 def waypoint(frame: FakeFrame | None = None, before: float = 1.0, **keys: object) -> Waypoint:

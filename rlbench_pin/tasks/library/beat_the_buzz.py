@@ -11,10 +11,10 @@ class BeatTheBuzz(Task):
     """The wand must be let go at the right end of the rod; touching the live part of the rod on the way ends the episode."""
 
     def init_task(self) -> None:
-        wand = self.scene.body("wand")
+        wand = self.world.body("wand")
         self.register_graspable_objects(["wand"])
-        self.register_success_conditions([Detected(wand, self.scene.sensor("end")), NothingGrasped(self.gripper)])
-        self.register_fail_conditions([Detected(wand, self.scene.sensor("touch"))])
+        self.register_success_conditions([Detected(wand, self.world.sensor("end")), NothingGrasped(self.gripper)])
+        self.register_fail_conditions([Detected(wand, self.world.sensor("touch"))])
 
     def variation_count(self) -> int:
         return 1

@@ -11,7 +11,7 @@ class CloseMicrowave(Task):
     """The door stands wide open and must swing by 40 degrees."""
 
     def init_task(self) -> None:
-        self.register_success_conditions([JointMoved(self.scene.joint("microwave/door"), np.deg2rad(40.0))])
+        self.register_success_conditions([JointMoved(self.world.joint("microwave/door"), np.deg2rad(40.0))])
 
     def variation_count(self) -> int:
         return 1

@@ -38,8 +38,8 @@ class EmptyContainer(Task):
     """Three random objects must lie in the small tray of the asked colour."""
 
     def init_task(self) -> None:
-        self.trays = [self.scene.body("tray0"), self.scene.body("tray1")]
-        self.boundary = SpawnBoundary([self.scene.region("patch")])
+        self.trays = [self.world.body("tray0"), self.world.body("tray1")]
+        self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_waypoint_ability_start(0, self._aim_at_next_object)
         self.register_waypoint_ability_start(1, self._aim_at_next_object)
         self.register_waypoint_ability_start(3, self._aim_at_tray)
@@ -54,11 +54,11 @@ class EmptyContainer(Task):
         self.trays[goal].set_color(rgb)
         self.trays[1 - goal].set_color(distractor_colors(rng, variation, 1)[0].rgb)
         self._create_objects(rng)
-        self.sensor = self.scene.sensor(f"in_tray{goal}")
+        self.sensor = self.world.sensor(f"in_tray{goal}")
         self.left = list(OBJECTS)
         self.goal_y = 0.25 * (2 * goal - 1)
         self._aim_at_tray()
-        self.register_success_conditions([Detected(self.scene.body(o), self.sensor) for o in OBJECTS])
+        self.register_success_conditions([Detected(self.world.body(o), self.sensor) for o in OBJECTS])
         return [
             f"Put everything from the large tray into the {name} one.",
             f"The three things in the middle belong in the {name} tray.",
@@ -79,7 +79,7 @@ class EmptyContainer(Task):
                 pose=(0.0, 0.0, DROP + APART * i, 0.0, 0.0, 0.0, 1.0),
                 scale=0.85 + 0.35 * size / SIZES,
             )
-            body = self.scene.add_body(OBJECTS[i], spec)
+            body = self.world.add_body(OBJECTS[i], spec)
             self.boundary.sample(body, rng, min_distance=0.0, ignore_collisions=True)
         self.register_graspable_objects(OBJECTS)
         self._settle(rng)
@@ -98,20 +98,20 @@ class EmptyContainer(Task):
         """Turn every object about a random horizontal axis, push it away from the others, and wait."""
         for angle, name in zip(rng.uniform(0.0, 2.0 * np.pi, len(OBJECTS)), OBJECTS, strict=True):
             along = push * self._away(name)
-            self.scene.body(name).set_velocity([*along, 0.0, KNOCK * np.cos(angle), KNOCK * np.sin(angle), 0.0])
+            self.world.body(name).set_velocity([*along, 0.0, KNOCK * np.cos(angle), KNOCK * np.sin(angle), 0.0])
         self._wait()
 
     def _away(self, name: str) -> np.ndarray:
         """Return the horizontal direction (2,) from the middle of all objects to one of them."""
-        away = (self.scene.body(name).position - np.mean([self.scene.body(o).position for o in OBJECTS], axis=0))[:2]
+        away = (self.world.body(name).position - np.mean([self.world.body(o).position for o in OBJECTS], axis=0))[:2]
         return away / max(float(np.linalg.norm(away)), 1e-6)
 
     def _wait(self) -> float:
         """Wait a second, and return how much any object has moved or turned, the largest change of a number of its pose."""
-        before = [self.scene.body(name).pose for name in OBJECTS]
+        before = [self.world.body(name).pose for name in OBJECTS]
         for _ in range(FALL):
-            self.scene.step()
-        return max(float(np.abs(self.scene.body(n).pose - pose).max()) for n, pose in zip(OBJECTS, before, strict=True))
+            self.world.step()
+        return max(float(np.abs(self.world.body(n).pose - pose).max()) for n, pose in zip(OBJECTS, before, strict=True))
 
     def _aim_at_next_object(self, waypoint: Waypoint) -> None:
         """Go over, then down to the object that is easiest to grip, across a narrow side of it and with room for the fingers."""
@@ -124,7 +124,7 @@ class EmptyContainer(Task):
     def _aim_at_tray(self, waypoint: Waypoint | None = None) -> None:
         """Let things go beside those that lie in the tray already, not onto them."""
         along = PLACES[len(OBJECTS) - max(len(self.left), 1)]
-        self.scene.frame("waypoint3").set_local([along, self.goal_y, 0.17, 1.0, 0.0, 0.0, 0.0])
+        self.world.frame("waypoint3").set_local([along, self.goal_y, 0.17, 1.0, 0.0, 0.0, 0.0])
 
     def _grips(self, angle: float) -> list[tuple[float, np.ndarray, float]]:
         """Judge grips with the hand turned by `angle`, every object in its middle or nearly at one of the fingers.
@@ -133,13 +133,13 @@ class EmptyContainer(Task):
             Of each: a cost [m], which is how wide the object is between the fingers, how far from the middle, and tenfold how far
             the fingers stand in a wall or on another object; where the hand is (3,); the angle.
         """
-        turn, tray = turn_by(angle), self.scene.body("big_tray").pose
+        turn, tray = turn_by(angle), self.world.body("big_tray").pose
         tray_turn = turn_by(2.0 * np.arctan2(tray[5], tray[6]))
         hand = [0.0, 0.0, 0.0, 0.0, 0.0, np.sin(angle / 2.0), np.cos(angle / 2.0)]
-        boxes = {o: self.scene.body(o).bounds_from(hand)[:, :2] for o in OBJECTS}
+        boxes = {o: self.world.body(o).bounds_from(hand)[:, :2] for o in OBJECTS}
         grips = []
         for name in self.left or OBJECTS[:1]:
-            position = self.scene.body(name).position
+            position = self.world.body(name).position
             along, across = position[:2] @ turn
             low, high = boxes[name][:, 1]
             others = np.stack([box for o, box in boxes.items() if o != name])

@@ -11,9 +11,9 @@ class EmptyDishwasher(Task):
     """The plate must be out of the rack, wherever the rack is; it need not be let go."""
 
     def init_task(self) -> None:
-        self.plate = self.scene.body("plate")
+        self.plate = self.world.body("plate")
         self.register_graspable_objects(["plate"])
-        self.register_success_conditions([Detected(self.plate, self.scene.sensor("rack_space"), negated=True)])
+        self.register_success_conditions([Detected(self.plate, self.world.sensor("rack_space"), negated=True)])
         self.register_waypoint_ability_start(10, self._aim_at_plate)
 
     def variation_count(self) -> int:
@@ -28,4 +28,4 @@ class EmptyDishwasher(Task):
 
     def _aim_at_plate(self, waypoint: Waypoint) -> None:
         """Go for the plate where the rack has brought it."""
-        self.scene.frame("plate_place").set_position(self.plate.position)
+        self.world.frame("plate_place").set_position(self.plate.position)

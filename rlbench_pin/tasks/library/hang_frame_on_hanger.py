@@ -11,7 +11,7 @@ class HangFrameOnHanger(Task):
     """The bar behind the frame must be on the hook and the frame let go."""
 
     def init_task(self) -> None:
-        hangs = Detected(self.scene.frame("bar_middle"), self.scene.sensor("hook"))
+        hangs = Detected(self.world.frame("bar_middle"), self.world.sensor("hook"))
         self.register_graspable_objects(["frame"])
         self.register_success_conditions([hangs, NothingGrasped(self.gripper)])
 

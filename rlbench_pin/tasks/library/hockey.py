@@ -11,9 +11,9 @@ class Hockey(Task):
     """The ball must lie behind the goal line while the stick is held."""
 
     def init_task(self) -> None:
-        stick, ball = self.scene.body("stick"), self.scene.body("ball")
+        stick, ball = self.world.body("stick"), self.world.body("ball")
         self.register_graspable_objects(["stick"])
-        self.register_success_conditions([Detected(ball, self.scene.sensor("behind_line")), Grasped(self.gripper, stick)])
+        self.register_success_conditions([Detected(ball, self.world.sensor("behind_line")), Grasped(self.gripper, stick)])
 
     def variation_count(self) -> int:
         return 1

@@ -14,11 +14,11 @@ class InsertOntoSquarePeg(Task):
     """
 
     def init_task(self) -> None:
-        self.ring = self.scene.body("ring")
-        self.pillars = [self.scene.body(f"pillar{i}") for i in range(3)]
-        self.boundary = SpawnBoundary([self.scene.region("patch")])
+        self.ring = self.world.body("ring")
+        self.pillars = [self.world.body(f"pillar{i}") for i in range(3)]
+        self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(["ring"])
-        sides = [Detected(self.ring, self.scene.sensor(f"side{i}")) for i in range(4)]
+        sides = [Detected(self.ring, self.world.sensor(f"side{i}")) for i in range(4)]
         self.register_success_conditions(sides)
 
     def variation_count(self) -> int:
@@ -30,7 +30,7 @@ class InsertOntoSquarePeg(Task):
         goal.set_color(rgb)
         for pillar, color in zip(others, distractor_colors(rng, variation, 2), strict=True):
             pillar.set_color(color.rgb)
-        self.scene.frame("goal").move_to(goal.name)
+        self.world.frame("goal").move_to(goal.name)
         self.boundary.clear()
         self.boundary.sample(self.ring, rng)
         return [

@@ -16,9 +16,9 @@ class LightBulbIn(Task):
     """
 
     def init_task(self) -> None:
-        self.holders = [self.scene.body(f"holder{i}") for i in range(2)]
-        self.bulbs = [self.scene.body(f"bulb{i}") for i in range(2)]
-        self.boundary = SpawnBoundary([self.scene.region("patch")])
+        self.holders = [self.world.body(f"holder{i}") for i in range(2)]
+        self.bulbs = [self.world.body(f"bulb{i}") for i in range(2)]
+        self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(bulb.name for bulb in self.bulbs)
 
     def variation_count(self) -> int:
@@ -33,8 +33,8 @@ class LightBulbIn(Task):
         for holder in self.holders:
             self.boundary.sample(holder, rng, min_distance=0.01)
         self.bulb = self.bulbs[goal]
-        self.scene.frame("waypoint1").set_parent(self.bulb.name, keep_in_place=False)
-        self.in_socket = Detected(self.bulb, self.scene.sensor("socket"))
+        self.world.frame("waypoint1").set_parent(self.bulb.name, keep_in_place=False)
+        self.in_socket = Detected(self.bulb, self.world.sensor("socket"))
         self.register_success_conditions([self.in_socket, NothingGrasped(self.gripper)])
         return [
             f"Fit the lamp with a bulb; use the one kept in the {name} holder.",

@@ -19,10 +19,10 @@ class MeatOffGrill(Task):
         return len(self.meats)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        meat = self.scene.body(self.meats[variation])
-        grasp = self.scene.frame("waypoint1")
+        meat = self.world.body(self.meats[variation])
+        grasp = self.world.frame("waypoint1")
         grasp.set_position([*meat.position[:2], grasp.position[2]])
-        self.register_success_conditions([NothingGrasped(self.gripper), Detected(meat, self.scene.sensor("side"))])
+        self.register_success_conditions([NothingGrasped(self.gripper), Detected(meat, self.world.sensor("side"))])
         return [
             f"The {meat.name} is done, move it beside the barbecue.",
             f"Lay the {meat.name} next to the grill.",

@@ -11,7 +11,7 @@ class OpenBox(Task):
     """The lid must turn past upright, by more than 90 degrees."""
 
     def init_task(self) -> None:
-        self.register_success_conditions([JointMoved(self.scene.joint("carton/lid_hinge"), np.pi / 2.0)])
+        self.register_success_conditions([JointMoved(self.world.joint("carton/lid_hinge"), np.pi / 2.0)])
 
     def variation_count(self) -> int:
         return 1

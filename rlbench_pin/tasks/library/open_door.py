@@ -14,8 +14,8 @@ class OpenDoor(Task):
     """The leaf must swing by 25 degrees; it is held until the lever has been turned down by 25 degrees once."""
 
     def init_task(self) -> None:
-        self.leaf = self.scene.joint("door/leaf_hinge")
-        self.unlatched = JointMoved(self.scene.joint("door/lever"), ANGLE)
+        self.leaf = self.world.joint("door/leaf_hinge")
+        self.unlatched = JointMoved(self.world.joint("door/lever"), ANGLE)
         self.register_success_conditions([JointMoved(self.leaf, ANGLE)])
 
     def variation_count(self) -> int:

@@ -20,8 +20,8 @@ class OpenDrawer(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         drawer = self.drawers[variation]
-        self.scene.frame("waypoint1").move_to(f"handle_{drawer}")
-        self.register_success_conditions([JointMoved(self.scene.joint(f"chest/drawer_{drawer}"), 0.15)])
+        self.world.frame("waypoint1").move_to(f"handle_{drawer}")
+        self.register_success_conditions([JointMoved(self.world.joint(f"chest/drawer_{drawer}"), 0.15)])
         return [
             f"Pull out the {drawer} drawer.",
             f"Draw the {drawer} compartment out by its handle.",

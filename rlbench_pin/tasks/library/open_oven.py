@@ -11,7 +11,7 @@ class OpenOven(Task):
     """The door must lie flat in front of the oven, and the hand must hold nothing."""
 
     def init_task(self) -> None:
-        door_is_down = Detected(self.scene.body("oven"), self.scene.sensor("door_down"))
+        door_is_down = Detected(self.world.body("oven"), self.world.sensor("door_down"))
         self.register_success_conditions([door_is_down, NothingGrasped(self.gripper)])
 
     def variation_count(self) -> int:

@@ -16,10 +16,10 @@ class OpenWineBottle(Task):
     """The cap must leave the neck; the thread holds it until it has been turned by 150 degrees, anticlockwise."""
 
     def init_task(self) -> None:
-        self.held = [self.scene.joint(f"cap/{name}") for name in HELD]
-        self.turn = self.scene.joint("cap/turn")
+        self.held = [self.world.joint(f"cap/{name}") for name in HELD]
+        self.turn = self.world.joint("cap/turn")
         self.loosened = JointMoved(self.turn, LOOSE)
-        self.register_success_conditions([Detected(self.scene.body("cap"), self.scene.sensor("neck"), negated=True)])
+        self.register_success_conditions([Detected(self.world.body("cap"), self.world.sensor("neck"), negated=True)])
 
     def variation_count(self) -> int:
         return 1

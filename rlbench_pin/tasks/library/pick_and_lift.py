@@ -11,11 +11,11 @@ class PickAndLift(Task):
     """The block of the asked colour must be held at the marker. Blocks and marker stand anywhere in a rectangle."""
 
     def init_task(self) -> None:
-        self.block, self.marker = self.scene.body("block"), self.scene.body("marker")
-        self.distractors = [self.scene.body("distractor0"), self.scene.body("distractor1")]
-        self.boundary = SpawnBoundary([self.scene.region("boundary")])
+        self.block, self.marker = self.world.body("block"), self.world.body("marker")
+        self.distractors = [self.world.body("distractor0"), self.world.body("distractor1")]
+        self.boundary = SpawnBoundary([self.world.region("boundary")])
         self.register_graspable_objects(["block"])
-        self.register_success_conditions([Grasped(self.gripper, self.block), Detected(self.block, self.scene.sensor("goal"))])
+        self.register_success_conditions([Grasped(self.gripper, self.block), Detected(self.block, self.world.sensor("goal"))])
 
     def variation_count(self) -> int:
         return len(COLORS)

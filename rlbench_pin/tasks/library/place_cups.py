@@ -13,9 +13,9 @@ class PlaceCups(Task):
     """The first one, two or three mugs must hang on any of three spokes by their handles."""
 
     def init_task(self) -> None:
-        self.mugs = [self.scene.body(f"mug{i}") for i in range(3)]
-        self.sensors = [self.scene.sensor(f"under_spoke{k}") for k in range(3)]
-        self.boundary = SpawnBoundary([self.scene.region("patch")])
+        self.mugs = [self.world.body(f"mug{i}") for i in range(3)]
+        self.sensors = [self.world.sensor(f"under_spoke{k}") for k in range(3)]
+        self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(f"mug{i}" for i in range(3))
         self.register_waypoint_ability_start(0, self._aim_at_next_mug)
         self.register_waypoints_should_repeat(lambda: self.next < self.wanted)
@@ -39,6 +39,6 @@ class PlaceCups(Task):
 
     def _aim_at_next_mug(self, waypoint: Waypoint) -> None:
         """Go for the next mug, with the same grip, and for the next spoke."""
-        self.scene.frame("waypoint1").set_parent(f"mug{self.next}", keep_in_place=False)
-        self.scene.frame("waypoint4").set_parent(f"spoke{self.next}", keep_in_place=False)
+        self.world.frame("waypoint1").set_parent(f"mug{self.next}", keep_in_place=False)
+        self.world.frame("waypoint4").set_parent(f"spoke{self.next}", keep_in_place=False)
         self.next += 1

@@ -22,7 +22,7 @@ class PlaceShapeInShapeSorter(Task):
 
     def init_task(self) -> None:
         self.shape = self.shapes[0]
-        self.boundary = SpawnBoundary([self.scene.region("patch")])
+        self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(self.shapes)
         self.register_waypoint_ability_start(0, self._aim_at_shape)
         self.register_waypoint_ability_start(3, self._aim_at_hole)
@@ -35,7 +35,7 @@ class PlaceShapeInShapeSorter(Task):
         self._scatter(rng)
         self._aim_at_shape()
         self._aim_at_hole()
-        self.register_success_conditions([Detected(self.scene.body(self.shape), self.scene.sensor("inside"))])
+        self.register_success_conditions([Detected(self.world.body(self.shape), self.world.sensor("inside"))])
         return [
             f"Push the {word} through the hole it fits.",
             f"Sort the {word} into the toy box.",
@@ -44,8 +44,8 @@ class PlaceShapeInShapeSorter(Task):
 
     def _scatter(self, rng: np.random.Generator) -> None:
         """Sample all shapes until the fingers have room around the asked one."""
-        bodies = [self.scene.body(name) for name in self.shapes]
-        asked = self.scene.body(self.shape)
+        bodies = [self.world.body(name) for name in self.shapes]
+        asked = self.world.body(self.shape)
         for _ in range(ATTEMPTS):
             self.boundary.clear()
             for body in bodies:
@@ -55,7 +55,7 @@ class PlaceShapeInShapeSorter(Task):
                 return
 
     def _aim_at_shape(self, waypoint: Waypoint | None = None) -> None:
-        self.scene.frame("waypoint1").set_parent(f"grasp_{self.shape}", keep_in_place=False)
+        self.world.frame("waypoint1").set_parent(f"grasp_{self.shape}", keep_in_place=False)
 
     def _aim_at_hole(self, waypoint: Waypoint | None = None) -> None:
-        self.scene.frame("waypoint4").set_parent(f"drop_{self.shape}", keep_in_place=False)
+        self.world.frame("waypoint4").set_parent(f"drop_{self.shape}", keep_in_place=False)

@@ -14,9 +14,9 @@ class PlayJenga(Task):
     """The brick that sticks out must come right out of the tower and be let go; all others must stay."""
 
     def init_task(self) -> None:
-        tower = self.scene.sensor("tower")
-        stays = [Detected(self.scene.body(f"brick{i}"), tower) for i in range(BRICKS)]
-        gone = Detected(self.scene.body("target"), self.scene.sensor("around"), negated=True)
+        tower = self.world.sensor("tower")
+        stays = [Detected(self.world.body(f"brick{i}"), tower) for i in range(BRICKS)]
+        gone = Detected(self.world.body("target"), self.world.sensor("around"), negated=True)
         self.register_graspable_objects(["target"])
         self.register_success_conditions([*stays, gone, NothingGrasped(self.gripper)])
 

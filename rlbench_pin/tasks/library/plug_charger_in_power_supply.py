@@ -14,10 +14,10 @@ class PlugChargerInPowerSupply(Task):
     """
 
     def init_task(self) -> None:
-        self.stand = self.scene.body("stand")
-        self.boundary = SpawnBoundary([self.scene.region("patch")])
+        self.stand = self.world.body("stand")
+        self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(["charger"])
-        pins = [Detected(self.scene.frame(f"{side}_pin"), self.scene.sensor(f"{side}_hole")) for side in ("right", "left")]
+        pins = [Detected(self.world.frame(f"{side}_pin"), self.world.sensor(f"{side}_hole")) for side in ("right", "left")]
         self.register_success_conditions([*pins, NothingGrasped(self.gripper)])
 
     def variation_count(self) -> int:

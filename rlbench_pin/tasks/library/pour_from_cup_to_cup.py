@@ -31,9 +31,9 @@ class PourFromCupToCup(Task):
     """All twenty drops must be in the lower part of the target cup. Three more cups stand around."""
 
     def init_task(self) -> None:
-        self.source, self.target = self.scene.body("source"), self.scene.body("target")
-        self.others = [self.scene.body(f"distractor{i}") for i in range(3)]
-        self.boundary = SpawnBoundary([self.scene.region("patch")])
+        self.source, self.target = self.world.body("source"), self.world.body("target")
+        self.others = [self.world.body(f"distractor{i}") for i in range(3)]
+        self.boundary = SpawnBoundary([self.world.region("patch")])
         self.drops = [f"drop{i}" for i in range(sum(len(directions) for _, _, directions in RINGS))]
         self.register_graspable_objects(["source"])
 
@@ -49,8 +49,8 @@ class PourFromCupToCup(Task):
             body.set_color(color.rgb)
         self._lay_out(rng)
         self._fill(rng)
-        sensor = self.scene.sensor("in_target")
-        self.register_success_conditions([Detected(self.scene.body(drop), sensor) for drop in self.drops])
+        sensor = self.world.sensor("in_target")
+        self.register_success_conditions([Detected(self.world.body(drop), sensor) for drop in self.drops])
         return [
             f"Pour the drink from the {source.name} cup into the {target.name} cup.",
             f"Tip the {source.name} cup so that all of it lands in the {target.name} one.",
@@ -73,7 +73,7 @@ class PourFromCupToCup(Task):
     def _aim(self, turns: dict[str, float]) -> None:
         """Turn the frames that the hand comes along."""
         for name, turn in turns.items():
-            frame = self.scene.frame(name)
+            frame = self.world.frame(name)
             frame.set_pose([*frame.position, 0.0, 0.0, np.sin(turn / 2.0), np.cos(turn / 2.0)])
 
     def _free_turn(self, place: np.ndarray, turns: Sequence[float]) -> float | None:
@@ -94,6 +94,6 @@ class PourFromCupToCup(Task):
             angles = turn + np.radians(directions)
             places += [(float(radius * np.cos(angle)), float(radius * np.sin(angle)), height) for angle in angles]
         for drop, place in zip(self.drops, places, strict=True):
-            self.scene.add_body(
+            self.world.add_body(
                 drop, BodySpec(name=drop, asset="objects/drop/drop.urdf", parent="source", pose=(*place, 0.0, 0.0, 0.0, 1.0))
             )

@@ -13,8 +13,8 @@ class PushButton(Task):
     """The base has the asked colour; the red cap must go down 3 mm once, and turns green when it does."""
 
     def init_task(self) -> None:
-        self.button = self.scene.body("button")
-        self.pressed = InOrder([JointMoved(self.scene.joint("button/cap_joint"), 0.003)])
+        self.button = self.world.body("button")
+        self.pressed = InOrder([JointMoved(self.world.joint("button/cap_joint"), 0.003)])
         self.register_success_conditions([self.pressed])
 
     def variation_count(self) -> int:

@@ -19,9 +19,9 @@ class PushButtons(Task):
     variations_share_goals = True  # the first button of two triples may be the same
 
     def init_task(self) -> None:
-        self.buttons = [self.scene.body(f"button{i}") for i in range(3)]
-        self.presses = [JointMoved(self.scene.joint(f"button{i}/cap_joint"), TRAVEL) for i in range(3)]
-        self.boundary = SpawnBoundary([self.scene.region("patch")])
+        self.buttons = [self.world.body(f"button{i}") for i in range(3)]
+        self.presses = [JointMoved(self.world.joint(f"button{i}/cap_joint"), TRAVEL) for i in range(3)]
+        self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_waypoint_ability_start(0, self._aim_at_next_button)
         self.register_waypoints_should_repeat(self._next_round)
 

@@ -20,7 +20,7 @@ class PutGroceriesInCupboard(Task):
     items = ("crackers", "chocolate_jello", "strawberry_jello", "soup", "tuna", "spam", "coffee", "mustard", "sugar")
 
     def init_task(self) -> None:
-        self.boundary = SpawnBoundary([self.scene.region("patch")])
+        self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(self.items)
 
     def variation_count(self) -> int:
@@ -29,9 +29,9 @@ class PutGroceriesInCupboard(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         item = self.items[variation]
         self._scatter(item, rng)
-        self.scene.frame("waypoint1").set_parent(f"grasp_{item}", keep_in_place=False)
-        self.scene.frame("waypoint4").set_parent(f"stow_{item}", keep_in_place=False)
-        stowed = Detected(self.scene.body(item), self.scene.sensor("low_shelf"))
+        self.world.frame("waypoint1").set_parent(f"grasp_{item}", keep_in_place=False)
+        self.world.frame("waypoint4").set_parent(f"stow_{item}", keep_in_place=False)
+        stowed = Detected(self.world.body(item), self.world.sensor("low_shelf"))
         self.register_success_conditions([stowed, NothingGrasped(self.gripper)])
         word = item.replace("_", " ")
         return [
@@ -42,7 +42,7 @@ class PutGroceriesInCupboard(Task):
 
     def _scatter(self, item: str, rng: np.random.Generator) -> None:
         """Sample all items until the hand has room around the asked one."""
-        asked, bodies = self.scene.body(item), [self.scene.body(name) for name in self.items]
+        asked, bodies = self.world.body(item), [self.world.body(name) for name in self.items]
         for _ in range(ATTEMPTS):
             self.boundary.clear()
             for body in bodies:

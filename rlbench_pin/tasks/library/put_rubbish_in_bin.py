@@ -11,10 +11,10 @@ class PutRubbishInBin(Task):
     """The paper must lie at the bottom of the bin. It stands in any of three places; tomatoes stand in the others."""
 
     def init_task(self) -> None:
-        self.rubbish = self.scene.body("rubbish")
-        self.tomatoes = [self.scene.body("tomato0"), self.scene.body("tomato1")]
+        self.rubbish = self.world.body("rubbish")
+        self.tomatoes = [self.world.body("tomato0"), self.world.body("tomato1")]
         self.register_graspable_objects(["rubbish"])
-        self.register_success_conditions([Detected(self.rubbish, self.scene.sensor("bottom"))])
+        self.register_success_conditions([Detected(self.rubbish, self.world.sensor("bottom"))])
 
     def variation_count(self) -> int:
         return 1

@@ -13,10 +13,10 @@ class ReachTarget(Task):
     solved_by_chance = True
 
     def init_task(self) -> None:
-        self.target = self.scene.body("target")
-        self.distractors = [self.scene.body("distractor0"), self.scene.body("distractor1")]
-        self.boundary = SpawnBoundary([self.scene.region("boundary")])
-        self.register_success_conditions([TipInside(self.robot, self.scene.sensor("goal"))])
+        self.target = self.world.body("target")
+        self.distractors = [self.world.body("distractor0"), self.world.body("distractor1")]
+        self.boundary = SpawnBoundary([self.world.region("boundary")])
+        self.register_success_conditions([TipInside(self.robot, self.world.sensor("goal"))])
 
     def variation_count(self) -> int:
         return len(COLORS)

@@ -12,8 +12,8 @@ class ScrewNail(Task):
 
     def init_task(self) -> None:
         self.register_graspable_objects(["screwdriver"])
-        held = Grasped(self.gripper, self.scene.body("screwdriver"))
-        turned = JointMoved(self.scene.joint("block/screw"), 1.4)
+        held = Grasped(self.gripper, self.world.body("screwdriver"))
+        turned = JointMoved(self.world.joint("block/screw"), 1.4)
         self.register_success_conditions([InOrder([held, turned])])
 
     def variation_count(self) -> int:

@@ -11,9 +11,9 @@ class SlideBlockToTarget(Task):
     """The red block must reach the middle of the green square. It cannot be grasped."""
 
     def init_task(self) -> None:
-        self.block = self.scene.body("block")
-        self.square = self.scene.body("square")
-        self.register_success_conditions([Detected(self.block, self.scene.sensor("target"))])
+        self.block = self.world.body("block")
+        self.square = self.world.body("square")
+        self.register_success_conditions([Detected(self.block, self.world.sensor("target"))])
 
     def variation_count(self) -> int:
         return 1

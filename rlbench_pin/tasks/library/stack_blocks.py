@@ -19,9 +19,9 @@ class StackBlocks(Task):
     """
 
     def init_task(self) -> None:
-        self.blocks = [self.scene.body(f"block{i}") for i in range(4)]
-        self.distractors = [self.scene.body(f"distractor{i}") for i in range(4)]
-        self.boundary = SpawnBoundary([self.scene.region(f"patch{i}") for i in range(4)])
+        self.blocks = [self.world.body(f"block{i}") for i in range(4)]
+        self.distractors = [self.world.body(f"distractor{i}") for i in range(4)]
+        self.boundary = SpawnBoundary([self.world.region(f"patch{i}") for i in range(4)])
         self.register_graspable_objects(body.name for body in (*self.blocks, *self.distractors))
         self.register_waypoint_ability_start(0, self._aim_at_next_block)
         self.register_waypoint_ability_start(3, self._rise_over_tower)
@@ -41,7 +41,7 @@ class StackBlocks(Task):
             for body in bodies:
                 body.set_color(body_color)
                 self.boundary.sample(body, rng, min_distance=0.1)
-        tower = DetectedSeveral(self.blocks, self.scene.sensor("column"), self.height)
+        tower = DetectedSeveral(self.blocks, self.world.sensor("column"), self.height)
         self.register_success_conditions([tower, NothingGrasped(self.gripper)])
         return [
             f"Make a tower of {self.height} {name} cubes on the green square.",
@@ -50,10 +50,10 @@ class StackBlocks(Task):
         ]
 
     def _aim_at_next_block(self, waypoint: Waypoint) -> None:
-        self.scene.frame("waypoint1").set_parent(f"block{self.placed}", keep_in_place=False)
+        self.world.frame("waypoint1").set_parent(f"block{self.placed}", keep_in_place=False)
 
     def _rise_over_tower(self, waypoint: Waypoint) -> None:
-        x, y, z = self.scene.body("square").position
+        x, y, z = self.world.body("square").position
         waypoint.frame.set_position([x, y, z + CLEARANCE + CUBE * self.placed])
 
     def _stay_after_last_block(self, waypoint: Waypoint) -> None:

@@ -11,8 +11,8 @@ class StraightenRope(Task):
     """Both ends of the rope must lie on their marks, which are nearly the length of the rope apart."""
 
     def init_task(self) -> None:
-        head = Detected(self.scene.frame("head"), self.scene.sensor("at_head_mark"))
-        tail = Detected(self.scene.frame("tail"), self.scene.sensor("at_tail_mark"))
+        head = Detected(self.world.frame("head"), self.world.sensor("at_head_mark"))
+        tail = Detected(self.world.frame("tail"), self.world.sensor("at_tail_mark"))
         self.register_success_conditions([head, tail])
 
     def variation_count(self) -> int:

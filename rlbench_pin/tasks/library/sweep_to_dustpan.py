@@ -14,8 +14,8 @@ class SweepToDustpan(Task):
 
     def init_task(self) -> None:
         self.register_graspable_objects(["broom"])
-        pan = self.scene.sensor("pan")
-        self.register_success_conditions([Detected(self.scene.body(f"crumb{i}"), pan) for i in range(CRUMBS)])
+        pan = self.world.sensor("pan")
+        self.register_success_conditions([Detected(self.world.body(f"crumb{i}"), pan) for i in range(CRUMBS)])
 
     def variation_count(self) -> int:
         return 1

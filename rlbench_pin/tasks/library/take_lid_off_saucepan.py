@@ -11,7 +11,7 @@ class TakeLidOffSaucepan(Task):
     """The lid must be held by its knob, well above the pan."""
 
     def init_task(self) -> None:
-        self.lid, self.above = self.scene.body("lid"), self.scene.sensor("above")
+        self.lid, self.above = self.world.body("lid"), self.world.sensor("above")
         self.register_graspable_objects(["lid"])
         self.register_success_conditions([Grasped(self.gripper, self.lid), Detected(self.lid, self.above)])
 

@@ -19,10 +19,10 @@ class WeighingScales(Task):
     colors = ("green", "red", "yellow")
 
     def init_task(self) -> None:
-        self.tray, self.needle = self.scene.joint("scales/tray"), self.scene.joint("scales/needle")
+        self.tray, self.needle = self.world.joint("scales/tray"), self.world.joint("scales/needle")
         self.unloaded, self.zero = self.tray.position, self.needle.position
-        self.peppers = [self.scene.body(f"pepper_{color}") for color in self.colors]
-        self.boundary = SpawnBoundary([self.scene.region("patch")])
+        self.peppers = [self.world.body(f"pepper_{color}") for color in self.colors]
+        self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(pepper.name for pepper in self.peppers)
 
     def variation_count(self) -> int:
@@ -33,9 +33,9 @@ class WeighingScales(Task):
         self.boundary.clear()
         for body in self.peppers:
             self.boundary.sample(body, rng, min_distance=0.12)
-        self.scene.frame("waypoint0").set_parent(pepper.name, keep_in_place=False)
-        weighed = Detected(self.scene.frame("needle_end"), self.scene.sensor("needle_zone"))
-        self.register_success_conditions([NothingGrasped(self.gripper), weighed, Detected(pepper, self.scene.sensor("tray"))])
+        self.world.frame("waypoint0").set_parent(pepper.name, keep_in_place=False)
+        weighed = Detected(self.world.frame("needle_end"), self.world.sensor("needle_zone"))
+        self.register_success_conditions([NothingGrasped(self.gripper), weighed, Detected(pepper, self.world.sensor("tray"))])
         return [
             f"How heavy is the {color} pepper? Weigh it.",
             f"The {color} vegetable goes on the scale.",

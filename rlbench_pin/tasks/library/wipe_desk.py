@@ -15,7 +15,7 @@ class WipeDesk(Task):
     """Fifty stains in a patch of the table must all have been under the sponge, which takes them away."""
 
     def init_task(self) -> None:
-        self.wiper, self.boundary = self.scene.sensor("under_sponge"), SpawnBoundary([self.scene.region("patch")])
+        self.wiper, self.boundary = self.world.sensor("under_sponge"), SpawnBoundary([self.world.region("patch")])
         self.stains: list[str] = []
         self.register_graspable_objects(["sponge"])
         self.register_success_conditions([ListEmpty(self.stains)])
@@ -26,10 +26,10 @@ class WipeDesk(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         self.boundary.clear()
         self.stains[:] = [f"stain{i}" for i in range(STAINS)]
-        place = tuple(self.scene.region("patch").local)
+        place = tuple(self.world.region("patch").local)
         for name in self.stains:
             spec = BodySpec(name=name, asset="objects/stain/stain.urdf", pose=place, fixed=True, collides=False)
-            stain = self.scene.add_body(name, spec)
+            stain = self.world.add_body(name, spec)
             self.boundary.sample(stain, rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION, min_distance=0.0)
         return [
             "Wipe the brown stains off the table.",
@@ -38,13 +38,13 @@ class WipeDesk(Task):
         ]
 
     def step(self) -> None:
-        if self.wiper.position[2] > self.scene.root.position[2] + WIPING:
+        if self.wiper.position[2] > self.world.root.position[2] + WIPING:
             return
         for name in [name for name in self.stains if self.wiper.detects(name)]:
             self.stains.remove(name)
-            self.scene.remove_body(name)
+            self.world.remove_body(name)
 
     def cleanup(self) -> None:
         for name in self.stains:
-            self.scene.remove_body(name)
+            self.world.remove_body(name)
         self.stains.clear()

@@ -1,0 +1,1 @@
+"""The validator: what every task must keep, measured and reported."""

@@ -1,0 +1,91 @@
+"""Why a demonstration failed: the typed reason with its evidence, and a picture of the scene at that moment."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+from scipy.spatial.transform import Rotation
+
+from rlbench_pin.environment.presets import low_dim_config, make_environment
+from rlbench_pin.errors import PlanningError
+from rlbench_pin.planning.planner import MotionPlanner, Plan
+from rlbench_pin.sim import CameraView, World
+from rlbench_pin.spatial import FloatArray, PoseLike
+from rlbench_pin.tasks import find_task
+
+
+def explain_failure(task: str, seed: int, variation: int, picture: Path | None = None, attempt: int = 0) -> list[str]:
+    """Play one demonstration again and return lines that say why it fails; one line when it does not.
+
+    Args:
+        task: Name of the task, or path of a task file.
+        seed: Seed of the episode.
+        variation: Its variation.
+        picture: PNG file of the scene at the failure; None for none.
+        attempt: Which try of the seed.
+    """
+    with make_environment(low_dim_config()) as environment:
+        loop = environment.get_task(find_task(task))
+        refusals = _Refusals(loop.runtime.planner)
+        outcome = loop.try_demo(seed=seed, variation=variation, attempt=attempt, record=False)
+        head = f"{loop.get_name()} seed {seed} variation {variation} attempt {attempt}"
+        if outcome.success:
+            return [f"{head}: the demonstration succeeds."]
+        lines = [f"{head}: {outcome.cause}", f"  waypoint: {outcome.leg}"]
+        lines += [line for error in refusals.since_success for line in evidence_lines(error)]
+        if picture is not None:
+            picture.parent.mkdir(parents=True, exist_ok=True)
+            Image.fromarray(_look(loop.world)).save(picture)
+            lines.append(f"  picture: {picture}")
+        return lines
+
+
+class _Refusals:
+    """Looks over a planner's shoulder: keeps the errors since the last plan."""
+
+    def __init__(self, planner: MotionPlanner) -> None:
+        self.since_success: list[PlanningError] = []
+        self._plan = planner.plan_to_pose
+        planner.plan_to_pose = self.plan_to_pose  # type: ignore[method-assign, assignment]
+
+    def plan_to_pose(self, q_start: FloatArray, pose: PoseLike | Sequence[PoseLike], **options: object) -> Plan:
+        """Plan, and keep the error."""
+        try:
+            plan = self._plan(q_start, pose, **options)  # type: ignore[arg-type]
+        except PlanningError as error:
+            self.since_success.append(error)
+            raise
+        self.since_success.clear()
+        return plan
+
+
+def evidence_lines(error: Exception) -> list[str]:
+    """Return what an error knows, a line for each name."""
+    if not isinstance(error, PlanningError):
+        return []
+    return [f"  reason: {error.reason}", *(f"  {name}: {_text(value)}" for name, value in error.evidence.items())]
+
+
+def _text(value: object) -> str:
+    if isinstance(value, np.ndarray):
+        return np.array2string(value, precision=4, suppress_small=True)
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    return str(value)
+
+
+def _look(world: World) -> NDArray[np.uint8]:
+    """Return a picture (h, w, 3) of the table from the robot's left."""
+    eye, target = np.array([1.3, 1.0, 1.75]), np.array([0.1, 0.0, 1.08])
+    forward = (target - eye) / np.linalg.norm(target - eye)
+    left = np.cross([0.0, 0.0, 1.0], forward)
+    left /= np.linalg.norm(left)
+    turn = Rotation.from_matrix(np.column_stack([left, np.cross(forward, left), forward]))
+    view = CameraView(np.concatenate([eye, turn.as_quat()]), fov=0.9, size=(640, 480), near=0.05, far=5.0)
+    picture = world.render(view, rgb=True, depth=False, mask=False, shadows=True).rgb
+    assert picture is not None
+    return picture

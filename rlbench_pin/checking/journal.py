@@ -1,0 +1,119 @@
+"""Finished work of a check on disk, one JSON line for each item, so that a killed check goes on where it stopped."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from rlbench_pin.assets import ASSETS
+from rlbench_pin.checking.judge import Rest
+from rlbench_pin.checking.reach import Reach
+from rlbench_pin.checking.trials import Item, Trial
+from rlbench_pin.environment.demonstrate import LegReport
+from rlbench_pin.environment.task_environment import library_versions
+from rlbench_pin.tasks import LIBRARY, find_task
+
+_PACKAGE = ASSETS.parent
+_JUDGES = ("judge.py", "trials.py", "reach.py", "stopwatch.py")
+"""Files of this folder that decide about trials; the others only show them."""
+_BESIDE = ("datasets", "challenges", "learning")
+"""Folders that no trial comes near."""
+
+
+class Journal:
+    """What was done before, and what is added now.
+
+    Args:
+        path: File to read and to append to; None keeps nothing.
+        tasks: Tasks of the check: names, or paths of task files. What was written before they, the package or its libraries
+            changed is not used.
+    """
+
+    def __init__(self, path: Path | None, tasks: Sequence[str]) -> None:
+        self._path = path
+        self._marks = {} if path is None else _marks(tasks)
+        self._done: dict[str, list[Trial]] = {}
+        if path is not None and path.is_file():
+            self._read(path)
+
+    def trials_of(self, item: Item) -> list[Trial] | None:
+        """Return the trials of an item that was done before, or None."""
+        return self._done.get(self._key(item))
+
+    def add(self, item: Item, trials: Sequence[Trial]) -> None:
+        """Write a finished item down."""
+        if self._path is None:
+            return
+        line = json.dumps({"key": self._key(item), "trials": [asdict(trial) for trial in trials]})
+        self._path.parent.mkdir(parents=True, exist_ok=True)
+        with self._path.open("a", encoding="utf-8") as file:
+            file.write(line + "\n")
+
+    def _key(self, item: Item) -> str:
+        return json.dumps({**asdict(item), "mark": self._marks.get(item.task, "")}, sort_keys=True)
+
+    def _read(self, path: Path) -> None:
+        text = path.read_text(encoding="utf-8")
+        if text and not text.endswith("\n"):  # killed while writing
+            path.write_text(text[: text.rfind("\n") + 1], encoding="utf-8")
+        for line in text.splitlines():
+            try:
+                entry = json.loads(line)
+                self._done[entry["key"]] = [as_trial(trial) for trial in entry["trials"]]
+            except (ValueError, KeyError, TypeError):
+                continue
+
+
+def as_trial(plain: Mapping[str, Any]) -> Trial:
+    """Return the trial that `dataclasses.asdict` and JSON made plain."""
+    fields = _with_tuples(plain)
+    fields["timings"] = tuple(LegReport(**leg) for leg in plain["timings"])
+    if plain["rest"] is not None:
+        fields["rest"] = Rest(**_with_tuples(plain["rest"]))
+    if plain["reach"] is not None:
+        fields["reach"] = Reach(**_with_tuples(plain["reach"]))
+    return Trial(**fields)
+
+
+def _with_tuples(plain: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: _tuple(value) for name, value in plain.items()}
+
+
+def _tuple(value: Any) -> Any:
+    return tuple(map(_tuple, value)) if isinstance(value, list) else value
+
+
+def _marks(tasks: Sequence[str]) -> dict[str, str]:
+    """Return task -> a sum over everything that its trials depend on."""
+    shared = sha256(json.dumps(library_versions()).encode())
+    for file in sorted(_PACKAGE.rglob("*")):
+        if file.is_file() and file.suffix != ".pyc" and LIBRARY not in file.parents and _decides(file):
+            _add(shared, file)
+    marks = {}
+    for task in tasks:
+        mark, chosen = shared.copy(), find_task(task)
+        scene = chosen.scene_file()
+        for file in (scene.with_suffix(".py"), scene, *_own_assets(scene)):
+            _add(mark, file)
+        marks[task] = mark.hexdigest()
+    return marks
+
+
+def _decides(file: Path) -> bool:
+    room = file.relative_to(_PACKAGE).parts[0]
+    return file.name in _JUDGES if room == "cli" else room not in _BESIDE
+
+
+def _own_assets(scene: Path) -> list[Path]:
+    """Return the files of a task outside the package that may hold its assets."""
+    if LIBRARY in scene.parents:
+        return []
+    return sorted(file for file in scene.parent.rglob("*") if file.suffix.lower() in (".urdf", ".obj", ".stl", ".dae", ".png"))
+
+
+def _add(mark: Any, file: Path) -> None:
+    mark.update(file.name.encode() + b"\0" + file.read_bytes())

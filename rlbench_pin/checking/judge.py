@@ -1,0 +1,201 @@
+"""What every task must keep, measured on one running task: shared by `rlbench-pin check` and the contract tests."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rlbench_pin.environment import TaskEnvironment
+from rlbench_pin.observation import Demo
+from rlbench_pin.robot import geometry
+from rlbench_pin.scene.snapshot import BodySnapshot
+from rlbench_pin.spatial import FloatArray
+
+IDLE_STEPS = RANDOM_STEPS = 200
+EXTRA_STEPS = 10
+"""Repetitions of the last action when a replay has not succeeded yet, as many as a demonstration waits."""
+REST_TIME = 2.0
+"""For how long nothing may move after a reset [s]."""
+MAX_DRIFT = 1e-3
+"""How far anything may move in that time [m]."""
+MAX_PENETRATION = 2e-3
+"""How deep things may overlap at a reset [m]."""
+ENGINE_STATE = "physics"
+"""Array of `World.arrays` that holds the engine's own file, in which memory addresses differ from save to save."""
+
+
+@dataclass(frozen=True)
+class Rest:
+    """What a scene does when it is left alone from the reset on."""
+
+    penetration: float
+    """Deepest overlap at the reset [m]."""
+    held: tuple[str, ...]
+    """What the hand holds at the reset; it should hold nothing."""
+    arm_speed: float
+    """Largest joint speed of the arm at the reset [rad/s]."""
+    drift: float
+    """How far the corner of a link that moved most had moved after `REST_TIME` [m]."""
+    drifter: str
+    """The link it belongs to."""
+    success: bool
+    """Whether the goal was reached, at the reset or while resting; it should not."""
+
+
+def rest(task: TaskEnvironment, seed: int, variation: int, steps: int = IDLE_STEPS) -> Rest:
+    """Reset and hold still for `steps` control ticks, at least as long as `REST_TIME`."""
+    task.reset(seed=seed, variation=variation)
+    penetration, held = task.world.max_penetration(), task.runtime.gripper.grasped
+    speed = float(np.abs(task.world.robot.joint_velocities).max())
+    success = task.task.success()[0]
+    still = np.append(task.world.robot.joint_positions, 1.0)
+    settled, watched = corners(task), round(REST_TIME / task.world.control_dt)
+    success |= reaches_goal(task, [still] * watched)
+    drift, drifter = _largest_move(settled, corners(task))
+    success = success or reaches_goal(task, [still] * (steps - watched))
+    return Rest(penetration, held, speed, drift, drifter, success)
+
+
+def flail_succeeds(task: TaskEnvironment, seed: int, variation: int) -> bool:
+    """Whether actions drawn evenly from the action space reach the goal; they should not."""
+    rng = np.random.default_rng(seed)
+    task.reset(seed=seed, variation=variation)
+    low, high = task.action_bounds()
+    return reaches_goal(task, (rng.uniform(low, high) for _ in range(RANDOM_STEPS)))
+
+
+def replay_succeeds(task: TaskEnvironment, demo: Demo) -> bool:
+    """Whether the joint-position actions of a demonstration reach the goal through `step`, from the start of the demo."""
+    actions = [obs.misc["joint_position_action"] for obs in demo[1:]]
+    return reaches_goal(task, [*actions, *[actions[-1]] * EXTRA_STEPS])
+
+
+def left_over(task: TaskEnvironment, demo: Demo) -> tuple[str, ...]:
+    """Start as a demonstration did, after it was played, and return what is not as it was: nothing, in a task that cleans up."""
+    assert demo.random_seed is not None
+    if demo.attempt or demo.state is None:
+        task.reset_to_demo(demo)
+        return ()
+    task.reset(seed=demo.random_seed, variation=demo.variation_number)
+    remains = differences(demo.state, task.world.arrays(exact=False))
+    if remains:
+        task.reset_to_demo(demo)
+    return remains
+
+
+def reset_repeats(task: TaskEnvironment, seed: int, variation: int) -> bool:
+    """Whether the same seed gives the same world, bit for bit, also after another episode."""
+    first = _start(task, seed, variation)
+    task.reset(seed=seed + 1)
+    task.step(np.append(task.world.robot.joint_positions, 0.0))
+    return _start(task, seed, variation) == first
+
+
+def demo_repeats(task: TaskEnvironment, seed: int, variation: int) -> bool:
+    """Whether a demonstration played twice has the same bytes, or fails twice for the same cause."""
+    first, second = (_demo_bytes(task, seed, variation) for _ in range(2))
+    return first == second
+
+
+def reaches_goal(task: TaskEnvironment, actions: Sequence[np.ndarray] | Iterator[np.ndarray]) -> bool:
+    """Step through actions until the episode ends; whether the goal was reached."""
+    for action in actions:
+        _, reward, terminate = task.step(action)
+        if reward > 0.0 or terminate:
+            return reward > 0.0
+    return False
+
+
+# Instructions -------------------------------------------------------------------------------------------------------------------
+
+
+def shared_instructions(words: Mapping[int, Sequence[str]]) -> tuple[tuple[int, int], ...]:
+    """Return pairs of variations that are told the same, by variation -> instructions."""
+    first: dict[tuple[str, ...], int] = {}
+    pairs = []
+    for variation, sentences in words.items():
+        other = first.setdefault(tuple(sentences), variation)
+        if other != variation:
+            pairs.append((other, variation))
+    return tuple(pairs)
+
+
+def poor_instructions(words: Mapping[int, Sequence[str]]) -> tuple[int, ...]:
+    """Return the variations with no instruction, an empty one, or the same one twice."""
+    return tuple(v for v, s in words.items() if not s or len(set(s)) < len(s) or not all(t.strip() for t in s))
+
+
+# Where things are ---------------------------------------------------------------------------------------------------------------
+
+
+def corners(task: TaskEnvironment) -> dict[str, FloatArray]:
+    """Return the corners (8, 3) of the box around every link of every body in the world [m], by `body/link`.
+
+    A ball is its centre (1, 3), since nobody sees it spin; so is the origin of every body, under its name.
+    """
+    points = {name: body.position[None] for name, body in task.world.bodies.items()}
+    return points | {f"{body.name}/{link}": box for body in task.world.snapshot().bodies for link, box in _corners(body)}
+
+
+def _corners(body: BodySnapshot) -> Iterator[tuple[str, FloatArray]]:
+    solid = {} if body.shapes else geometry.solid_geometry(body.urdf, body.scale)
+    for link, pose in zip(body.link_names, body.link_poses, strict=True):
+        parts = solid.get(link, ())
+        corners = geometry.box_corners(geometry.bounds(parts), pose)
+        is_ball = len(parts) == 1 and geometry.as_shape(parts[0]).kind == "sphere"
+        yield link, corners.mean(axis=0)[None] if is_ball else corners
+
+
+def _largest_move(before: Mapping[str, FloatArray], after: Mapping[str, FloatArray]) -> tuple[float, str]:
+    """Return the largest way of a corner [m] and the link it belongs to."""
+    moves = {name: float(np.linalg.norm(after[name] - box, axis=1).max()) for name, box in before.items() if name in after}
+    name = max(moves, key=moves.__getitem__, default="")
+    return moves.get(name, 0.0), name
+
+
+def differences(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray]) -> tuple[str, ...]:
+    """Return what differs between two `World.arrays`, in words; the clock and the engine's own state aside."""
+    was, now = (json.loads(np.asarray(a["meta"], dtype=np.uint8).tobytes()) for a in (before, after))
+    if list(was["bodies"]) != list(now["bodies"]):
+        changed = sorted(set(was["bodies"]) ^ set(now["bodies"])) or ["order of bodies"]
+        return tuple(f"bodies: {name}" for name in changed)
+    found = [
+        f"{what} of {name}" for name, entry in was["bodies"].items() for what in entry if entry[what] != now["bodies"][name][what]
+    ]
+    found += [f"{key}" for key in was if key not in ("bodies", "ticks") and was[key] != now[key]]
+    for key in sorted(set(before) - {"meta", ENGINE_STATE}):
+        found += _rows_that_differ(key, before[key], after[key], list(was["bodies"]))
+    return tuple(found)
+
+
+def _rows_that_differ(key: str, before: np.ndarray, after: np.ndarray, bodies: list[str]) -> list[str]:
+    if before.shape != after.shape:
+        return [key]
+    if key in ("body_poses", "body_velocities"):
+        what = key.removeprefix("body_")
+        return [f"{what} of {name}" for name, a, b in zip(bodies, before, after, strict=True) if a.tobytes() != b.tobytes()]
+    return [key] if before.tobytes() != after.tobytes() else []
+
+
+def _start(task: TaskEnvironment, seed: int, variation: int) -> bytes:
+    """Bytes of the world after a reset and again some steps later, when differences that were hidden have shown."""
+    task.reset(seed=seed, variation=variation)
+    first = _world_bytes(task)
+    for _ in range(EXTRA_STEPS):
+        task.step(np.append(task.world.robot.joint_positions, 1.0))
+    return first + _world_bytes(task)
+
+
+def _world_bytes(task: TaskEnvironment) -> bytes:
+    arrays = task.world.arrays()
+    return b"".join(arrays[name].tobytes() for name in sorted(arrays) if name != ENGINE_STATE)
+
+
+def _demo_bytes(task: TaskEnvironment, seed: int, variation: int) -> bytes:
+    outcome = task.try_demo(seed=seed, variation=variation)
+    if outcome.demo is None:
+        return outcome.cause.encode()
+    return b"".join(obs.get_low_dim_data().tobytes() for obs in outcome.demo)

@@ -1,0 +1,1 @@
+"""What a check shows people: a Markdown page, tables and pictures."""

@@ -1,0 +1,101 @@
+"""Maps of the table, seen from above: where a task may stand, and which waypoints the arm reaches from there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from rlbench_pin.checking.reach import Reach
+from rlbench_pin.tasks import WORKSPACE
+
+_SCALE = 210.0
+"""Pixels per metre."""
+_TABLE = ((-0.36, 0.72), (-0.56, 0.56))
+"""x and y that a panel shows [m]."""
+_BASE = (-0.273, 0.0)
+_PER_ROW, _GAP, _CAPTION, _HEAD = 5, 10, 20, 48
+_YES, _NO, _INK, _FAINT, _PAPER, _FLOOR = (
+    (0, 128, 90),
+    (213, 70, 0),
+    (30, 30, 30),
+    (120, 120, 120),
+    (255, 255, 255),
+    (238, 238, 232),
+)
+
+
+def reach_map(task: str, reaches: Sequence[Reach], fixed: bool) -> Image.Image:
+    """Draw one panel for each waypoint, and one for all together with the arm at home.
+
+    Args:
+        task: Name for the title.
+        reaches: Draws of the scene.
+        fixed: Draw the places of the waypoints instead of those of the task root, which stays where it is.
+    """
+    count = len(reaches[0].waypoints)
+    panels = [_panel("all, arm free", [(_spot(r, None, fixed), r.place[2], r.accepted) for r in reaches], fixed)]
+    for k in range(count):
+        marks = [(_spot(r, k, fixed), r.place[2], r.reached[k]) for r in reaches if k < len(r.reached)]
+        panels.append(_panel(f"waypoint {reaches[0].waypoints[k]}", marks, fixed))
+    return _sheet(task, panels, fixed, len(reaches))
+
+
+def _spot(reach: Reach, waypoint: int | None, fixed: bool) -> tuple[float, float]:
+    if fixed and reach.spots:
+        return reach.spots[0 if waypoint is None else waypoint]
+    return reach.place[:2]
+
+
+def _panel(title: str, marks: Sequence[tuple[tuple[float, float], float, bool]], fixed: bool) -> Image.Image:
+    """Draw dots (reached) and crosses (not) on the table; the robot stands below, its left is left."""
+    width, height = (round(_SCALE * np.ptp(_TABLE[axis])) for axis in (1, 0))
+    panel = Image.new("RGB", (width, height + _CAPTION), _PAPER)
+    draw = ImageDraw.Draw(panel)
+    good = sum(reached for _, _, reached in marks)
+    draw.text((0, 2), f"{title}: {good}/{len(marks)}", fill=_INK if good == len(marks) else _NO, font=_font(13))
+    draw.rectangle((0, _CAPTION, width - 1, height + _CAPTION - 1), fill=_FLOOR)
+    draw.rectangle(
+        (*_pixel(WORKSPACE.x[1], WORKSPACE.y[1]), *_pixel(WORKSPACE.x[0], WORKSPACE.y[0])), fill=_PAPER, outline=_FAINT
+    )
+    x, y = _pixel(*_BASE)
+    draw.ellipse((x - 12, y - 12, x + 12, y + 12), fill=_FAINT)
+    for (mx, my), yaw, reached in sorted(marks, key=lambda mark: not mark[2]):
+        _mark(draw, _pixel(mx, my), None if fixed else yaw, reached)
+    return panel
+
+
+def _mark(draw: ImageDraw.ImageDraw, at: tuple[int, int], yaw: float | None, reached: bool) -> None:
+    x, y = at
+    color = _YES if reached else _NO
+    if yaw is not None:  # towards the task's own x
+        draw.line((x, y, x - 8 * np.sin(yaw), y - 8 * np.cos(yaw)), fill=color, width=1)
+    if reached:
+        draw.ellipse((x - 2, y - 2, x + 2, y + 2), fill=color)
+        return
+    draw.line((x - 4, y - 4, x + 4, y + 4), fill=color, width=2)
+    draw.line((x - 4, y + 4, x + 4, y - 4), fill=color, width=2)
+
+
+def _pixel(x: float, y: float) -> tuple[int, int]:
+    """World x, y [m] -> column, row of a panel; x grows upwards, y to the left."""
+    return round(_SCALE * (_TABLE[1][1] - y)), _CAPTION + round(_SCALE * (_TABLE[0][1] - x))
+
+
+def _sheet(task: str, panels: Sequence[Image.Image], fixed: bool, count: int) -> Image.Image:
+    width, height = panels[0].width + _GAP, panels[0].height + _GAP
+    columns = min(_PER_ROW, len(panels))
+    rows = -(-len(panels) // columns)
+    sheet = Image.new("RGB", (_GAP + columns * width, _HEAD + rows * height), _PAPER)
+    draw = ImageDraw.Draw(sheet)
+    draw.text((_GAP, 4), f"{task}: what the arm reaches from {count} places", fill=_INK, font=_font(16))
+    marks = "places of the waypoint" if fixed else "places of the task, a line along its x"
+    draw.text((_GAP, 27), f"dots reached, crosses not; {marks}; frame: workspace; disc: robot", fill=_FAINT, font=_font(12))
+    for k, panel in enumerate(panels):
+        sheet.paste(panel, (_GAP + (k % columns) * width, _HEAD + (k // columns) * height))
+    return sheet
+
+
+def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    return ImageFont.load_default(size)

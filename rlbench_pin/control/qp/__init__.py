@@ -1,0 +1,1 @@
+"""Quadratic programs: their terms, their bounds and their solvers."""

@@ -1,0 +1,36 @@
+"""Any solver that `qpsolvers` knows (daqp, quadprog, proxqp, ...), behind our seam. Needs the `bench` extra."""
+
+from __future__ import annotations
+
+import numpy as np
+import qpsolvers
+
+from rlbench_pin.control.qp.quadratic_program import QuadraticProgram
+from rlbench_pin.errors import InfeasibleControl, UnknownName
+from rlbench_pin.spatial import FloatArray
+
+
+class ForeignSolver:
+    """Solves quadratic programs through `qpsolvers.solve_qp`."""
+
+    def __init__(self, name: str) -> None:
+        """Choose a solver by the name `qpsolvers` gives it."""
+        if name not in qpsolvers.available_solvers:
+            raise UnknownName("QP solver", name, qpsolvers.available_solvers)
+        self.name = name
+
+    def solve(self, problem: QuadraticProgram) -> FloatArray:
+        """Return the minimiser (n,).
+
+        Raises:
+            InfeasibleControl: The solver found no solution.
+        """
+        rows = np.concatenate([problem.A, -problem.A])
+        bounds = np.concatenate([problem.upper, -problem.lower])
+        finite = np.isfinite(bounds)
+        inequalities = (rows[finite], bounds[finite]) if finite.any() else (None, None)
+        G, h = inequalities
+        x = qpsolvers.solve_qp(problem.P, problem.q, G, h, lb=problem.x_lower, ub=problem.x_upper, solver=self.name)
+        if x is None:
+            raise InfeasibleControl(self.name, "no solution", problem)
+        return np.asarray(x, dtype=float)

@@ -1,0 +1,283 @@
+"""Export to a LeRobotDataset, version 3.0: frames in Parquet, pictures in MP4, many episodes to a file.
+
+Frame t has the state of frame t and the command that leads to frame t + 1; the last frame repeats the last command.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from rlbench_pin.datasets.episode import Episode
+from rlbench_pin.datasets.formats.common import (
+    FPS,
+    StoredEpisode,
+    Watch,
+    actions,
+    joint_names,
+    joint_state,
+    moments,
+    new_folder,
+    rgb_cameras,
+    stored_episodes,
+)
+from rlbench_pin.datasets.formats.lerobot_video import VideoFiles
+
+VERSION = "v3.0"
+CHUNK_SIZE, DATA_MEGABYTES, VIDEO_MEGABYTES = 1000, 100, 200
+_DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
+_VIDEO = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
+_EPISODES = "meta/episodes/chunk-000/file-000.parquet"
+_PICTURES_FOR_STATISTICS = 100
+
+Column = list[Any] | np.ndarray
+
+
+def export_lerobot(
+    root: Path, out: Path, *, tasks: Sequence[str] = (), cameras: Sequence[str] = (), on_episode: Watch | None = None
+) -> Path:
+    """Write the episodes of a dataset as a LeRobotDataset.
+
+    Args:
+        root: Folder of the dataset.
+        out: The new folder; `LeRobotDataset(repo_id, root=out)` loads it.
+        tasks: Only these; all when none is named.
+        cameras: Cameras whose colours go along; all stored ones when none is named.
+        on_episode: Called after each episode.
+
+    Raises:
+        DatasetError: Something is missing or damaged, or pictures cannot be encoded.
+    """
+    episodes = stored_episodes(root, tasks)
+    shapes = rgb_cameras(episodes, cameras)
+    with new_folder(out) as folder:
+        export = _Export(folder, {f"observation.images.{name}": shape for name, shape in shapes.items()})
+        try:
+            for index, stored in enumerate(episodes):
+                with stored.open() as episode:
+                    export.add(stored, episode)
+                if on_episode is not None:
+                    on_episode(index + 1)
+            export.finish()
+        except BaseException:
+            export.discard()
+            raise
+    return out
+
+
+@dataclass
+class _Export:
+    """What has been written so far."""
+
+    folder: Path
+    pictures: dict[str, tuple[int, int, int]]
+    """Feature -> shape of its pictures."""
+    instructions: dict[str, int] = field(default_factory=dict)
+    """Sentence -> number."""
+    rows: list[dict[str, Any]] = field(default_factory=list)
+    """One row per episode."""
+    samples: dict[str, list[np.ndarray]] = field(default_factory=dict)
+    """Feature -> values of each episode, for the statistics of all."""
+    frames: int = 0
+    size: int = 0
+    """Numbers in a state and in an action."""
+
+    def __post_init__(self) -> None:
+        self._data = _DataFiles(self.folder)
+        self._videos = {
+            key: VideoFiles(self.folder, key, shape, VIDEO_MEGABYTES, CHUNK_SIZE) for key, shape in self.pictures.items()
+        }
+
+    def add(self, stored: StoredEpisode, episode: Episode) -> None:
+        """Write one episode."""
+        text = episode.instructions[0] if episode.instructions else stored.task.replace("_", " ")
+        task = self.instructions.setdefault(text, len(self.instructions))
+        columns = self._columns(episode, task)
+        self.size = len(columns["action"][0])
+        row: dict[str, Any] = {
+            "episode_index": len(self.rows),
+            "tasks": [text],
+            "length": len(episode),
+            **self._data.add(columns),
+            "dataset_from_index": self.frames,
+            "dataset_to_index": self.frames + len(episode),
+            "meta/episodes/chunk_index": 0,
+            "meta/episodes/file_index": 0,
+        }
+        statistics = {name: moments(np.asarray(values)) for name, values in columns.items()}
+        for key, videos in self._videos.items():
+            pictures = episode.series(key.removeprefix("observation.images.") + "_rgb")
+            row.update(videos.add(pictures))
+            sample = _channels(pictures)
+            self.samples.setdefault(key, []).append(sample)
+            statistics[key] = _per_channel(sample, len(pictures))
+        for name, values in columns.items():
+            self.samples.setdefault(name, []).append(np.asarray(values))
+        row.update({f"stats/{name}/{kind}": value for name, kinds in statistics.items() for kind, value in kinds.items()})
+        self.rows.append(row)
+        self.frames += len(episode)
+
+    def _columns(self, episode: Episode, task: int) -> dict[str, np.ndarray]:
+        count = len(episode)
+        commands = actions(episode)
+        last = np.arange(count) == count - 1
+        return {
+            "observation.state": joint_state(episode).astype(np.float32),
+            "action": np.concatenate([commands, commands[-1:]]).astype(np.float32),
+            "next.reward": last.astype(np.float32),
+            "next.done": last,
+            "timestamp": (np.arange(count) / FPS).astype(np.float32),
+            "frame_index": np.arange(count),
+            "episode_index": np.full(count, len(self.rows)),
+            "index": self.frames + np.arange(count),
+            "task_index": np.full(count, task),
+        }
+
+    def finish(self) -> None:
+        """Write what describes the whole."""
+        self.close()
+        table = pa.Table.from_pylist(self.rows)
+        path = self.folder / _EPISODES
+        path.parent.mkdir(parents=True)
+        _write_table(table, path)
+        _write_tasks(self.folder / "meta" / "tasks.parquet", self.instructions)
+        _write_json(self.folder / "meta" / "stats.json", self._statistics())
+        _write_json(self.folder / "meta" / "info.json", self._info())
+
+    def close(self) -> None:
+        """Close all files."""
+        self._data.close()
+        for videos in self._videos.values():
+            videos.close()
+
+    def discard(self) -> None:
+        """Close all files, whatever they say: the disk may be full."""
+        with suppress(OSError):
+            self._data.close()
+        for videos in self._videos.values():
+            videos.discard()
+
+    def _statistics(self) -> dict[str, Any]:
+        whole = {name: np.concatenate(values) for name, values in self.samples.items()}
+        return {
+            name: _per_channel(values, self.frames) if name in self.pictures else moments(values)
+            for name, values in whole.items()
+        }
+
+    def _info(self) -> dict[str, Any]:
+        return {
+            "codebase_version": VERSION,
+            "robot_type": "panda",
+            "total_episodes": len(self.rows),
+            "total_frames": self.frames,
+            "total_tasks": len(self.instructions),
+            "chunks_size": CHUNK_SIZE,
+            "data_files_size_in_mb": DATA_MEGABYTES,
+            "video_files_size_in_mb": VIDEO_MEGABYTES,
+            "fps": FPS,
+            "splits": {"train": f"0:{len(self.rows)}"},
+            "data_path": _DATA,
+            "video_path": _VIDEO if self.pictures else None,
+            "features": self._features(),
+        }
+
+    def _features(self) -> dict[str, Any]:
+        joints = {"dtype": "float32", "shape": [self.size], "names": joint_names(self.size)}
+        scalars = {
+            "next.reward": "float32", "next.done": "bool", "timestamp": "float32", "frame_index": "int64",
+            "episode_index": "int64", "index": "int64", "task_index": "int64",
+        }  # fmt: skip
+        pictures = {
+            key: {
+                "dtype": "video",
+                "shape": list(shape),
+                "names": ["height", "width", "channels"],
+                "info": self._videos[key].info(),
+            }
+            for key, shape in self.pictures.items()
+        }
+        return {
+            "observation.state": joints,
+            "action": joints,
+            **pictures,
+            **{name: {"dtype": dtype, "shape": [1], "names": None} for name, dtype in scalars.items()},
+        }
+
+
+class _DataFiles:
+    """Frames in Parquet files of a size that can be read at once."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder, self._bytes, self._number = folder, 0, -1
+        self._writer: Any = None
+
+    def add(self, columns: dict[str, np.ndarray]) -> dict[str, int]:
+        """Append the frames of one episode and return where they are."""
+        table = pa.table({name: _arrow(values) for name, values in columns.items()})
+        if self._writer is None or self._bytes + table.nbytes > DATA_MEGABYTES * 2**20:
+            self.close()
+            self._number, self._bytes = self._number + 1, 0
+            path = self._folder / _DATA.format(**self._place())
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = open(path, "wb")  # noqa: SIM115
+            self._writer = pq.ParquetWriter(self._file, table.schema, compression="snappy")
+        self._writer.write_table(table)
+        self._bytes += table.nbytes
+        return {f"data/{name}": value for name, value in self._place().items()}
+
+    def close(self) -> None:
+        """Finish the present file."""
+        if self._writer is not None:
+            writer, self._writer = self._writer, None
+            with self._file:  # on a full disk the writer would leave it open
+                writer.close()
+
+    def _place(self) -> dict[str, int]:
+        return {"chunk_index": self._number // CHUNK_SIZE, "file_index": self._number % CHUNK_SIZE}
+
+
+def _arrow(values: np.ndarray) -> pa.Array:
+    if values.ndim == 1:
+        return pa.array(values)
+    return pa.FixedSizeListArray.from_arrays(pa.array(values.reshape(-1)), values.shape[1])
+
+
+def _channels(pictures: Sequence[np.ndarray]) -> np.ndarray:
+    """Return colours (n, 3) in 0..1 of some pixels of some pictures, spread evenly."""
+    every = max(1, len(pictures) // _PICTURES_FOR_STATISTICS)
+    return np.concatenate([picture[::4, ::4].reshape(-1, 3) for picture in pictures[::every]]).astype(np.float32) / 255.0
+
+
+def _per_channel(colours: np.ndarray, pictures: int) -> dict[str, Any]:
+    """Return moments of colours, each of shape (3, 1, 1)."""
+    shaped = {kind: [[[v]] for v in value] for kind, value in moments(colours).items() if kind != "count"}
+    return {**shaped, "count": [pictures]}
+
+
+def _write_tasks(path: Path, instructions: dict[str, int]) -> None:
+    """Write sentence -> number so that pandas takes the sentences for the index."""
+    name = "__index_level_0__"
+    table = pa.table({"task_index": pa.array(list(instructions.values()), pa.int64()), name: pa.array(list(instructions))})
+    columns = [
+        {"name": "task_index", "field_name": "task_index", "pandas_type": "int64", "numpy_type": "int64", "metadata": None},
+        {"name": None, "field_name": name, "pandas_type": "unicode", "numpy_type": "object", "metadata": None},
+    ]
+    pandas = {"index_columns": [name], "column_indexes": [], "columns": columns, "pandas_version": "2.0.0"}
+    _write_table(table.replace_schema_metadata({"pandas": json.dumps(pandas)}), path)
+
+
+def _write_table(table: pa.Table, path: Path) -> None:
+    with open(path, "wb") as file:  # on a full disk pyarrow would leave it open
+        pq.write_table(table, file, compression="snappy")
+
+
+def _write_json(path: Path, content: dict[str, Any]) -> None:
+    path.write_text(json.dumps(content, indent=4) + "\n", encoding="utf-8")

@@ -1,0 +1,112 @@
+"""Export to a Zarr group as diffusion policies read it: all frames in a row, `meta/episode_ends` says where each episode ends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import zarr
+from zarr.core.buffer import Buffer
+from zarr.storage import LocalStore
+
+from rlbench_pin.datasets.episode import Episode
+from rlbench_pin.datasets.formats.common import (
+    FPS,
+    Watch,
+    actions,
+    joint_names,
+    joint_state,
+    new_folder,
+    rgb_cameras,
+    stored_episodes,
+)
+
+
+def export_zarr(
+    root: Path, out: Path, *, tasks: Sequence[str] = (), cameras: Sequence[str] = (), on_episode: Watch | None = None
+) -> Path:
+    """Write the episodes of a dataset to a Zarr group.
+
+    `data` holds `state` (joint positions [rad] and hand), `tip_pose`, `action` (absolute joint positions and hand, the last of
+    an episode repeated) and one `<camera>_rgb` each; `meta` holds `episode_ends`, `task_index` and the sentences.
+
+    Args:
+        root: Folder of the dataset.
+        out: The new folder, conventionally `<name>.zarr`.
+        tasks: Only these; all when none is named.
+        cameras: Cameras whose colours go along; all stored ones when none is named.
+        on_episode: Called after each episode.
+    """
+    episodes = stored_episodes(root, tasks)
+    shapes = rgb_cameras(episodes, cameras)
+    with new_folder(out) as folder, _patient_store(folder) as store:
+        group = zarr.open_group(store, mode="w", zarr_format=2)
+        data, meta = group.create_group("data"), group.create_group("meta")
+        ends: list[int] = []
+        numbers: list[int] = []
+        sentences: dict[str, int] = {}
+        for index, stored in enumerate(episodes):
+            with stored.open() as episode:
+                columns = _columns(episode, list(shapes))
+                text = episode.instructions[0] if episode.instructions else stored.task
+            for name, values in columns.items():
+                if index == 0:
+                    chunks = (1 if values.ndim > 2 else 1024, *values.shape[1:])
+                    data.create_array(name, shape=(0, *values.shape[1:]), chunks=chunks, dtype=values.dtype)
+                array = data[name]
+                assert isinstance(array, zarr.Array)
+                array.append(values)
+            store.check()
+            ends.append((ends[-1] if ends else 0) + len(columns["action"]))
+            numbers.append(sentences.setdefault(text, len(sentences)))
+            if on_episode is not None:
+                on_episode(index + 1)
+        meta.create_array("episode_ends", data=np.array(ends, dtype=np.int64))
+        meta.create_array("task_index", data=np.array(numbers, dtype=np.int64))
+        meta.attrs.update({"tasks": list(sentences), "fps": FPS, "names": joint_names(columns["action"].shape[1])})
+    return out
+
+
+class PatientStore(LocalStore):
+    """A folder that takes everything, also what the disk refuses, and owns up when asked.
+
+    Zarr writes several chunks at a time; at an error it would leave the others to go on while the folder is being removed.
+    """
+
+    refused: OSError | None = None
+    """What the disk said first."""
+
+    def check(self) -> None:
+        """Raise what the disk said, if it refused anything."""
+        if self.refused is not None:
+            raise self.refused
+
+    async def set(self, key: str, value: Buffer) -> None:
+        """Write all of a chunk, or note why not."""
+        if self.refused is None:
+            try:
+                await super().set(key, value)
+            except OSError as error:
+                self.refused = self.refused or error
+
+
+@contextmanager
+def _patient_store(folder: Path) -> Iterator[PatientStore]:
+    """Yield a store in a folder; at the end, what the disk refused comes before what followed from it."""
+    store = PatientStore(folder)
+    try:
+        yield store
+    finally:
+        store.check()
+
+
+def _columns(episode: Episode, cameras: list[str]) -> dict[str, np.ndarray]:
+    commands = actions(episode)
+    return {
+        "state": joint_state(episode).astype(np.float32),
+        "tip_pose": episode.array("gripper_pose").astype(np.float32),
+        "action": np.concatenate([commands, commands[-1:]]).astype(np.float32),
+        **{f"{camera}_rgb": episode.array(f"{camera}_rgb") for camera in cameras},
+    }

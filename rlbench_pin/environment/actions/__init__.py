@@ -1,0 +1,1 @@
+"""What actions mean: arm modes, gripper modes, and both together."""

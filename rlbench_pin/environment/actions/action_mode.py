@@ -1,0 +1,85 @@
+"""Whole action modes: an arm mode and a gripper mode together."""
+
+from __future__ import annotations
+
+from rlbench_pin.environment.actions.arm_mode import ArmActionMode, as_action
+from rlbench_pin.environment.actions.gripper import GripperActionMode, GripperJointPosition
+from rlbench_pin.environment.actions.joint import JointPosition
+from rlbench_pin.environment.actions.specification import ActionSpec
+from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.spatial import FloatArray
+
+DELTA_LIMIT = 0.1
+"""Largest joint difference of `JointPositionActionMode` [rad]."""
+
+
+class ActionMode:
+    """An arm mode and a gripper mode; subclasses say how they share one array.
+
+    Args:
+        arm_action_mode: What the first numbers do.
+        gripper_action_mode: What the last numbers do.
+    """
+
+    def __init__(self, arm_action_mode: ArmActionMode, gripper_action_mode: GripperActionMode) -> None:
+        self.arm_action_mode, self.gripper_action_mode = arm_action_mode, gripper_action_mode
+
+    def action(self, runtime: Runtime, action: object) -> None:
+        """Run one action to its end."""
+        raise NotImplementedError
+
+    def action_spec(self, runtime: Runtime) -> ActionSpec:
+        """Return what the numbers mean: the arm's, then the gripper's."""
+        return self.arm_action_mode.action_spec(runtime).joined(self.gripper_action_mode.action_spec(runtime))
+
+    def action_shape(self, runtime: Runtime) -> int:
+        """Return how many numbers an action has."""
+        return self.arm_action_mode.action_shape(runtime)[0] + self.gripper_action_mode.action_shape(runtime)[0]
+
+    def action_bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
+        """Return lowest and highest values, each of shape (n,)."""
+        spec = self.action_spec(runtime)
+        return spec.low.copy(), spec.high.copy()
+
+    def split(self, runtime: Runtime, action: object) -> tuple[FloatArray, FloatArray]:
+        """Return the arm's and the gripper's numbers, checked, so that a refused action changes nothing."""
+        values = as_action(action, self.action_shape(runtime), type(self).__name__)
+        size = self.arm_action_mode.action_shape(runtime)[0]
+        check = getattr(self.gripper_action_mode, "check", None)
+        if check is not None:
+            check(runtime, values[size:])
+        return values[:size], values[size:]
+
+
+class MoveArmThenGripper(ActionMode):
+    """The arm action runs to its end, then the gripper action."""
+
+    def action(self, runtime: Runtime, action: object) -> None:
+        """Move the arm, then the gripper."""
+        arm, gripper = self.split(runtime, action)
+        self.arm_action_mode.action(runtime, arm)
+        self.gripper_action_mode.action(runtime, gripper)
+
+
+class JointPositionActionMode(ActionMode):
+    """Joint differences [rad] and an absolute finger position [m], both within one control tick."""
+
+    def __init__(self) -> None:
+        self._arm, self._gripper = JointPosition(absolute_mode=False), GripperJointPosition()
+        super().__init__(self._arm, self._gripper)
+
+    def action_spec(self, runtime: Runtime) -> ActionSpec:
+        """As both modes say, with joint differences of at most 0.1 rad, in one tick."""
+        spec = super().action_spec(runtime)
+        low, high = spec.low.copy(), spec.high.copy()
+        low[:-1], high[:-1] = -DELTA_LIMIT, DELTA_LIMIT
+        return ActionSpec(spec.names, spec.units, low, high, spec.frame, 1)
+
+    def action(self, runtime: Runtime, action: object) -> None:
+        """Command both, step once, hold both."""
+        arm, gripper = self.split(runtime, action)
+        self._arm.command(runtime, arm)
+        self._gripper.command(runtime, gripper)
+        runtime.step()
+        self._arm.after(runtime)
+        self._gripper.after(runtime)

@@ -1,0 +1,105 @@
+"""Arm actions in joint space: velocity, position and torque, absolute or relative. One action is one control tick."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.environment.actions.arm_mode import SpecifiedMode
+from rlbench_pin.environment.actions.specification import ActionSpec
+from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.spatial import FloatArray
+
+
+class JointMode(SpecifiedMode):
+    """What modes with one number per arm joint share.
+
+    Args:
+        absolute_mode: The numbers are values; otherwise differences to what is measured.
+    """
+
+    unit = ""
+
+    def __init__(self, absolute_mode: bool = True) -> None:
+        self.absolute_mode = absolute_mode
+
+    def bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
+        """Return lowest and highest values."""
+        raise NotImplementedError
+
+    def command(self, runtime: Runtime, values: FloatArray) -> None:
+        """Tell the motors, without stepping."""
+        raise NotImplementedError
+
+    def after(self, runtime: Runtime) -> None:
+        """Leave the arm at rest after the tick."""
+
+    def action_spec(self, runtime: Runtime) -> ActionSpec:
+        """One number per arm joint."""
+        names = runtime.description.arm_joints
+        low, high = self.bounds(runtime)
+        return ActionSpec(names, (self.unit,) * len(names), low, high, "joint", 1)
+
+    def action(self, runtime: Runtime, action: FloatArray) -> None:
+        """Command, step once, come to rest."""
+        self.command(runtime, self.check(runtime, action))
+        runtime.step()
+        self.after(runtime)
+
+
+class JointVelocity(JointMode):
+    """Joint velocities [rad/s], or changes of the measured ones, for one tick; then the arm stops."""
+
+    unit = "rad/s"
+
+    def bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
+        """Velocity limits of the joints."""
+        limit = runtime.model.limits.velocity
+        return -limit, limit
+
+    def command(self, runtime: Runtime, values: FloatArray) -> None:
+        """Set velocity targets."""
+        runtime.robot.set_velocity_targets(values if self.absolute_mode else runtime.robot.joint_velocities + values)
+
+    def after(self, runtime: Runtime) -> None:
+        """Command zero velocity."""
+        runtime.robot.set_velocity_targets(np.zeros(runtime.model.size))
+
+
+class JointPosition(JointMode):
+    """Joint positions [rad], or changes of the measured ones: one tick towards them, then hold."""
+
+    unit = "rad"
+
+    def bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
+        """Joint limits; for differences what the velocity limits allow in one tick."""
+        limits = runtime.model.limits
+        if self.absolute_mode:
+            return limits.lower, limits.upper
+        step = limits.velocity * runtime.world.control_dt
+        return -step, step
+
+    def command(self, runtime: Runtime, values: FloatArray) -> None:
+        """Set position targets."""
+        runtime.robot.set_position_targets(values if self.absolute_mode else runtime.robot.joint_positions + values)
+
+    def after(self, runtime: Runtime) -> None:
+        """Hold what is measured."""
+        runtime.hold()
+
+
+class JointTorque(JointMode):
+    """Joint torques [N m] for one tick, gravity included, or changes of the motors' last torques; then the arm stops."""
+
+    unit = "N m"
+
+    def bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
+        """Effort limits of the joints."""
+        limit = runtime.model.limits.effort
+        return -limit, limit
+
+    def command(self, runtime: Runtime, values: FloatArray) -> None:
+        """Set torques."""
+        runtime.robot.set_torques(values if self.absolute_mode else runtime.robot.joint_torques + values)
+
+    def after(self, runtime: Runtime) -> None:
+        """Nothing: the last torques act until the next action, or until the hand is to move."""

@@ -1,0 +1,164 @@
+"""Arm actions that name a tip pose: by planning, by inverse kinematics, or with some joints pinned."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rlbench_pin.environment.actions.arm_mode import (
+    FrameChoice,
+    RelativeFrame,
+    SpecifiedMode,
+    as_frame,
+    assert_unit_quaternion,
+    calculate_delta_pose,
+)
+from rlbench_pin.environment.actions.specification import POSE_NAMES, POSE_UNITS, ActionSpec
+from rlbench_pin.environment.motion import follow
+from rlbench_pin.environment.runtime import WORKSPACE, Runtime
+from rlbench_pin.errors import InvalidActionError, PlanningError
+from rlbench_pin.planning.kinematics.ik import solve_ik
+from rlbench_pin.planning.kinematics.pinned_ik import solve_pinned_ik
+from rlbench_pin.spatial import FloatArray
+
+IK_DONE = 0.01
+"""Joint error at which an IK action ends [rad]."""
+IK_STALLED = 0.001
+"""Motion of a tick below which it ends as well [rad]."""
+IK_TICKS = 200
+"""Ticks after which it ends in any case."""
+
+
+class PoseMode(SpecifiedMode):
+    """What modes share whose numbers begin with a tip pose (7,).
+
+    Args:
+        absolute_mode: World pose; otherwise a delta to the present tip pose.
+        frame: Frame of the delta; the end-effector frame makes the pose relative whatever `absolute_mode` says.
+        collision_checking: Take collisions into account.
+    """
+
+    def __init__(
+        self, absolute_mode: bool = True, frame: FrameChoice = RelativeFrame.WORLD, collision_checking: bool = False
+    ) -> None:
+        self.absolute_mode, self.frame, self.collision_checking = absolute_mode, as_frame(frame), collision_checking
+
+    @property
+    def is_relative(self) -> bool:
+        """Whether the pose is a delta."""
+        return not self.absolute_mode or self.frame is RelativeFrame.EE
+
+    def action_spec(self, runtime: Runtime) -> ActionSpec:
+        """Position and quaternion; positions span the workspace."""
+        extent = WORKSPACE[1] - WORKSPACE[0]
+        low, high = (-extent, extent) if self.is_relative else (WORKSPACE[0], WORKSPACE[1])
+        frame = "end effector" if self.frame is RelativeFrame.EE else "world"
+        ones = np.ones(4)
+        return ActionSpec(POSE_NAMES, POSE_UNITS, np.concatenate([low, -ones]), np.concatenate([high, ones]), frame, None)
+
+    def target(self, runtime: Runtime, pose: FloatArray) -> FloatArray:
+        """Return the world pose (7,) that the numbers ask for, or raise InvalidActionError."""
+        assert_unit_quaternion(pose[3:])
+        return calculate_delta_pose(runtime.robot.tip_pose(), pose, self.frame) if self.is_relative else pose
+
+
+class EndEffectorPoseViaPlanning(PoseMode):
+    """Plan a timed, smooth motion to the pose and run it to its end, or until the task is done."""
+
+    def action(self, runtime: Runtime, action: FloatArray) -> None:
+        """Plan and execute."""
+        target = self.target(runtime, self.check(runtime, action))
+        runtime.check_target_in_workspace(target[:3])
+        runtime.refresh_planner()
+        try:
+            plan = runtime.planner.plan_to_pose(
+                runtime.robot.joint_positions,
+                target,
+                ignore_collisions=not self.collision_checking,
+                allowed=runtime.touching(),
+                rng=runtime.planning_rng,
+            )
+        except PlanningError as error:
+            raise InvalidActionError(f"No motion to the target pose: {error}") from error
+        follow(runtime, plan.trajectory, until=lambda: runtime.task.success()[0])
+
+
+class EndEffectorPoseViaIK(PoseMode):
+    """Solve inverse kinematics near the present posture and drive the joints there."""
+
+    def action(self, runtime: Runtime, action: FloatArray) -> None:
+        """Solve and move until the joints arrive or stall."""
+        target = self.target(runtime, self.check(runtime, action))
+        q = runtime.robot.joint_positions
+        try:
+            goal = solve_ik(runtime.model, target, q, runtime.planning_rng, starts=1)[0]
+        except PlanningError as error:
+            raise InvalidActionError(f"No joint positions near the present ones reach the target pose: {error}") from error
+        drive_until_there(runtime, goal, IK_DONE, IK_TICKS)
+
+
+class ERJointViaIK(PoseMode):
+    """A tip pose and the angles of some joints ("elbow" control): those are pinned, the others are solved for.
+
+    Args:
+        absolute_mode: World pose and absolute angles; otherwise deltas.
+        frame: Frame of the pose.
+        collision_checking: Accepted for symmetry; the motion is not checked.
+        commanded_joints: Indices of the pinned joints.
+        eps: Joint error at which the action ends [rad].
+        delta_angle: The angle is a delta; needs relative mode and one joint, the first or the last.
+    """
+
+    def __init__(
+        self,
+        absolute_mode: bool = True,
+        frame: FrameChoice = RelativeFrame.WORLD,
+        collision_checking: bool = False,
+        commanded_joints: Sequence[int] = (0,),
+        eps: float = 1e-3,
+        delta_angle: bool = False,
+    ) -> None:
+        super().__init__(absolute_mode, frame, collision_checking)
+        self.commanded_joints, self.eps, self.delta_angle = tuple(commanded_joints), eps, delta_angle
+        if delta_angle and absolute_mode:
+            raise InvalidActionError("delta_angle=True needs absolute_mode=False.")
+        if delta_angle and self.commanded_joints not in ((0,), (6,)):
+            raise NotImplementedError("delta_angle is offered for one commanded joint, 0 or 6.")
+
+    def action_spec(self, runtime: Runtime) -> ActionSpec:
+        """The pose, then the pinned angles."""
+        joints = list(self.commanded_joints)
+        limits = runtime.model.limits
+        names = tuple(runtime.description.arm_joints[j] for j in joints)
+        low, high = limits.lower[joints], limits.upper[joints]
+        if not self.absolute_mode:
+            low, high = low - high, high - low
+        angles = ActionSpec(names, ("rad",) * len(joints), low, high, "joint", None)
+        return super().action_spec(runtime).joined(angles)
+
+    def action(self, runtime: Runtime, action: FloatArray) -> None:
+        """Solve with the pinned joints and move there, at most 50 ticks."""
+        values = self.check(runtime, action)
+        target = self.target(runtime, values[:7])
+        q = runtime.robot.joint_positions
+        joints = list(self.commanded_joints)
+        angles = values[7:] if self.absolute_mode else q[joints] + values[7:]
+        limits = runtime.model.limits
+        angles = np.clip(angles, limits.lower[joints], limits.upper[joints])
+        try:
+            goal = solve_pinned_ik(runtime.model, target, q, dict(zip(joints, angles.tolist(), strict=True)))
+        except PlanningError as error:
+            raise InvalidActionError(f"The pose cannot be reached with joints {joints} at {angles.round(3)}: {error}") from error
+        drive_until_there(runtime, goal, self.eps, 50)
+
+
+def drive_until_there(runtime: Runtime, goal: FloatArray, tolerance: float, ticks: int) -> None:
+    """Drive the joints to `goal` (n,) [rad] until they are within `tolerance`, stall, or `ticks` have passed."""
+    before = runtime.robot.joint_positions
+    for _ in range(ticks):
+        runtime.drive_to(goal)
+        now = runtime.robot.joint_positions
+        if np.abs(now - goal).max() < tolerance or np.abs(now - before).max() < IK_STALLED:
+            return
+        before = now

@@ -1,0 +1,52 @@
+"""What one camera delivers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from rlbench_pin.environment.observations.noise import Identity, NoiseModel
+from rlbench_pin.errors import CameraError, UnknownName
+
+
+@dataclass(kw_only=True)
+class CameraConfig:
+    """What one camera delivers at each observation."""
+
+    rgb: bool = True
+    """Colours, uint8 (h, w, 3)."""
+    rgb_noise: NoiseModel = field(default_factory=Identity)
+    """Applied to colours in 0..1."""
+    depth: bool = True
+    """Depth, float32 (h, w)."""
+    depth_noise: NoiseModel = field(default_factory=Identity)
+    """Applied to depth in [m], before the point cloud."""
+    point_cloud: bool = True
+    """World coordinates of every pixel [m], float32 (h, w, 3)."""
+    mask: bool = True
+    """Id of the thing seen by every pixel, int32 (h, w)."""
+    image_size: tuple[int, int] = (128, 128)
+    """Width and height [px]."""
+    render_mode: Literal["opengl", "opengl3"] = "opengl3"
+    """`opengl3` draws shadows, `opengl` is faster without."""
+    masks_as_one_channel: bool = True
+    """Masks as one integer per pixel; otherwise (h, w, 3) float32 in 0..1 with the id spread over the channels."""
+    depth_in_meters: bool = False
+    """Depth in [m]; otherwise 0..1, linear between the near and the far plane."""
+
+    def set_all(self, value: bool) -> None:
+        """Switch rgb, depth, point cloud and mask together."""
+        self.rgb = self.depth = self.point_cloud = self.mask = value
+
+    @property
+    def is_used(self) -> bool:
+        """Whether any product is wanted."""
+        return self.rgb or self.depth or self.point_cloud or self.mask
+
+    def check(self, name: str) -> None:
+        """Raise CameraError when the settings make no picture."""
+        width, height = self.image_size
+        if width < 1 or height < 1:
+            raise CameraError(f"Camera '{name}' has image_size {self.image_size}; width and height must be at least 1 px.")
+        if self.render_mode not in ("opengl", "opengl3"):
+            raise UnknownName("render mode", str(self.render_mode), ("opengl", "opengl3"))

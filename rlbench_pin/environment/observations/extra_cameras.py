@@ -1,0 +1,54 @@
+"""Cameras of the user's own, beside the five."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rlbench_pin.environment.observations.camera_config import CameraConfig
+from rlbench_pin.errors import CameraError
+from rlbench_pin.robot.description import RobotDescription
+from rlbench_pin.sim import CameraView, World
+from rlbench_pin.spatial import FloatArray, compose, se3_to_pose
+
+HAND = "hand"
+"""Parent of cameras that ride on the hand."""
+
+
+@dataclass(kw_only=True)
+class ExtraCamera:
+    """One more camera. Assign to its fields to move or change it; the next observation follows.
+
+    Its products are the attributes `<name>_rgb`, `<name>_depth`, `<name>_mask` and `<name>_point_cloud` of an observation.
+    """
+
+    pose: Sequence[float] | FloatArray
+    """Pose (7,) in its parent: camera z forward, x left, y up. `look_at` makes one."""
+    config: CameraConfig = field(default_factory=CameraConfig)
+    """What it delivers."""
+    fov: float = float(np.radians(40.0))
+    """Field of view of the longer side [rad]."""
+    near: float = 0.01
+    """Near plane [m]."""
+    far: float = 4.5
+    """Far plane [m]."""
+    parent: str = "world"
+    """`world`, `hand`, or a body, link or frame of the scene that it rides on."""
+
+    def check(self, name: str) -> None:
+        """Raise CameraError when no picture can be taken."""
+        if np.shape(self.pose) != (7,) or not np.all(np.isfinite(self.pose)):
+            raise CameraError(f"Camera '{name}' needs a pose of seven finite numbers, not {self.pose!r}. `look_at` makes one.")
+        self.config.check(name)
+        CameraView(pose=np.array(self.pose), fov=self.fov, size=self.config.image_size, near=self.near, far=self.far)
+
+    def view(self, world: World, robot: RobotDescription) -> CameraView:
+        """Return what it sees at this instant."""
+        pose = np.array(self.pose, dtype=float)
+        if self.parent == HAND:
+            pose = compose(world.robot.link_pose(robot.hand_link), pose)
+        elif self.parent != "world":
+            pose = compose(se3_to_pose(world.placement(self.parent)), pose)
+        return CameraView(pose=pose, fov=self.fov, size=self.config.image_size, near=self.near, far=self.far)

@@ -1,0 +1,168 @@
+"""World and settings -> Observation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from rlbench_pin.environment.observations.cameras import camera_view
+from rlbench_pin.environment.observations.config import CameraConfig, ObservationConfig
+from rlbench_pin.environment.observations.model_based import ModelObserver
+from rlbench_pin.environment.observations.noise import Identity
+from rlbench_pin.observation import CAMERAS, Observation
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.sim import CameraView, Lighting, ShadowMap, World
+from rlbench_pin.spatial import FloatArray, compose, pose_to_matrix
+from rlbench_pin.tasks import Task
+
+
+@dataclass
+class Look:
+    """How pictures differ from the settings; domain randomisation changes it."""
+
+    lighting: Lighting | None = None
+    """Takes the place of the lights of the settings."""
+    offsets: dict[str, FloatArray] = field(default_factory=dict)
+    """Pose (7,) of the moved camera in the frame of the camera of that name."""
+
+    def moved(self, name: str, view: CameraView) -> CameraView:
+        """Return the view of a camera with its offset."""
+        return replace(view, pose=compose(view.pose, self.offsets[name])) if name in self.offsets else view
+
+
+class Observer:
+    """Makes observations of one world as one `ObservationConfig` asks.
+
+    Args:
+        world: The world to look at.
+        model: Analytic model of its robot.
+        config: What to deliver; read at each call, so changes take effect at once.
+        gripper_open_threshold: Fraction of its range above which the first finger counts as open.
+    """
+
+    def __init__(self, world: World, model: RobotModel, config: ObservationConfig, gripper_open_threshold: float = 0.9) -> None:
+        self._world, self._robot, self._config = world, model.description, config
+        self._model = ModelObserver(world, model)
+        self._threshold = gripper_open_threshold
+        self._shadows: ShadowMap | None = None
+        self.look = Look()
+
+    def observe(self, task: Task, variation: int, rng: np.random.Generator) -> Observation:
+        """Return what is seen and felt now; every array is the caller's own."""
+        observation = Observation(misc={"variation_index": variation})
+        self._add_joints(observation, rng)
+        self._add_gripper(observation)
+        if self._config.task_low_dim_state:
+            observation.task_low_dim_state = np.array(task.get_low_dim_state(), dtype=float)
+        if self._config.model.is_used:
+            observation.misc.update(self._model.observe(self._config.model))
+        self._shadows = None
+        self._world.renderer.lighting = self.look.lighting or self._config.lighting
+        for name in CAMERAS:
+            config = getattr(self._config, f"{name}_camera")
+            if config.is_used:
+                view = camera_view(name, config, self._world, self._robot)
+                self._add_camera(observation, name, config, self.look.moved(name, view), rng)
+        for name, extra in self._config.extra_cameras.items():
+            if extra.config.is_used:
+                view = self.look.moved(name, extra.view(self._world, self._robot))
+                self._add_camera(observation, name, extra.config, view, rng)
+        if self._config.wrist_camera_matrix:
+            view = camera_view("wrist", self._config.wrist_camera, self._world, self._robot)
+            observation.misc["wrist_camera_matrix"] = view.extrinsics()
+        return task.decorate_observation(observation)
+
+    def _add_joints(self, observation: Observation, rng: np.random.Generator) -> None:
+        config, robot = self._config, self._world.robot
+        if config.joint_velocities:
+            observation.joint_velocities = np.array(config.joint_velocities_noise.apply(robot.joint_velocities, rng))
+        if config.joint_positions:
+            observation.joint_positions = np.array(config.joint_positions_noise.apply(robot.joint_positions, rng))
+        if config.joint_forces:
+            observation.joint_forces = np.array(config.joint_forces_noise.apply(robot.joint_torques, rng))
+
+    def _add_gripper(self, observation: Observation) -> None:
+        config, robot = self._config, self._world.robot
+        if config.gripper_open:
+            observation.gripper_open = float(robot.fingers[0] / self._robot.gripper_open > self._threshold)
+        if config.gripper_pose or config.gripper_matrix:
+            pose = np.array(robot.tip_pose())
+            observation.gripper_pose = pose if config.gripper_pose else None
+            observation.gripper_matrix = pose_to_matrix(pose) if config.gripper_matrix else None
+        if config.gripper_joint_positions:
+            observation.gripper_joint_positions = np.array(robot.fingers)
+        if config.gripper_touch_forces:
+            observation.gripper_touch_forces = np.array(robot.touch_forces())
+
+    def _add_camera(
+        self, observation: Observation, name: str, config: CameraConfig, view: CameraView, rng: np.random.Generator
+    ) -> None:
+        pictures = self._world.render(
+            view,
+            rgb=config.rgb,
+            depth=config.depth or config.point_cloud,
+            mask=config.mask,
+            shadows=self._shadow_map() if config.rgb and config.render_mode == "opengl3" else False,
+        )
+        if config.rgb and pictures.rgb is not None:
+            setattr(observation, f"{name}_rgb", _noisy_rgb(pictures.rgb, config, rng))
+        if pictures.depth is not None:
+            metres = config.depth_noise.apply(pictures.depth, rng)
+            if config.point_cloud:
+                setattr(observation, f"{name}_point_cloud", point_cloud(metres, view))
+            if config.depth:
+                setattr(observation, f"{name}_depth", metres if config.depth_in_meters else normalised_depth(metres, view))
+        if config.mask and pictures.mask is not None:
+            setattr(observation, f"{name}_mask", pictures.mask if config.masks_as_one_channel else spread_mask(pictures.mask))
+        observation.misc.update(camera_misc(name, view))
+
+    def _shadow_map(self) -> ShadowMap:
+        """One for all cameras of an observation."""
+        if self._shadows is None:
+            self._shadows = self._world.renderer.shadow_map()
+        return self._shadows
+
+
+def _noisy_rgb(rgb: np.ndarray, config: CameraConfig, rng: np.random.Generator) -> np.ndarray:
+    if isinstance(config.rgb_noise, Identity):
+        return rgb
+    noisy = config.rgb_noise.apply(rgb.astype(np.float32) / 255.0, rng)
+    return np.rint(np.clip(noisy, 0.0, 1.0) * 255.0).astype(np.uint8)
+
+
+def camera_misc(name: str, view: CameraView) -> dict[str, Any]:
+    """Return the four `misc` entries that describe a camera."""
+    return {
+        f"{name}_camera_extrinsics": view.extrinsics(),
+        f"{name}_camera_intrinsics": view.intrinsics(),
+        f"{name}_camera_near": view.near,
+        f"{name}_camera_far": view.far,
+    }
+
+
+def normalised_depth(metres: np.ndarray, view: CameraView) -> np.ndarray:
+    """Map depth [m] linearly to 0 at the near and 1 at the far plane."""
+    return ((metres - view.near) / (view.far - view.near)).astype(np.float32)
+
+
+def spread_mask(mask: np.ndarray) -> np.ndarray:
+    """Spread ids over three channels, lowest byte first, as float32 in 0..1."""
+    channels = np.stack([mask & 0xFF, (mask >> 8) & 0xFF, (mask >> 16) & 0xFF], axis=-1)
+    return channels.astype(np.float32) / 255.0
+
+
+def point_cloud(depth: np.ndarray, view: CameraView) -> np.ndarray:
+    """World coordinates [m] of every pixel: extrinsics * inverse(intrinsics) * (u, v, 1) * depth.
+
+    Args:
+        depth: Metric depth along the optical axis, shape (h, w), [m].
+        view: The camera that saw it.
+
+    Returns:
+        float32 array of shape (h, w, 3).
+    """
+    points = view.rays * depth.reshape(-1, 1)
+    points += view.extrinsics()[:3, 3].astype(np.float32)
+    return points.reshape(*depth.shape, 3)

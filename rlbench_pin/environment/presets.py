@@ -1,0 +1,39 @@
+"""Environments as demonstrations, recordings and checks use them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from rlbench_pin.environment.actions.action_mode import MoveArmThenGripper
+from rlbench_pin.environment.actions.gripper import Discrete
+from rlbench_pin.environment.actions.joint import JointPosition
+from rlbench_pin.environment.environment import Environment
+from rlbench_pin.environment.observations.config import ObservationConfig
+from rlbench_pin.observation import CAMERAS
+
+
+def low_dim_config() -> ObservationConfig:
+    """All joint, gripper and task data; no pictures."""
+    config = ObservationConfig()
+    config.set_all_high_dim(False)
+    config.set_all_low_dim(True)
+    return config
+
+
+def picture_config(
+    image_size: tuple[int, int], cameras: Collection[str] = CAMERAS, *, depth: bool = True, mask: bool = True
+) -> ObservationConfig:
+    """All joint, gripper and task data, and pictures of some cameras.
+
+    Point clouds are left out: they follow from depth and the camera matrices in `misc`.
+    """
+    config = low_dim_config()
+    for name in cameras:
+        camera = config.cameras()[name]
+        camera.rgb, camera.depth, camera.mask, camera.image_size = True, depth, mask, image_size
+    return config
+
+
+def make_environment(config: ObservationConfig) -> Environment:
+    """An environment whose actions are the ones that demonstrations record: absolute joint positions and the hand."""
+    return Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=config, seed=0)

@@ -1,0 +1,1 @@
+"""Domain randomization: what may change, when, and the change itself."""

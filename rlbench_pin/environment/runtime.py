@@ -1,0 +1,143 @@
+"""The running scene: one world, one task, one planner, stepped together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rlbench_pin.environment.observations.config import ObservationConfig
+from rlbench_pin.environment.observations.observe import Observer
+from rlbench_pin.errors import InvalidActionError
+from rlbench_pin.observation import Observation
+from rlbench_pin.planning.planner import MotionPlanner
+from rlbench_pin.robot.description import RobotDescription
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.sim import World
+from rlbench_pin.spatial import FloatArray
+from rlbench_pin.tasks import Task
+
+WORKSPACE = np.array([[-0.274, -0.655, 0.752], [0.774, 0.655, 1.752]])
+"""Lowest and highest corner of the box that tip targets must lie in [m]."""
+
+
+@dataclass(frozen=True)
+class RuntimeState:
+    """Everything needed to continue an episode exactly from one instant, in this process."""
+
+    world: Any
+    task: Any
+    variation: int
+    noise: Mapping[str, Any]
+    planning: Mapping[str, Any]
+
+
+class Runtime:
+    """What action modes and demonstrations work on.
+
+    Attributes:
+        world: The simulated world.
+        robot: Arm and fingers of the world.
+        gripper: Hand of the world.
+        task: The task that is running.
+        model: Analytic model of the arm.
+        planner: Motion planner over `model`.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        task: Task,
+        robot: RobotDescription,
+        model: RobotModel,
+        planner: MotionPlanner,
+        config: ObservationConfig,
+    ) -> None:
+        self.world, self.task, self.description, self.model, self.planner = world, task, robot, model, planner
+        self.robot, self.gripper = world.robot, world.gripper
+        self.observer = Observer(world, model, config)
+        self.variation = 0
+        self.planning_rng = np.random.default_rng(0)
+        self.noise_rng = np.random.default_rng(0)
+        self._callbacks: list[Callable[[], None]] = []
+        self._command_filter: Callable[[Runtime], None] | None = None
+
+    def register_step_callback(self, callback: Callable[[], None]) -> None:
+        """Call `callback` after every control tick."""
+        self._callbacks.append(callback)
+
+    def remove_step_callback(self, callback: Callable[[], None]) -> None:
+        """Undo `register_step_callback`."""
+        self._callbacks.remove(callback)
+
+    def step(self) -> None:
+        """Advance one control tick: physics, then the task's own step, then the callbacks."""
+        if self._command_filter is not None:
+            self._command_filter(self)
+        self.world.step()
+        self.task.step()
+        for callback in self._callbacks:
+            callback()
+
+    @contextmanager
+    def filtering(self, command_filter: Callable[[Runtime], None]) -> Iterator[None]:
+        """Let `command_filter` look at the motor command before every tick, for a while."""
+        before, self._command_filter = self._command_filter, command_filter
+        try:
+            yield
+        finally:
+            self._command_filter = before
+
+    def drive_to(self, target: FloatArray) -> None:
+        """Move the arm towards joint positions `target` [rad] for one tick, then hold where it is."""
+        self.robot.set_position_targets(target)
+        self.step()
+        self.hold()
+
+    def hold(self) -> None:
+        """Keep the arm where it is now."""
+        self.robot.set_position_targets(self.robot.joint_positions)
+
+    def get_observation(self) -> Observation:
+        """Observe without stepping."""
+        return self.observer.observe(self.task, self.variation, self.noise_rng)
+
+    def refresh_planner(self) -> None:
+        """Tell the planner where everything is now."""
+        self.planner.update(self.world.snapshot())
+
+    def touching(self) -> tuple[str, ...]:
+        """Names of bodies that the arm touches and does not hold."""
+        held = set(self.gripper.grasped)
+        return tuple(name for name in self.robot.touching() if name not in held)
+
+    def check_target_in_workspace(self, position: FloatArray) -> None:
+        """Raise InvalidActionError when `position` (3,) [m] is not strictly inside the workspace box."""
+        for axis, letter in enumerate("xyz"):
+            low, high = WORKSPACE[:, axis]
+            if not low < position[axis] < high:
+                raise InvalidActionError(
+                    f"The target has {letter} = {position[axis]:.4f} m, outside the workspace: "
+                    f"{letter} must lie between {low} and {high} m. Choose a target inside."
+                )
+
+    def save(self) -> RuntimeState:
+        """Return the present state."""
+        return RuntimeState(
+            self.world.save(),
+            self.task.state(),
+            self.variation,
+            self.noise_rng.bit_generator.state,
+            self.planning_rng.bit_generator.state,
+        )
+
+    def restore(self, state: RuntimeState) -> None:
+        """Go back to `state`, exactly."""
+        self.world.restore(state.world)
+        self.task.set_state(state.task)
+        self.variation = state.variation
+        self.noise_rng.bit_generator.state = state.noise
+        self.planning_rng.bit_generator.state = state.planning

@@ -1,0 +1,1 @@
+"""How well something does on the tasks: controllers on the legs of demonstrations."""

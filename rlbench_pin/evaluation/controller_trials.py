@@ -1,0 +1,243 @@
+"""Controllers as fairly as policies: each follows the very legs that a demonstration planned, from the very same state.
+
+A leg is free when its motion was planned around obstacles, and a contact leg when it may touch: pressing, pushing, pulling
+along an arc. On free legs the world stands still but for what the hand holds; on contact legs touching may be the purpose,
+and what is pushed away counts where it stood.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+
+from rlbench_pin.environment.demonstrate import DemoPlayer, try_play
+from rlbench_pin.environment.motion import REST_SPEED
+from rlbench_pin.environment.runtime import Runtime, RuntimeState
+from rlbench_pin.environment.task_environment import TaskEnvironment
+from rlbench_pin.errors import DemoError, UnknownName
+from rlbench_pin.evaluation.followers import FOLLOWERS, OVERTIME, Command, Errand, Follower
+from rlbench_pin.planning.planner import Plan
+from rlbench_pin.robot.distances import DistanceModel
+from rlbench_pin.robot.trajectory import Trajectory
+from rlbench_pin.scene.snapshot import WorldSnapshot
+from rlbench_pin.sim import World
+from rlbench_pin.spatial import FloatArray
+from rlbench_pin.tasks import Waypoint
+
+TOUCH = 0.001
+"""Pairs nearer than this at the start of a leg do not count as clearance [m]."""
+ARRIVED = 0.001
+"""Distance of the tip from the end of the leg at which a resting arm has arrived [m]."""
+PLAN = "the plan itself"
+"""Name of the reference in tables."""
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """One motion of a demonstration, and the moment at which it begins."""
+
+    task: str
+    seed: int
+    waypoint: int
+    free: bool
+    """Whether the motion was planned around obstacles."""
+    trajectory: Trajectory
+    state: RuntimeState
+
+
+@dataclass(frozen=True, eq=False)
+class LegTrial:
+    """How one controller followed one leg; one number per control tick where not said otherwise."""
+
+    controller: str
+    leg: Leg
+    tip_errors: FloatArray
+    """Distance of the tip from the reference [m]."""
+    joint_errors: FloatArray
+    """Largest error of any joint [rad]."""
+    overtime: float
+    """Time until arrival after the end of the motion, one second at most [s]."""
+    violations: Mapping[str, int]
+    """Ticks at which joint positions, velocities or accelerations were beyond their limits, by name."""
+    touched: tuple[str, ...]
+    """Bodies that were touched, but not at the start; on contact legs that may be the purpose."""
+    clearance: float
+    """Smallest distance to what was not touched at the start, as the world stood then [m]; negative inside of what moved away."""
+    interventions: int
+    """Commands that a safety filter changed."""
+    stops: int
+    """Commands that were braking, for want of anything better."""
+    seconds: FloatArray
+    """Processor time of each command, one number per command [s]."""
+
+
+# Recording legs ------------------------------------------------------------------------------------------------------
+
+
+class LegRecorder(DemoPlayer):
+    """Plays a demonstration and keeps the motion and the starting state of every leg."""
+
+    def __init__(self, task: TaskEnvironment) -> None:
+        super().__init__(task.runtime, record=False)
+        self._name, self._seed = task.get_name(), task.seed
+        self.recorded: list[Leg] = []
+
+    def _plan(self, waypoint: Waypoint, turns: Sequence[float]) -> Plan:
+        plan = super()._plan(waypoint, turns)
+        free = waypoint.path != "curve" and not waypoint.ignore_collisions
+        leg = Leg(self._name, self._seed, waypoint.index, free, plan.trajectory, self.runtime.save())
+        self.recorded.append(leg)
+        return plan
+
+
+def record_legs(task: TaskEnvironment, seed: int, most: int | None = None) -> list[Leg]:
+    """Play the demonstration of a seed and return its legs, the first `most` of them.
+
+    Raises:
+        DemoError: The demonstration failed.
+    """
+    task.reset(seed=seed)
+    recorder = LegRecorder(task)
+    cause, _ = try_play(recorder)
+    if cause:
+        raise DemoError(f"The demonstration of '{task.get_name()}' from seed {seed} failed ({cause}). Choose another seed.")
+    return recorder.recorded[:most]
+
+
+# Following legs ------------------------------------------------------------------------------------------------------
+
+
+def chosen_controllers(names: Collection[str]) -> tuple[str, ...]:
+    """Return `names`, or all when none is given.
+
+    Raises:
+        UnknownName: One of them does not exist.
+    """
+    for name in names:
+        if name not in FOLLOWERS:
+            raise UnknownName("controller", name, tuple(FOLLOWERS))
+    return tuple(names) or tuple(FOLLOWERS)
+
+
+def follow_demo(task: TaskEnvironment, seed: int, controllers: Sequence[str], most: int | None = None) -> Iterator[LegTrial]:
+    """Record the legs of one demonstration and let every controller follow each."""
+    for leg in record_legs(task, seed, most):
+        yield plan_trial(task.runtime, leg)
+        yield from (follow_leg(task.runtime, leg, name) for name in controllers)
+
+
+def follow_leg(runtime: Runtime, leg: Leg, controller: str) -> LegTrial:
+    """Go back to the start of a leg and let a controller follow it; the scene stays where that ends."""
+    errand, clearance = _prepare(runtime, leg)
+    runner = _Runner(runtime, FOLLOWERS[controller](errand))
+    before = set(errand.touching)
+    limits, dt = runtime.model.limits, errand.control_dt
+    violations = dict.fromkeys(("position", "velocity", "acceleration"), 0)
+    tip_errors, joint_errors, nearest, touched = [], [], np.inf, set[str]()
+    ticks, rest, v = int(np.ceil(leg.trajectory.duration / dt - 1e-9)), 0.0, runtime.robot.joint_velocities
+    with runner.running():
+        for k in range(ticks + OVERTIME):
+            runner.tick(k)
+            q, now, goal = runtime.robot.joint_positions, runtime.robot.joint_velocities, leg.trajectory.sample((k + 1) * dt)[0]
+            violations["position"] += not limits.contains(q, 1e-6)
+            violations["velocity"] += bool((np.abs(now) > 1.001 * limits.velocity).any())
+            violations["acceleration"] += bool((np.abs(now - v) > 1.01 * dt * limits.acceleration).any())
+            tip_errors.append(float(np.linalg.norm((runtime.model.tip_pose(q) - runtime.model.tip_pose(goal))[:3])))
+            joint_errors.append(float(np.abs(q - goal).max()))
+            nearest = min(nearest, clearance(q, nearest))
+            touched |= set(runtime.touching()) - before
+            v, rest = now, max(0.0, (k + 1) * dt - leg.trajectory.duration)
+            if k + 1 >= ticks and np.abs(v).max() < REST_SPEED and tip_errors[-1] < ARRIVED:
+                break
+    return LegTrial(
+        controller, leg, np.array(tip_errors), np.array(joint_errors), rest, violations, tuple(sorted(touched)), nearest,
+        sum(c.intervened for c in runner.commands), sum(c.stopped for c in runner.commands), np.array(runner.seconds),
+    )  # fmt: skip
+
+
+def plan_trial(runtime: Runtime, leg: Leg) -> LegTrial:
+    """Return what a perfect controller would get: no errors, and the clearance of the planned motion."""
+    errand, clearance = _prepare(runtime, leg)
+    nearest = np.inf
+    for t in np.arange(0.0, leg.trajectory.duration + errand.control_dt, errand.control_dt):
+        nearest = min(nearest, clearance(leg.trajectory.sample(float(t))[0], nearest))
+    return LegTrial(PLAN, leg, np.zeros(1), np.zeros(1), 0.0, {}, (), nearest, 0, 0, np.zeros(0))
+
+
+def _prepare(runtime: Runtime, leg: Leg) -> tuple[Errand, Callable[[FloatArray, float], float]]:
+    """Go to the start of a leg; return what its followers may know, and a judge of clearance."""
+    runtime.restore(leg.state)
+    world, snapshot = runtime.world, runtime.world.snapshot()
+    errand = Errand(runtime.model, leg.trajectory, snapshot, runtime.touching(), world.control_dt, world.timestep)
+    return errand, _clearance_judge(runtime, snapshot)
+
+
+def _clearance_judge(runtime: Runtime, snapshot: WorldSnapshot) -> Callable[[FloatArray, float], float]:
+    """Return a function: configuration, distance that matters at most [m] -> smallest distance to the world, or that."""
+    distances = DistanceModel(runtime.model)
+    distances.update(snapshot)
+    counts = distances.counts & distances.crosses
+    which = np.flatnonzero(counts)
+    counts[which[distances.measure(which) < TOUCH]] = False
+
+    def judge(q: FloatArray, most: float) -> float:
+        distances.place(q)
+        near = np.flatnonzero(counts & (distances.bounds < most))
+        return min(most, float(distances.measure(near).min(initial=np.inf)))
+
+    return judge
+
+
+class _Runner:
+    """Asks a follower for commands, times it, and steps the scene."""
+
+    def __init__(self, runtime: Runtime, follower: Follower) -> None:
+        self.runtime, self.follower = runtime, follower
+        self.commands: list[Command] = []
+        self.seconds: list[float] = []
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """Command torques in every physics step, when the follower wants that; rest afterwards."""
+        if self.follower.mode != "torque":
+            yield
+            return
+        self.runtime.robot.set_torques(np.zeros(self.runtime.model.size))
+        with _before_physics(self.runtime.world, self._command_torques):
+            yield
+        self.runtime.hold()
+
+    def tick(self, k: int) -> None:
+        """Run control tick `k`."""
+        robot, mode = self.runtime.robot, self.follower.mode
+        if mode == "position":
+            self.runtime.drive_to(self._ask(k))
+            return
+        if mode == "velocity":
+            robot.set_velocity_targets(self._ask(k))
+        self.runtime.step()
+
+    def _command_torques(self) -> None:
+        self.runtime.robot.forget_measurements()
+        self.runtime.robot.set_torques(self._ask(len(self.commands)))
+
+    def _ask(self, k: int) -> FloatArray:
+        q, v = self.runtime.robot.joint_positions, self.runtime.robot.joint_velocities
+        began = time.process_time()
+        command = self.follower.command(k, q, v)
+        self.seconds.append(time.process_time() - began)
+        self.commands.append(command)
+        return command.values
+
+
+@contextmanager
+def _before_physics(world: World, command: Callable[[], None]) -> Iterator[None]:
+    world.on_physics.append(command)
+    try:
+        yield
+    finally:
+        world.on_physics.remove(command)

@@ -1,0 +1,1 @@
+"""Every task as a gymnasium environment; importing this package registers the ids."""

@@ -1,0 +1,254 @@
+"""A task as a gymnasium environment: `gymnasium.make("rlbench_pin/reach_target-state-v0")`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from typing import Any, ClassVar, Literal
+
+import gymnasium
+import numpy as np
+from gymnasium.utils import EzPickle
+
+from rlbench_pin.environment.actions.action_mode import ActionMode, JointPositionActionMode
+from rlbench_pin.environment.environment import Environment
+from rlbench_pin.environment.task_environment import ALL_VARIATIONS, TaskEnvironment
+from rlbench_pin.errors import InvalidActionError, TaskEnvironmentError, UnknownName
+from rlbench_pin.gym.spaces import (
+    CAMERAS,
+    GymObservation,
+    action_space,
+    as_action,
+    as_gym_observation,
+    observation_settings,
+    observation_space,
+)
+from rlbench_pin.gym.window import Window, why_no_window
+from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.sim import CameraView, RendererName, look_at
+from rlbench_pin.tasks import Task
+
+OBSERVATION_MODES = ("state", "vision")
+RENDER_MODES = ("rgb_array", "human")
+INVALID_ACTIONS = ("continue", "terminate", "raise")
+RESET_OPTIONS = ("variation", "reset_to_demo")
+
+CINEMATIC = CameraView(
+    pose=look_at((-0.05, 1.70, 1.80), (0.17, 0.0, 1.13)), fov=float(np.radians(65.0)), size=(640, 360), near=0.05, far=6.0
+)
+"""The camera of `render`: from the robot's left, with the whole arm, the table top and what stands on it."""
+
+
+class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
+    """One task behind gymnasium's interface. Every instance has a world of its own.
+
+    Observations are a dict of float32 boxes, and of four pictures with `observation_mode="vision"`. Quaternions in actions are
+    brought to unit length. `info` holds `success`, `is_success` (the same), `text_descriptions`, `variation`, and `error` when
+    the action was refused.
+
+    A seed given to `reset` is the seed of that very episode, the same as `TaskEnvironment.reset(seed=...)`; without one the
+    seed is drawn from `np_random`.
+
+    Args:
+        task: Name or class of the task.
+        observation_mode: `state`, or `vision` for pictures as well.
+        render_mode: `rgb_array`, `human`, or None.
+        action_mode: What actions mean; copied. None is joint differences and a finger position in one tick.
+        variation: Variation of every episode; -1 draws one for each.
+        shaped_rewards: The task's own reward instead of 1 for success; few tasks have one.
+        invalid_action: What a refused action does, such as a pose that cannot be reached: `continue` (nothing moves, reward 0),
+            `terminate` (likewise, and the episode ends), or `raise`.
+        image_size: Width and height of pictures [px].
+        renderer: Who draws: `cpu`, `egl` or `auto`.
+        cameras: Cameras of vision observations.
+
+    Raises:
+        UnknownName: No such task, mode, camera or choice.
+        WindowMissing: `human` without a screen or without pygame.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": list(RENDER_MODES), "render_fps": 20}  # type: ignore[misc]
+
+    def __init__(
+        self,
+        task: str | type[Task],
+        observation_mode: Literal["state", "vision"] = "state",
+        render_mode: Literal["rgb_array", "human"] | None = None,
+        action_mode: ActionMode | None = None,
+        *,
+        variation: int = 0,
+        shaped_rewards: bool = False,
+        invalid_action: Literal["continue", "terminate", "raise"] = "continue",
+        image_size: tuple[int, int] = (128, 128),
+        renderer: RendererName = "cpu",
+        cameras: Sequence[str] = CAMERAS,
+    ) -> None:
+        EzPickle.__init__(
+            self,
+            task,
+            observation_mode,
+            render_mode,
+            action_mode,
+            variation=variation,
+            shaped_rewards=shaped_rewards,
+            invalid_action=invalid_action,
+            image_size=image_size,
+            renderer=renderer,
+            cameras=cameras,
+        )
+        _check_choice("observation mode", observation_mode, OBSERVATION_MODES)
+        _check_choice("handling of invalid actions", invalid_action, INVALID_ACTIONS)
+        if render_mode is not None:
+            _check_choice("render mode", render_mode, RENDER_MODES)
+        self.render_mode = render_mode
+        self.metadata = {**self.metadata, "render_modes": list(RENDER_MODES[: 2 if why_no_window() is None else 1])}  # type: ignore[misc]
+        self._window = Window(f"rlbench_pin: {task}") if render_mode == "human" else None
+        self._invalid_action, self._shaped_rewards = invalid_action, shaped_rewards
+        seen = tuple(cameras) if observation_mode == "vision" else ()
+        size = (int(image_size[0]), int(image_size[1]))
+        self._environment = Environment(
+            _own_copy(action_mode),
+            obs_config=observation_settings(seen, size),
+            shaped_rewards=shaped_rewards,
+            renderer=renderer,
+        )
+        try:
+            self._task = self._environment.get_task(task)
+            self._task.set_variation(variation)
+            self._variation = variation
+            self._spec = self._task.action_mode.action_spec(self._task.runtime)
+            self.action_space = action_space(self._spec)
+            self._dict_space = observation_space(self._task, seen, size)
+            self.observation_space = self._dict_space  # type: ignore[assignment]
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def task_environment(self) -> TaskEnvironment:
+        """The loop behind this environment, for demonstrations and states."""
+        return self._task
+
+    # The loop ---------------------------------------------------------------------------------------------------
+
+    def reset(
+        self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
+    ) -> tuple[GymObservation, dict[str, Any]]:
+        """Start an episode.
+
+        Args:
+            seed: Seed of the episode and of `np_random`.
+            options: `variation`: that of this episode, -1 to draw it. `reset_to_demo`: the demonstration to start as.
+
+        Raises:
+            UnknownName: There is no such option.
+            TaskEnvironmentError: No such variation, no demonstration of this task, or both options at once.
+            ResetError: The task could not be placed.
+        """
+        super().reset(seed=seed)
+        chosen = _checked_options(options)
+        demo = chosen.get("reset_to_demo")
+        if demo is not None:
+            _, observation = self._task.reset_to_demo(demo)
+        else:
+            episode = int(self.np_random.integers(2**31)) if seed is None else seed
+            _, observation = self._task.reset(seed=episode, variation=chosen.get("variation", self._variation))
+        self._show()
+        return self._observed(observation), self._info(success=False)
+
+    def step(self, action: np.ndarray) -> tuple[GymObservation, float, bool, bool, dict[str, Any]]:
+        """Run one action to its end.
+
+        Returns:
+            Observation, reward, whether the episode has ended by success or failure, False, and `info`.
+
+        Raises:
+            InvalidActionError: The action has the wrong shape or is not finite; or it was refused, with `invalid_action="raise"`.
+        """
+        values = as_action(action, self._spec)
+        try:
+            observation, reward, terminated = self._task.step(values)
+        except InvalidActionError as error:
+            if self._invalid_action == "raise":
+                raise
+            return self._refused(error)
+        self._show()
+        return self._observed(observation), reward, terminated, False, self._info(success=self._task.succeeded)
+
+    def _refused(self, error: InvalidActionError) -> tuple[GymObservation, float, bool, bool, dict[str, Any]]:
+        """Report an action after which everything is as it was."""
+        self._show()
+        reward = (self._task.task.reward() or 0.0) if self._shaped_rewards else 0.0
+        info = {**self._info(success=False), "error": str(error)}
+        return self._observed(self._task.get_observation()), reward, self._invalid_action == "terminate", False, info
+
+    def _observed(self, observation: Observation) -> GymObservation:
+        return as_gym_observation(observation, self._dict_space)
+
+    def _info(self, success: bool) -> dict[str, Any]:
+        return {
+            "success": success,
+            "is_success": success,
+            "text_descriptions": self._task.get_task_descriptions(),
+            "variation": self._task.runtime.variation,
+        }
+
+    # Pictures and the end ---------------------------------------------------------------------------------------
+
+    def render(self) -> np.ndarray | None:  # type: ignore[override]
+        """Return the scene from the side, uint8 (360, 640, 3), or show it with `render_mode="human"`."""
+        if self.render_mode is None:
+            gymnasium.logger.warn("render() without a render_mode shows nothing. Pass render_mode='rgb_array' to make().")
+            return None
+        picture = self._task.world.render(CINEMATIC, rgb=True, depth=False, mask=False, shadows=True).rgb
+        if self._window is None:
+            return picture
+        assert picture is not None
+        self._window.show(picture)
+        return None
+
+    def _show(self) -> None:
+        if self._window is not None:
+            self.render()
+
+    def close(self) -> None:
+        """Free the world and the window; may be called again."""
+        self._environment.shutdown()
+        if self._window is not None:
+            self._window.close()
+
+
+def _own_copy(mode: ActionMode | None) -> ActionMode:
+    """Return a copy, so that environments which were given one object share nothing."""
+    if mode is None:
+        return JointPositionActionMode()
+    try:
+        return deepcopy(mode)
+    except RuntimeError as error:  # solvers of C++ that have run
+        raise TaskEnvironmentError(
+            f"This {type(mode).__name__} has run in another environment and cannot be copied. Pass a new one."
+        ) from error
+
+
+def _checked_options(options: Mapping[str, Any] | None) -> Mapping[str, Any]:
+    chosen = dict(options or {})
+    for name in chosen:
+        if name not in RESET_OPTIONS:
+            raise UnknownName("reset option", str(name), RESET_OPTIONS)
+    demo, variation = chosen.get("reset_to_demo"), chosen.get("variation", ALL_VARIATIONS)
+    if demo is not None and not isinstance(demo, Demo):
+        raise TaskEnvironmentError(f"options['reset_to_demo'] is a Demo, as `get_demos` returns, not {type(demo).__name__}.")
+    if demo is not None and "variation" in chosen:
+        raise TaskEnvironmentError("A demonstration brings its variation. Pass 'reset_to_demo' or 'variation', not both.")
+    if isinstance(variation, bool) or not isinstance(variation, int | np.integer):
+        raise TaskEnvironmentError(f"options['variation'] is a whole number, -1 to draw one, not {variation!r}.")
+    return chosen
+
+
+class UnknownChoice(UnknownName, ValueError):
+    """An argument has a value that is none of the choices."""
+
+
+def _check_choice(kind: str, value: object, choices: tuple[str, ...]) -> None:
+    if value not in choices:
+        raise UnknownChoice(kind, str(value), choices)

@@ -1,0 +1,195 @@
+"""Tasks as LeRobot evaluates policies on them: `make_env(n_envs, use_async_envs)` as its environment hub wants it.
+
+LeRobot takes from each environment the observation keys `pixels` and `agent_pos`, the attributes `task`, `task_description` and
+`_max_episode_steps`, and `info["is_success"]`. See `examples/lerobot/env.py` for the file that goes to the hub.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.utils import EzPickle
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+
+from rlbench_pin.environment.actions.action_mode import ActionMode, MoveArmThenGripper
+from rlbench_pin.environment.actions.gripper import Discrete
+from rlbench_pin.environment.actions.joint import JointPosition
+from rlbench_pin.errors import TaskEnvironmentError
+from rlbench_pin.gym.environment import GymnasiumEnv
+from rlbench_pin.gym.ids import MAX_EPISODE_STEPS
+from rlbench_pin.gym.spaces import CAMERAS, GymObservation
+from rlbench_pin.gym.vector import LazyAsyncVectorEnv
+from rlbench_pin.sim import RendererName
+from rlbench_pin.tasks import task_class, task_names
+
+SUITE = "rlbench_pin"
+TASKS_VARIABLE = "RLBENCH_PIN_TASKS"
+"""Environment variable with the tasks that `make_env` makes when it is not told, separated by commas."""
+NEW_ROLLOUT = "lerobot_new_rollout"
+"""Option that LeRobot passes to `reset`; it means nothing to an environment."""
+AUTORESET = AutoresetMode.SAME_STEP
+"""Releases of LeRobot up to 0.4 look for success in `final_info` alone, which there is in this mode only."""
+
+Spaces = tuple[gymnasium.Space[Any], gymnasium.Space[Any]]
+
+
+class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
+    """One task in LeRobot's words.
+
+    Observations: `pixels`, a dict of pictures uint8 (h, w, 3) by camera, and `agent_pos`, float32 (n + 1,): joint positions [rad]
+    and 1 or 0 for an open or closed gripper. Actions are those of recorded demonstrations: absolute joint positions and the
+    gripper, above 0.5 to open it.
+
+    Args:
+        task: Name of the task.
+        max_episode_steps: Steps after which an episode is cut off.
+        variation: Variation of every episode; -1 draws one for each from the seed.
+        cameras: Names of the cameras.
+        image_size: Width and height of pictures [px]; those that the policy was trained on.
+        render_mode: `rgb_array` or `human`.
+        action_mode: What actions mean; None is as above.
+        renderer: Who draws: `cpu`, `egl` or `auto`.
+        like: Observation and action space, when known; then the world is built when it is first used. Otherwise at once.
+
+    Attributes:
+        task: Name of the task.
+        task_description: What is asked for in the present episode.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = GymnasiumEnv.metadata  # type: ignore[misc]
+
+    def __init__(
+        self,
+        task: str,
+        *,
+        max_episode_steps: int = MAX_EPISODE_STEPS,
+        variation: int = -1,
+        cameras: Sequence[str] = CAMERAS,
+        image_size: tuple[int, int] = (128, 128),
+        render_mode: Any = "rgb_array",
+        action_mode: ActionMode | None = None,
+        renderer: RendererName = "cpu",
+        like: Spaces | None = None,
+    ) -> None:
+        EzPickle.__init__(
+            self,
+            task,
+            max_episode_steps=max_episode_steps,
+            variation=variation,
+            cameras=cameras,
+            image_size=image_size,
+            render_mode=render_mode,
+            action_mode=action_mode,
+            renderer=renderer,
+            like=like,
+        )
+        if max_episode_steps < 1:
+            raise TaskEnvironmentError(f"An episode has at least one step, not max_episode_steps={max_episode_steps}.")
+        self._make = partial(
+            GymnasiumEnv,
+            task,
+            "vision",
+            render_mode,
+            action_mode or MoveArmThenGripper(JointPosition(), Discrete()),
+            variation=variation,
+            image_size=image_size,
+            renderer=renderer,
+            cameras=tuple(cameras),
+        )
+        self._env: GymnasiumEnv | None = None
+        self._max_episode_steps, self._steps, self._cameras = max_episode_steps, 0, tuple(cameras)
+        self.task, self.task_description, self.render_mode = task, "", render_mode
+        self.observation_space, self.action_space = like or (self._space(self.world), self.world.action_space)
+
+    @property
+    def world(self) -> GymnasiumEnv:
+        """The environment that is translated, built now if need be."""
+        if self._env is None:
+            self._env = self._make()
+        return self._env
+
+    def _space(self, world: GymnasiumEnv) -> spaces.Dict:
+        seen, joints = world.observation_space, len(world.task_environment.runtime.description.arm_joints)
+        assert isinstance(seen, spaces.Dict)
+        high = np.append(np.full(joints, 2.0 * np.pi), 1.0).astype(np.float32)
+        low = np.append(-high[:-1], 0.0).astype(np.float32)
+        pixels = spaces.Dict({camera: seen[f"{camera}_rgb"] for camera in self._cameras})
+        return spaces.Dict({"pixels": pixels, "agent_pos": spaces.Box(low, high)})
+
+    def reset(
+        self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Start an episode; see `GymnasiumEnv.reset`."""
+        super().reset(seed=seed)
+        wanted = {name: value for name, value in (options or {}).items() if name != NEW_ROLLOUT}
+        observation, info = self.world.reset(seed=seed, options=wanted)
+        self._steps, self.task_description = 0, info["text_descriptions"][0]
+        return self._translated(observation), self._told(info)
+
+    def step(self, action: np.ndarray) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
+        """Run one action; the episode is cut off after the last step that it may have."""
+        observation, reward, terminated, _, info = self.world.step(action)
+        self._steps += 1
+        truncated = not terminated and self._steps >= self._max_episode_steps
+        return self._translated(observation), reward, terminated, truncated, self._told(info)
+
+    def _translated(self, observation: GymObservation) -> dict[str, Any]:
+        return {
+            "pixels": {camera: observation[f"{camera}_rgb"] for camera in self._cameras},
+            "agent_pos": np.concatenate([observation["joint_positions"], observation["gripper_open"]]),
+        }
+
+    def _told(self, info: dict[str, Any]) -> dict[str, Any]:
+        return {**info, "task": self.task}
+
+    def render(self) -> Any:
+        """Return or show the scene from the side; see `GymnasiumEnv.render`."""
+        return self.world.render()
+
+    def close(self) -> None:
+        """Free the world; may be called again. Using the environment afterwards builds it anew."""
+        env, self._env = self._env, None
+        if env is not None:
+            env.close()
+
+
+def make_env(
+    n_envs: int = 1, use_async_envs: bool = False, cfg: Any = None, *, tasks: Sequence[str] | None = None, **settings: Any
+) -> dict[str, dict[int, gymnasium.vector.VectorEnv[Any, Any, Any]]]:
+    """Return `{suite: {task id: vector environment}}`; no world is built before it is used.
+
+    Args:
+        n_envs: Environments in each vector environment.
+        use_async_envs: A process for each of them, spawned when first used, instead of all in this process.
+        cfg: LeRobot's environment settings; of these `task`, names separated by commas, and `episode_length` are heeded.
+        tasks: Names of tasks; otherwise those of `cfg`, of the environment variable `RLBENCH_PIN_TASKS`, or all.
+        settings: Further arguments of `LeRobotEnv`.
+
+    Raises:
+        UnknownName: No task has this name.
+        TaskEnvironmentError: `n_envs` is less than 1.
+    """
+    if n_envs < 1:
+        raise TaskEnvironmentError(f"A vector environment has at least one environment, not n_envs={n_envs}.")
+    names = tuple(task_class(name).get_name() for name in (tasks or _wanted_tasks(cfg)))
+    length = getattr(cfg, "episode_length", None)
+    if length is not None:
+        settings.setdefault("max_episode_steps", int(length))
+    probe = LeRobotEnv(names[0], **settings)
+    probe.close()
+    settings["like"] = (probe.observation_space, probe.action_space)
+    makers = {task_names().index(name): [partial(LeRobotEnv, name, **settings)] * n_envs for name in names}
+    if use_async_envs:
+        return {SUITE: {task: LazyAsyncVectorEnv(make, probe, AUTORESET) for task, make in makers.items()}}
+    return {SUITE: {task: SyncVectorEnv(make, autoreset_mode=AUTORESET) for task, make in makers.items()}}
+
+
+def _wanted_tasks(cfg: Any) -> tuple[str, ...]:
+    asked = getattr(cfg, "task", None) or os.environ.get(TASKS_VARIABLE, "")
+    return tuple(name.strip() for name in str(asked).split(",") if name.strip()) or task_names()

@@ -1,0 +1,141 @@
+"""Observations and actions as gymnasium spaces: what is in them, in which bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+
+from rlbench_pin.environment.actions.specification import ActionSpec
+from rlbench_pin.environment.observations.config import ObservationConfig
+from rlbench_pin.environment.task_environment import TaskEnvironment
+from rlbench_pin.errors import InvalidActionError, TaskError
+from rlbench_pin.observation import LOW_DIM, Observation
+from rlbench_pin.spatial import FloatArray
+
+CAMERAS = ("left_shoulder", "right_shoulder", "wrist", "front")
+"""Cameras of vision observations unless others are asked for."""
+
+JOINT_SPEED = 100.0
+"""The simulator lets no joint turn faster [rad/s]."""
+TOUCH_FORCE = 1e5
+"""Bound of contact forces [N]."""
+STATE = 1e3
+"""Bound of the numbers that describe objects: positions [m], joint values [m] or [rad]."""
+POSITION = 3.0
+"""Bound of each coordinate of the tip, which the arm cannot leave [m]."""
+_QUATERNION = ("qx", "qy", "qz", "qw")
+
+GymObservation = dict[str, np.ndarray]
+
+
+def observation_settings(cameras: Sequence[str], image_size: tuple[int, int]) -> ObservationConfig:
+    """Return settings that deliver what the spaces hold and no more.
+
+    Args:
+        cameras: Whose pictures are wanted.
+        image_size: Width and height [px].
+
+    Raises:
+        UnknownName: There is no such camera.
+    """
+    config = ObservationConfig()
+    config.set_all(False)
+    for name in LOW_DIM:
+        setattr(config, name, True)
+    for name in cameras:
+        camera = config.camera(name)
+        camera.rgb, camera.image_size = True, image_size
+    return config
+
+
+def observation_space(task: TaskEnvironment, cameras: Sequence[str], image_size: tuple[int, int]) -> spaces.Dict:
+    """Return the space of a task's observations: float32 boxes, and a uint8 picture (h, w, 3) for each camera.
+
+    The bounds are those of the simulation: joint torques are capped at the effort limits, joint speeds by the simulator.
+    """
+    boxes: dict[str, spaces.Space[Any]] = {}
+    for name, (low, high) in _bounds(task).items():
+        boxes[name] = spaces.Box(*_float32(low, high))
+    width, height = image_size
+    for name in cameras:
+        boxes[f"{name}_rgb"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
+    return spaces.Dict(boxes)
+
+
+def _bounds(task: TaskEnvironment) -> dict[str, tuple[FloatArray, FloatArray]]:
+    description, limits = task.runtime.description, task.runtime.model.limits
+    n, fingers = len(limits.lower), len(description.gripper_joints)
+    pose = np.array([POSITION] * 3 + [1.0] * 4)
+    return {
+        "joint_velocities": _symmetric(np.full(n, JOINT_SPEED)),
+        "joint_positions": _symmetric(np.full(n, 2.0 * np.pi)),
+        "joint_forces": _symmetric(np.array(limits.effort)),
+        "gripper_open": (np.zeros(1), np.ones(1)),
+        "gripper_pose": _symmetric(pose),
+        "gripper_joint_positions": _symmetric(np.full(fingers, 2.0 * description.gripper_open)),
+        "gripper_touch_forces": _symmetric(np.full(3 * len(description.finger_links), TOUCH_FORCE)),
+        "task_low_dim_state": _symmetric(np.full(len(task.task.get_low_dim_state()), STATE)),
+    }
+
+
+def _symmetric(high: FloatArray) -> tuple[FloatArray, FloatArray]:
+    return -high, high
+
+
+def _float32(low: FloatArray, high: FloatArray) -> tuple[np.ndarray, np.ndarray]:
+    return low.astype(np.float32), high.astype(np.float32)
+
+
+def as_gym_observation(observation: Observation, space: spaces.Dict) -> GymObservation:
+    """Return an observation as a member of its space.
+
+    Numbers beyond their bound, which only a simulation that went wild brings about, are cut off. A task state that is shorter
+    than the space, as when a variation has fewer objects, is filled up with zeros.
+
+    Raises:
+        TaskError: The task state is longer than the space.
+    """
+    return {name: _fitted(name, getattr(observation, name), box) for name, box in space.spaces.items()}  # type: ignore[arg-type]
+
+
+def _fitted(name: str, value: object, box: spaces.Box) -> np.ndarray:
+    if box.dtype == np.uint8:
+        return np.asarray(value)
+    array = np.atleast_1d(np.asarray(value, dtype=np.float64))
+    size = box.shape[0]
+    if len(array) > size:
+        raise TaskError(f"'{name}' has grown to {len(array)} numbers; its space holds {size}. A task state has one length.")
+    if len(array) < size:
+        array = np.concatenate([array, np.zeros(size - len(array))])
+    return np.clip(array, box.low, box.high).astype(np.float32)
+
+
+def action_space(spec: ActionSpec) -> spaces.Box:
+    """Return the box (n,), float32, that an action specification spans."""
+    return spaces.Box(*_float32(spec.low, spec.high))
+
+
+def as_action(action: object, spec: ActionSpec) -> FloatArray:
+    """Return an action as float64 (n,), its quaternion, where it has one, brought to unit length.
+
+    A box cannot say that four numbers are a rotation, so that no policy over a box could name one.
+
+    Raises:
+        InvalidActionError: The shape is wrong, or a number is NaN or infinite. That is the caller's mistake, not the robot's.
+    """
+    values = np.array(action, dtype=np.float64)
+    if values.shape != (spec.size,) or not np.isfinite(values).all():
+        names = ", ".join(spec.names)
+        raise InvalidActionError(f"An action is {spec.size} finite numbers ({names}), not {action!r}. Check the policy's output.")
+    where = _quaternion_index(spec.names)
+    norm = np.linalg.norm(values[where])
+    if where and norm > 1e-6:
+        values[where] /= norm
+    return values
+
+
+def _quaternion_index(names: Sequence[str]) -> list[int]:
+    return [names.index(name) for name in _QUATERNION if name in names]

@@ -1,0 +1,1 @@
+"""From paths to trajectories, within the limits of joints and motors."""

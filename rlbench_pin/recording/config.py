@@ -1,0 +1,175 @@
+"""What to record, and the pieces of work it falls into: each with a seed of its own, whoever does it and in which order."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rlbench_pin.datasets.writer import Compression
+from rlbench_pin.environment.actions.action_mode import MoveArmThenGripper
+from rlbench_pin.environment.actions.gripper import Discrete
+from rlbench_pin.environment.actions.joint import JointPosition
+from rlbench_pin.environment.environment import Environment
+from rlbench_pin.environment.observations.config import ObservationConfig
+from rlbench_pin.errors import TaskEnvironmentError, UnknownName
+from rlbench_pin.observation import CAMERAS, PRODUCTS
+from rlbench_pin.sim import RENDERERS, RendererName
+from rlbench_pin.tasks import Task, load_task_file, task_class
+
+ALL_VARIATIONS = -1
+_SEED_BITS = 53  # so that JSON readers of every language keep the number
+
+
+@dataclass(frozen=True, kw_only=True)
+class PictureConfig:
+    """Which pictures an episode holds, and how it is stored."""
+
+    cameras: tuple[str, ...] = CAMERAS
+    """Cameras whose pictures are stored."""
+    products: tuple[str, ...] = ("rgb", "depth", "mask")
+    """What each camera delivers, of rgb, depth, mask and point_cloud; none for episodes without pictures."""
+    image_size: tuple[int, int] = (128, 128)
+    """Width and height of the pictures [px]."""
+    renderer: RendererName = "cpu"
+    """Who draws: pictures of `cpu` are the same everywhere."""
+    compression: Compression = "gzip"
+    """`gzip` is small, `lzf` is fast."""
+
+    def __post_init__(self) -> None:
+        _check_names("camera", self.cameras, CAMERAS)
+        _check_names("product", self.products, PRODUCTS)
+        _check_names("renderer", (self.renderer,), RENDERERS)
+        self.obs_config().check()
+
+    def obs_config(self) -> ObservationConfig:
+        """Return the observation config: all joint, gripper and task data, and these pictures."""
+        config = ObservationConfig()
+        config.set_all_high_dim(False)
+        config.set_all_low_dim(True)
+        for name in self.cameras:
+            camera = config.camera(name)
+            camera.image_size = self.image_size
+            for product in self.products:
+                setattr(camera, product, True)
+        return config
+
+    def fields(self) -> dict[str, tuple[int, ...]]:
+        """Return the picture fields of an episode and their shapes."""
+        plain = self.image_size[::-1]
+        shapes = {"rgb": (*plain, 3), "depth": plain, "mask": plain, "point_cloud": (*plain, 3)}
+        return {f"{camera}_{product}": shapes[product] for camera in self.cameras for product in self.products}
+
+    def environment(self) -> Environment:
+        """Return an environment that delivers these pictures; its actions are those that demonstrations record."""
+        mode = MoveArmThenGripper(JointPosition(), Discrete())
+        return Environment(mode, obs_config=self.obs_config(), seed=0, renderer=self.renderer)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordConfig:
+    """Which demonstrations to record. The same settings give the same files, however many workers there are."""
+
+    tasks: tuple[str, ...]
+    """Task names, or paths of task files."""
+    episodes: int = 10
+    """Episodes of each task, spread evenly over its variations; of each variation with `per_variation`."""
+    per_variation: bool = False
+    """Count episodes for each variation."""
+    variations: int = ALL_VARIATIONS
+    """Most variations of a task, drawn without repeats, always the same; -1 is all."""
+    seed: int = 0
+    """Seed of the recording; every episode draws its own from it, its task, its variation and its number."""
+    max_attempts: int = 10
+    """Tries for each episode."""
+    pictures: PictureConfig = field(default_factory=PictureConfig)
+    """Which pictures the episodes hold."""
+
+    def __post_init__(self) -> None:
+        least = {"episodes": 1, "variations": ALL_VARIATIONS, "seed": 0, "max_attempts": 1}
+        for name, low in least.items():
+            value = getattr(self, name)
+            if value < low or (name == "variations" and value == 0):
+                raise TaskEnvironmentError(
+                    f"{name}={value} records nothing; it must be at least {low or 0}, and not 0 variations."
+                )
+        if not self.tasks:
+            raise TaskEnvironmentError("No task was named. `rlbench-pin list` prints them.")
+
+
+@dataclass(frozen=True)
+class WorkItem:
+    """One episode to make, by anyone."""
+
+    task: str
+    """Task name, or path of a task file."""
+    name: str
+    """Task name."""
+    variation: int
+    index: int
+    """Number of the episode within its variation."""
+    seed: int
+    attempts: tuple[int, ...]
+    """Tries of the seed to make, until one succeeds."""
+    source: str = ""
+    """An episode file of which the new one must show the same motion; none when empty."""
+    sha256: str = ""
+    """What the bytes of that file must add up to."""
+
+    @property
+    def key(self) -> tuple[str, int, int]:
+        """Where the episode will lie."""
+        return self.name, self.variation, self.index
+
+
+def plan_items(config: RecordConfig) -> list[WorkItem]:
+    """Return the episodes of a recording, task by task, variations in turn.
+
+    Raises:
+        UnknownName: A task does not exist.
+    """
+    tasks = {name: find_task(name) for name in config.tasks}
+    items = []
+    with PictureConfig(products=()).environment() as environment:
+        for name, task in tasks.items():
+            count = environment.get_task(task).variation_count()
+            items += _task_items(config, name, task.get_name(), drawn_variations(count, config.variations))
+    return items
+
+
+def _task_items(config: RecordConfig, task: str, name: str, variations: Sequence[int]) -> list[WorkItem]:
+    total = config.episodes * len(variations) if config.per_variation else config.episodes
+    rounds = -(-total // len(variations))
+    places = [(variation, index) for index in range(rounds) for variation in variations][:total]
+    return [_item(config, task, name, *place) for place in places]
+
+
+def _item(config: RecordConfig, task: str, name: str, variation: int, index: int) -> WorkItem:
+    seed = item_seed(config.seed, name, variation, index)
+    return WorkItem(task, name, variation, index, seed, tuple(range(config.max_attempts)))
+
+
+def item_seed(seed: int, task: str, variation: int, index: int) -> int:
+    """Return the seed of one episode, 0 <= seed < 2^53: a hash of all that names the episode and of nothing else."""
+    name = f"{seed}/{task}/{variation}/{index}".encode()
+    return int.from_bytes(hashlib.sha256(name).digest()[:8], "big") >> (64 - _SEED_BITS)
+
+
+def find_task(name: str) -> type[Task]:
+    """Return the task of that name, or the one in the file when `name` ends with `.py`."""
+    return load_task_file(name) if name.endswith(".py") else task_class(name)
+
+
+def drawn_variations(count: int, most: int) -> tuple[int, ...]:
+    """Return all variations, or `most` of them drawn without repeats, always the same."""
+    if most == ALL_VARIATIONS or count <= most:
+        return tuple(range(count))
+    return tuple(sorted(np.random.default_rng(0).permutation(count)[:most].tolist()))
+
+
+def _check_names(kind: str, names: Sequence[str], known: Sequence[str]) -> None:
+    for name in names:
+        if name not in known:
+            raise UnknownName(kind, name, tuple(known))

@@ -1,0 +1,67 @@
+"""Filming an episode from the side, one picture per control tick."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+
+from rlbench_pin.datasets import VideoWriter
+from rlbench_pin.environment import TaskEnvironment
+from rlbench_pin.environment.observations.cameras import look_at
+from rlbench_pin.sim import CameraView, World
+
+FILM_SIZE = (640, 480)
+"""Width and height [px]."""
+
+FILM_VIEW = CameraView(
+    pose=look_at((-0.05, 1.62, 1.80), (0.15, 0.0, 1.09)), fov=float(np.radians(54.0)), size=FILM_SIZE, near=0.05, far=6.0
+)
+"""From the robot's left, with the whole arm, the table top and what the robot itself has before it."""
+
+
+def side_picture(world: World, view: CameraView = FILM_VIEW) -> np.ndarray:
+    """Picture of the whole scene, uint8 (h, w, 3)."""
+    rgb = world.render(view, rgb=True, depth=False, mask=False, shadows=True).rgb
+    assert rgb is not None
+    return rgb
+
+
+class Film:
+    """Films every tick of an environment between `with` and its end; `keep` says where the film goes, otherwise it is lost.
+
+    Args:
+        task: What to film.
+        folder: Where to write while filming.
+    """
+
+    def __init__(self, task: TaskEnvironment, folder: Path) -> None:
+        self._task = task
+        fps = round(1.0 / task.world.control_dt)
+        self._video = VideoWriter(folder / f".filming{os.getpid()}.mp4", FILM_SIZE, fps)
+        self._pause = fps
+        self._kept = False
+
+    def __enter__(self) -> Film:
+        self._task.runtime.register_step_callback(self._shoot)
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
+        self._task.runtime.remove_step_callback(self._shoot)
+        if not self._kept:
+            self._video.discard()
+
+    def keep(self, path: Path) -> Path:
+        """Finish the film with a second of stillness and move it to `path`."""
+        last = side_picture(self._task.world)
+        for _ in range(self._pause):
+            self._video.add(last)
+        self._kept = True
+        path.parent.mkdir(parents=True, exist_ok=True)
+        os.replace(self._video.close(), path)
+        return path
+
+    def _shoot(self) -> None:
+        self._video.add(side_picture(self._task.world))

@@ -1,0 +1,77 @@
+"""map(pieces of work) -> episodes on a Ray cluster: one actor per worker, each with an environment of its own."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Generator, Sequence
+
+import ray
+from ray.actor import ActorHandle
+from ray.exceptions import RayError
+
+from rlbench_pin.recording.config import PictureConfig, WorkItem
+from rlbench_pin.recording.engines import Event, Mourning
+from rlbench_pin.recording.work import ItemResult, Recorder
+
+_LOOK = 0.5  # [s]
+
+
+class RayEngine:
+    """Works in actors of a Ray cluster; one that dies is replaced and its piece done again.
+
+    The cluster is the one that `ray.init` finds (`RAY_ADDRESS`), else one on this machine, ended with the work.
+
+    Args:
+        workers: How many actors, one core each.
+        address: Address of a cluster; None lets Ray choose.
+    """
+
+    def __init__(self, workers: int = 1, address: str | None = None) -> None:
+        self.workers, self.address = max(1, workers), address
+
+    def map(self, config: PictureConfig, items: Sequence[WorkItem], stop: threading.Event) -> Generator[Event, None, None]:
+        """Yield results as they come."""
+        began = not ray.is_initialized()
+        if began:
+            ray.init(address=self.address, log_to_driver=False, logging_level="ERROR", include_dashboard=False)
+        try:
+            yield from self._map(config, items, stop)
+        finally:
+            if began:
+                ray.shutdown()
+
+    def _map(self, config: PictureConfig, items: Sequence[WorkItem], stop: threading.Event) -> Generator[Event, None, None]:
+        queue, mourning = deque(items), Mourning()
+        idle = [_hire(config) for _ in range(min(self.workers, len(queue)))]
+        busy: dict[ray.ObjectRef, tuple[ActorHandle, WorkItem]] = {}
+        while queue or busy:
+            while idle and queue and not stop.is_set():
+                actor, item = idle.pop(), queue.popleft()
+                busy[actor.make.remote(item)] = (actor, item)
+            while idle:  # nothing is left for them; their cores are for actors that have work and wait for one
+                ray.kill(idle.pop())
+            if not busy:
+                return
+            for reference in ray.wait(list(busy), timeout=_LOOK)[0]:
+                actor, item = busy.pop(reference)
+                try:
+                    result: ItemResult = ray.get(reference)
+                except RayError as error:
+                    idle.append(_hire(config))
+                    death, given_up = mourning.death(item, type(error).__name__)
+                    yield death
+                    if given_up is not None:
+                        yield given_up
+                    else:
+                        queue.appendleft(item)
+                    continue
+                mourning.success()
+                idle.append(actor)
+                yield result
+
+
+def _hire(config: PictureConfig) -> ActorHandle:
+    options = {"num_cpus": 1, "runtime_env": {"env_vars": {"OMP_NUM_THREADS": "1"}}}
+    actor: ActorHandle = ray.remote(Recorder).options(**options).remote(config)
+    return actor

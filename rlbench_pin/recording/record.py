@@ -1,0 +1,224 @@
+"""Recording demonstrations by the thousand: plan the work, give it to an engine, store what comes back, lose nothing.
+
+Workers write nothing. The one process that calls `record` stores every episode whole before it lists it, so whatever is
+killed, and whenever, the dataset is consistent and `resume` goes on where it ended.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from contextlib import closing, suppress
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from rlbench_pin.datasets import DatasetWriter, EpisodeEntry, checked_task_name, fold_journal, read_manifest, stored_tasks
+from rlbench_pin.datasets.info import stored_pictures
+from rlbench_pin.datasets.layout import episode_path
+from rlbench_pin.datasets.storage import hold, remove_leftovers, write_whole
+from rlbench_pin.errors import DatasetConflict, EpisodeFileError, StorageError
+from rlbench_pin.recording.config import PictureConfig, RecordConfig, WorkItem, plan_items
+from rlbench_pin.recording.engines import Engine, ProcessEngine, WorkerDeath
+from rlbench_pin.recording.work import ItemResult
+
+RECORDING = "recording.json"
+VERSION = 1
+
+
+@dataclass(frozen=True)
+class RecordReport:
+    """What a recording came to."""
+
+    wanted: int
+    """Episodes asked for."""
+    found: int
+    """Of these, stored before."""
+    recorded: int = 0
+    """Of these, stored now."""
+    failed: tuple[ItemResult, ...] = ()
+    """Episodes of which every try failed."""
+    deaths: tuple[WorkerDeath, ...] = ()
+    """Workers that died and were replaced."""
+    causes: dict[str, int] = field(default_factory=dict)
+    """Kind of failure -> tries that failed so."""
+    frames: int = 0
+    """Frames stored now."""
+    num_bytes: int = 0
+    """Bytes stored now."""
+    seconds: float = 0.0
+    """Time it took [s]."""
+
+    @property
+    def missing(self) -> int:
+        """Episodes that are not stored: failed, or not begun when the recording was stopped."""
+        return self.wanted - self.found - self.recorded
+
+    def with_result(self, result: ItemResult) -> RecordReport:
+        """Return the report with one more result."""
+        causes = Counter(self.causes)
+        causes.update(failure.split(":")[0] for failure in result.failures)
+        report = replace(self, causes=dict(causes))
+        if result.entry is None:
+            return replace(report, failed=(*self.failed, result))
+        frames, size = self.frames + result.entry.frames, self.num_bytes + result.entry.num_bytes
+        return replace(report, recorded=self.recorded + 1, frames=frames, num_bytes=size)
+
+
+Watch = Callable[[RecordReport], None]
+
+
+def record(
+    config: RecordConfig,
+    root: Path | str,
+    *,
+    engine: Engine | None = None,
+    resume: bool = False,
+    on_progress: Watch | None = None,
+    stop: threading.Event | None = None,
+) -> RecordReport:
+    """Record demonstrations into a dataset folder.
+
+    Args:
+        config: Which demonstrations.
+        root: Folder of the dataset, created when missing.
+        engine: Who does the work; one process when None.
+        resume: Go on with what the folder holds; otherwise it must not hold these tasks yet.
+        on_progress: Called with the report so far, first before anything was made.
+        stop: When set, nothing more is begun; what is under way is finished and stored.
+
+    Raises:
+        DatasetConflict: The folder holds these tasks, or another recording, or it is being written to.
+        StorageError: The disk refused. Every episode stored before is whole.
+        UnknownName: A task does not exist.
+    """
+    root = Path(root)
+    items = plan_items(config)
+    with hold(root):
+        _prepare(root, config, items, resume)
+        return run_items(config.pictures, items, root, engine=engine, on_progress=on_progress, stop=stop)
+
+
+def run_items(
+    pictures: PictureConfig,
+    items: Sequence[WorkItem],
+    root: Path,
+    *,
+    engine: Engine | None = None,
+    on_progress: Watch | None = None,
+    stop: threading.Event | None = None,
+) -> RecordReport:
+    """Do the pieces of work that the folder does not hold yet and store what comes of them."""
+    watch = on_progress or (lambda report: None)
+    stop = stop or threading.Event()
+    began = time.perf_counter()
+    pending = _pending(root, items)
+    _check_pictures(root, items, {item.key for item in pending}, pictures)
+    report = RecordReport(len(items), len(items) - len(pending))
+    watch(report)
+    writer = DatasetWriter(root)
+    try:
+        with closing((engine or ProcessEngine()).map(pictures, pending, stop)) as events:
+            for event in events:
+                if isinstance(event, WorkerDeath):
+                    report = replace(report, deaths=(*report.deaths, event))
+                else:
+                    if event.data is not None and event.entry is not None:
+                        writer.put(event.item.name, event.data, event.entry)
+                    report = report.with_result(event)
+                report = replace(report, seconds=time.perf_counter() - began)
+                watch(report)
+    finally:
+        _fold(root, {item.name for item in items})
+    return report
+
+
+def read_recording(root: Path | str) -> RecordConfig:
+    """Return the settings that a folder was recorded with.
+
+    Raises:
+        DatasetError: There are none, or they cannot be read.
+    """
+    path = Path(root) / RECORDING
+    try:
+        content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        if (version := content.pop("version")) != VERSION:
+            raise ValueError(f"it has version {version}, this package reads version {VERSION}")
+        pictures = PictureConfig(**{k: _untupled(v) for k, v in content.pop("pictures").items()})
+        return RecordConfig(**{k: _untupled(v) for k, v in content.items()}, pictures=pictures)
+    except FileNotFoundError as error:
+        raise EpisodeFileError(path, f"'{path}' does not exist, so there is no recording to resume. Name the tasks.") from error
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise EpisodeFileError(
+            path, f"'{path}' does not describe a recording: {error}. Name the tasks and what to record."
+        ) from error
+
+
+def write_recording(root: Path, config: RecordConfig) -> None:
+    """Note the settings, so that `--resume` needs nothing more than the folder."""
+    content = {"version": VERSION, **asdict(config)}
+    write_whole(root / RECORDING, (json.dumps(content, indent=1) + "\n").encode())
+
+
+def _untupled(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _prepare(root: Path, config: RecordConfig, items: Sequence[WorkItem], resume: bool) -> None:
+    names = {item.name for item in items}
+    held = sorted(names & set(stored_tasks(root)))
+    if held and not resume:
+        raise DatasetConflict(f"'{root}' holds episodes of {held} already. Go on with `--resume`, or choose another folder.")
+    if (root / RECORDING).exists():
+        before = read_recording(root)
+        for name in ("seed", "max_attempts", "pictures"):
+            then, now = getattr(before, name), getattr(config, name)
+            if held and then != now:
+                raise DatasetConflict(
+                    f"'{root}' was recorded with {name}={then}, this is {name}={now}. Use the same, or choose another folder."
+                )
+        config = replace(config, tasks=tuple(dict.fromkeys((*before.tasks, *config.tasks)))) if resume else config
+    write_recording(root, config)
+    remove_leftovers(root)
+
+
+def _pending(root: Path, items: Sequence[WorkItem]) -> list[WorkItem]:
+    """Return what is not stored yet.
+
+    Raises:
+        DatasetConflict: Another episode lies where one belongs.
+    """
+    listed: dict[tuple[str, int, int], EpisodeEntry] = {}
+    for task in {item.name for item in items}:
+        listed.update({(task, e.variation, e.episode): e for e in read_manifest(root, task)})
+    return [item for item in items if not _is_stored(root, item, listed.get(item.key))]
+
+
+def _is_stored(root: Path, item: WorkItem, entry: EpisodeEntry | None) -> bool:
+    if entry is None:
+        return False
+    path = episode_path(root, *item.key)
+    if entry.random_seed != item.seed:
+        raise DatasetConflict(f"'{path}' shows seed {entry.random_seed}, but {item.seed} belongs there. Choose another folder.")
+    return path.is_file() and path.stat().st_size == entry.num_bytes
+
+
+def _check_pictures(root: Path, items: Sequence[WorkItem], pending: set[tuple[str, int, int]], pictures: PictureConfig) -> None:
+    """Raise DatasetConflict when a stored episode of a task holds other pictures than the new ones would."""
+    stored = {item.name: episode_path(root, *item.key) for item in items if item.key not in pending}
+    for path in stored.values():
+        with suppress(EpisodeFileError):  # damaged: `verify` finds it
+            if (found := stored_pictures(path)) != pictures.fields():
+                asked = pictures.fields()
+                raise DatasetConflict(
+                    f"'{path}' holds the pictures {found}, asked for are {asked}. Choose the same, or another folder."
+                )
+
+
+def _fold(root: Path, tasks: set[str]) -> None:
+    for task in sorted(tasks):
+        with suppress(StorageError):  # a full disk: the journal stays, and is read like the manifest
+            fold_journal(root, checked_task_name(task))

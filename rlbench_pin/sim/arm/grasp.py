@@ -1,0 +1,102 @@
+"""Fixing bodies to the hand: a constraint at the present relative pose, and no contact between body and fingers meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from rlbench_pin.robot.description import RobotDescription
+from rlbench_pin.sim.bodies.body import Body
+from rlbench_pin.sim.bodies.model import LoadedModel
+from rlbench_pin.sim.client import bullet
+from rlbench_pin.spatial import FloatArray, pose_to_se3, relative, se3_to_pose
+
+_FORCE = 200.0
+"""Largest force of an attachment [N]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Attachment:
+    """One body that hangs on the hand."""
+
+    body: str
+    T_hand_body: FloatArray
+    """Pose (7,) of the body's base link in the frame of the hand link."""
+
+
+class Attachments:
+    """The bodies that hang on the hand, in the order in which they were grasped.
+
+    Args:
+        robot: The loaded robot.
+        description: Names of hand and fingers.
+    """
+
+    def __init__(self, robot: LoadedModel, description: RobotDescription) -> None:
+        self._robot, self._client = robot, robot.client
+        self._hand = robot.link_index(description.hand_link)
+        self._untouched = [self._hand, *(robot.link_index(link) for link in description.finger_links)]
+        hand = bullet.getLinkState(robot.uid, self._hand, physicsClientId=self._client.id)
+        self._T_hand_com = pose_to_se3((*hand[2], *hand[3]))
+        self._held: dict[str, tuple[Attachment, int, Body]] = {}
+        self._shuffled = True
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the held bodies."""
+        return tuple(self._held)
+
+    def state(self) -> tuple[Attachment, ...]:
+        """The attachments, in order."""
+        return tuple(attachment for attachment, _, _ in self._held.values())
+
+    def attach(self, body: Body) -> None:
+        """Fix a body to the hand where it is."""
+        hand = self._robot.link_pose_at(self._hand)
+        self.add(Attachment(body.name, relative(body.pose, hand)), body)
+
+    def add(self, attachment: Attachment, body: Body) -> None:
+        """Fix a body to the hand at a given relative pose."""
+        T_com = self._T_hand_com.inverse() * pose_to_se3(attachment.T_hand_body) * body.model.T_base_com
+        frame = se3_to_pose(T_com).tolist()
+        constraint = bullet.createConstraint(
+            self._robot.uid,
+            self._hand,
+            body.model.uid,
+            -1,
+            bullet.JOINT_FIXED,
+            [0.0, 0.0, 0.0],
+            parentFramePosition=frame[:3],
+            parentFrameOrientation=frame[3:],
+            childFramePosition=[0.0, 0.0, 0.0],
+            physicsClientId=self._client.id,
+        )
+        bullet.changeConstraint(constraint, maxForce=_FORCE, physicsClientId=self._client.id)
+        self._filter(body, touch=False)
+        self._held[body.name] = (attachment, constraint, body)
+
+    def detach(self, name: str) -> None:
+        """Let a body go."""
+        _, constraint, body = self._held.pop(name)
+        bullet.removeConstraint(constraint, physicsClientId=self._client.id)
+        self._filter(body, touch=True)
+
+    def restore_order(self, bodies: Iterable[Body]) -> None:
+        """Bring PyBullet's collision pairs into the order of `bodies`; nothing may be held.
+
+        Every change of a filter moves the pairs of a body to the end of PyBullet's list, and contacts are solved in that order.
+        """
+        if not self._shuffled:
+            return
+        for body in bodies:
+            self._filter(body, touch=False)
+            self._filter(body, touch=True)
+        self._shuffled = False
+
+    def _filter(self, body: Body, touch: bool) -> None:
+        self._shuffled = True
+        for mine in self._untouched:
+            for theirs in body.model.links.values():
+                bullet.setCollisionFilterPair(
+                    self._robot.uid, body.model.uid, mine, theirs, int(touch), physicsClientId=self._client.id
+                )

@@ -1,0 +1,207 @@
+"""The hand: fingers that close at a given speed and force, and what they hold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from rlbench_pin.errors import InvalidActionError
+from rlbench_pin.robot import geometry
+from rlbench_pin.sim.arm.grasp import Attachment, Attachments
+from rlbench_pin.sim.arm.robot import SimRobot
+from rlbench_pin.sim.bodies.body import Body
+from rlbench_pin.sim.client import bullet
+from rlbench_pin.sim.sensor import volume_meets
+from rlbench_pin.spatial import FloatArray, pose_to_se3
+
+_GAIN = 0.05
+"""Share of the position error that a finger motor removes in one physics step; more makes a friction grip tremble."""
+_PAD_FRICTION = 1.0
+_OPEN = 0.9  # fraction of the range above which a finger counts as open
+_MOVED = 1e-3  # motion in a tick above which the hand counts as moving [m]
+_PAD = (0.012, 0.012)  # size of the box between the pads along tip x and z [m]
+_GEAR_FORCE = 200.0  # of the coupling between the fingers [N]
+
+
+@dataclass(frozen=True, eq=False)
+class FingerControl:
+    """What the finger motors are told: enough to go on exactly."""
+
+    target: FloatArray
+    """Finger joint positions to go to (2,) [m]."""
+    reference: FloatArray
+    """Where the way to the target has come to (2,) [m]."""
+    speed: float
+    """[m/s]."""
+    force: float
+    """Largest force of one finger [N]."""
+    last: FloatArray
+    """Measured positions at the end of the last tick but one (2,) [m]."""
+
+
+class SimGripper:
+    """Two coupled fingers and the bodies fixed to the hand.
+
+    Args:
+        robot: The arm that carries the hand.
+        find: Looks a body up by name.
+        bodies: Returns all bodies of the scene.
+    """
+
+    def __init__(self, robot: SimRobot, find: Callable[[str], Body], bodies: Callable[[], tuple[Body, ...]]) -> None:
+        self._robot, self._find, self._bodies = robot, find, bodies
+        self._model, self._client = robot.model, robot.model.client
+        description = robot.description
+        infos = [self._model.joints[name] for name in description.gripper_joints]
+        self._joints = [info.index for info in infos]
+        self._range = description.gripper_open
+        self._default_force = description.gripper_force
+        self._attachments = Attachments(self._model, description)
+        self._attachments.restore_order(bodies())
+        self._couple()
+        for link in description.finger_links:  # anchors keep a friction grip from creeping
+            bullet.changeDynamics(
+                self._model.uid,
+                self._model.link_index(link),
+                lateralFriction=_PAD_FRICTION,
+                frictionAnchor=1,
+                physicsClientId=self._client.id,
+            )
+        self.hold()
+        robot.on_reset = lambda fingers_too: self.hold() if fingers_too else None
+
+    def _couple(self) -> None:
+        """Make the fingers move alike, as the gear of a real hand does."""
+        left, right = self._joints
+        gear = bullet.createConstraint(
+            self._model.uid, left, self._model.uid, right, bullet.JOINT_GEAR, [1, 0, 0], [0, 0, 0], [0, 0, 0],
+            physicsClientId=self._client.id,
+        )  # fmt: skip
+        bullet.changeConstraint(gear, gearRatio=-1, erp=0.2, maxForce=_GEAR_FORCE, physicsClientId=self._client.id)
+
+    # Fingers ---------------------------------------------------------------------------------------------------------
+
+    @property
+    def opening(self) -> FloatArray:
+        """Opening fraction of each finger (2,), 0 shut to 1 open."""
+        return self._robot.fingers / self._range
+
+    @property
+    def is_open(self) -> bool:
+        """True when every finger is more than 90 % open."""
+        return bool((self.opening > _OPEN).all())
+
+    @property
+    def moving(self) -> bool:
+        """True when a finger moved by more than 1 mm, or by half of what its speed allows, in the last tick."""
+        least = min(_MOVED, 0.5 * self._control.speed * self._robot.tick)
+        return bool((np.abs(self._robot.fingers - self._control.last) > least).any())
+
+    def set_target(self, amount: float, speed: float = 0.04, force: float | None = None) -> None:
+        """Drive the fingers to an opening fraction in the coming ticks.
+
+        Args:
+            amount: 0 shut to 1 open.
+            speed: Finger speed [m/s].
+            force: Largest force of one finger [N]; None is the hand's own.
+
+        Raises:
+            InvalidActionError: `amount` is not in 0..1, or speed or force is not positive and finite.
+        """
+        strength = self._default_force if force is None else float(force)
+        if not 0.0 <= amount <= 1.0:
+            raise InvalidActionError(f"The opening fraction is {amount}; it must lie between 0 (shut) and 1 (open).")
+        if not (0.0 < speed < float("inf") and 0.0 < strength < float("inf")):
+            raise InvalidActionError(f"Finger speed {speed} m/s and force {strength} N must be positive and finite.")
+        here = self._robot.fingers
+        self._control = FingerControl(np.full(2, amount * self._range), here, float(speed), strength, here)
+
+    def hold(self) -> None:
+        """Keep the fingers where they are."""
+        here = self._robot.fingers
+        self._control = FingerControl(here, here, 0.04, self._default_force, here)
+
+    # Holding ---------------------------------------------------------------------------------------------------------
+
+    @property
+    def grasped(self) -> tuple[str, ...]:
+        """Names of the bodies fixed to the hand."""
+        return self._attachments.names
+
+    def between_fingers(self) -> tuple[str, ...]:
+        """Names of graspable bodies that reach into the thin box between the pads."""
+        return tuple(body.name for body in self._bodies() if body.graspable and self._in_gap(body))
+
+    def closes_on_something(self) -> bool:
+        """Whether any body, graspable or not, reaches into the thin box between the pads."""
+        return any(body.collides and self._in_gap(body) for body in self._bodies())
+
+    def _in_gap(self, body: Body) -> bool:
+        left, right = self._robot.fingers
+        box = geometry.volume("box", (_PAD[0], max(left + right - 0.002, 0.001), _PAD[1]))
+        T_world_tip = pose_to_se3(self._robot.tip_pose())
+        return volume_meets(box, T_world_tip * pin.SE3(np.eye(3), np.array([0.0, 0.5 * (left - right), 0.0])), body)
+
+    def grasp(self, name: str) -> bool:
+        """Fix a body to the hand where it is, and hold the fingers; False when it is held already or cannot move."""
+        body = self._find(name)
+        if name in self.grasped or body.fixed:
+            return False
+        self._attachments.attach(body)
+        self.hold()
+        return True
+
+    def release(self) -> None:
+        """Let all bodies go; the fingers stay where they are."""
+        for name in self.grasped:
+            self._attachments.detach(name)
+
+    # Ticks and state -------------------------------------------------------------------------------------------------
+
+    @property
+    def control(self) -> FingerControl:
+        """What the finger motors are told."""
+        return self._control
+
+    def set_control(self, control: FingerControl) -> None:
+        """Go on with a stored command."""
+        self._control = control
+
+    def attachments(self) -> tuple[Attachment, ...]:
+        """What hangs on the hand."""
+        return self._attachments.state()
+
+    def set_attachments(self, attachments: tuple[Attachment, ...]) -> None:
+        """Make `attachments` the only ones, and what was held before of no consequence."""
+        self.release()
+        self._attachments.restore_order(self._bodies())
+        for attachment in attachments:
+            self._attachments.add(attachment, self._find(attachment.body))
+
+    def begin_tick(self) -> None:
+        """Work out how far the fingers go in this tick."""
+        control, robot = self._control, self._robot
+        here = robot.fingers
+        lead = control.speed * robot.timestep / _GAIN
+        start = np.clip(control.reference, here - lead, here + lead)
+        end = start + np.clip(control.target - start, -control.speed * robot.tick, control.speed * robot.tick)
+        self._start, self._increment = start, (end - start) / robot.substeps
+        self._control = FingerControl(control.target, end, control.speed, control.force, here)
+
+    def drive(self, substep: int) -> None:
+        """Command the finger motors for physics step `substep` of this tick."""
+        positions = self._start + substep * self._increment
+        bullet.setJointMotorControlArray(
+            self._model.uid,
+            self._joints,
+            bullet.POSITION_CONTROL,
+            targetPositions=positions.tolist(),
+            targetVelocities=(self._increment / self._robot.timestep).tolist(),
+            positionGains=[_GAIN] * 2,
+            velocityGains=[1.0] * 2,
+            forces=[self._control.force] * 2,
+            physicsClientId=self._client.id,
+        )

@@ -1,0 +1,297 @@
+"""The arm in the simulation: joint motors in three modes, and what can be measured."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from rlbench_pin.robot.description import RobotDescription
+from rlbench_pin.sim.bodies.model import LoadedModel
+from rlbench_pin.sim.checks import action_vector, finite_vector
+from rlbench_pin.sim.client import bullet
+from rlbench_pin.sim.contacts import ContactReader
+from rlbench_pin.spatial import FloatArray, pose_to_se3
+
+Mode = Literal["position", "velocity", "torque"]
+POSITION_GAIN = 0.2
+"""Share of the position error that a motor removes in one physics step."""
+_CATCH_UP = 0.1
+"""Share of the velocity limits that a lagging joint may add to full speed."""
+_HASTE = 0.5
+"""Change of speed in a tick, as a share of the velocity limits, above which the motors are watched in every physics step."""
+
+
+@dataclass(frozen=True, eq=False)
+class ArmControl:
+    """What the arm's motors are told: enough to go on exactly."""
+
+    mode: Mode
+    target: FloatArray
+    """Positions [rad], velocities [rad/s] or torques [N m], shape (n,)."""
+    reference: FloatArray
+    """Where the interpolation towards a position target has come to [rad], shape (n,)."""
+
+
+class SimRobot:
+    """Arm and fingers of the simulated robot; every returned array is the caller's own.
+
+    Args:
+        model: The loaded robot.
+        description: Joint order, tip, hand and fingers.
+        contacts: Reads contact points.
+        timestep: Physics step [s].
+        substeps: Physics steps in a control tick.
+
+    Attributes:
+        tick: Length of a control tick [s].
+        lower: Lower joint limits (n,) [rad].
+        upper: Upper joint limits (n,) [rad].
+        velocity_limits: Largest joint speeds (n,) [rad/s].
+        effort_limits: Largest motor torques (n,) [N m].
+        position_gain: Share of the position error that a motor removes in one physics step.
+        on_reset: Called by `reset_configuration` with whether the fingers were set as well.
+    """
+
+    def __init__(
+        self, model: LoadedModel, description: RobotDescription, contacts: ContactReader, timestep: float, substeps: int
+    ) -> None:
+        self.model, self.description, self._contacts = model, description, contacts
+        self._client = model.client
+        self.position_gain = POSITION_GAIN
+        self.timestep, self.substeps, self.tick = timestep, substeps, timestep * substeps
+        infos = [model.joints[name] for name in description.arm_joints]
+        fingers = [model.joints[name] for name in description.gripper_joints]
+        self._arm = [info.index for info in infos]
+        self._fingers = [info.index for info in fingers]
+        self._joints = self._arm + self._fingers
+        self.lower, self.upper = np.array([i.lower for i in infos]), np.array([i.upper for i in infos])
+        self.velocity_limits = np.array([i.velocity for i in infos])
+        self.effort_limits = np.array([i.effort for i in infos])
+        self._efforts = self.effort_limits.tolist()
+        self._finger_limits = np.array([[i.lower for i in fingers], [i.upper for i in fingers]])
+        self._tip = model.link_index(description.tip_frame)
+        self._states: FloatArray | None = None
+        self.on_reset: Callable[[bool], None] = lambda fingers_too: None
+        self._control = ArmControl("velocity", np.zeros(len(infos)), np.zeros(len(infos)))
+        self._told: ArmControl | None = None
+        self._prepare_dynamics()
+        self.reset_configuration(description.home, [description.gripper_open] * len(fingers))
+
+    def _prepare_dynamics(self) -> None:
+        for index in range(-1, len(self.model.links) - 1):
+            bullet.changeDynamics(self.model.uid, index, linearDamping=0.0, angularDamping=0.0, physicsClientId=self._client.id)
+
+    # Measuring -------------------------------------------------------------------------------------------------------
+
+    def _measured(self) -> FloatArray:
+        """Positions, velocities and motor torques of arm and fingers, shape (3, n + fingers); read once per tick."""
+        if self._states is None:
+            states = bullet.getJointStates(self.model.uid, self._joints, physicsClientId=self._client.id)
+            self._states = np.array([(s[0], s[1], s[3]) for s in states]).T
+        return self._states
+
+    def forget_measurements(self) -> None:
+        """Read anew next time: something moved."""
+        self._states = None
+
+    @property
+    def joint_positions(self) -> FloatArray:
+        """Arm joint positions (n,) [rad]."""
+        return self._measured()[0, : len(self._arm)].copy()
+
+    @property
+    def joint_velocities(self) -> FloatArray:
+        """Arm joint velocities (n,) [rad/s]."""
+        return self._measured()[1, : len(self._arm)].copy()
+
+    @property
+    def joint_torques(self) -> FloatArray:
+        """Torques (n,) that the motors applied in the last physics step [N m]."""
+        if self._control.mode == "torque":
+            return self._control.target.copy()
+        return self._measured()[2, : len(self._arm)].copy()
+
+    @property
+    def fingers(self) -> FloatArray:
+        """Finger joint positions (2,) [m]."""
+        return self._measured()[0, len(self._arm) :].copy()
+
+    def joint_states(self) -> FloatArray:
+        """Positions, velocities and motor torques of arm and fingers, shape (3, n + fingers)."""
+        return self._measured().copy()
+
+    def tip_pose(self) -> FloatArray:
+        """Pose (7,) of the tip frame in the world."""
+        return self.model.link_pose_at(self._tip)
+
+    def link_pose(self, link: str) -> FloatArray:
+        """Pose (7,) of the URDF frame of a link in the world."""
+        return self.model.link_pose(link)
+
+    def link_poses(self) -> dict[str, FloatArray]:
+        """Poses (7,) of all link frames in the world, base first."""
+        return {name: self.model.link_pose(name) for name in self.model.links}
+
+    def touch_forces(self) -> FloatArray:
+        """Contact forces (6,) on the fingers [N]: left x, y, z, right x, y, z, each in its finger's own frame."""
+        return np.concatenate([self._contact_force(link) for link in self.description.finger_links])
+
+    def _contact_force(self, link: str) -> FloatArray:
+        index = self.model.link_index(link)
+        points = bullet.getContactPoints(bodyA=self.model.uid, linkIndexA=index, physicsClientId=self._client.id)
+        if not points:
+            return np.zeros(3)
+        force = sum(np.multiply(p[9], p[7]) + np.multiply(p[10], p[11]) + np.multiply(p[12], p[13]) for p in points)
+        return pose_to_se3(self.link_pose(link)).rotation.T @ force
+
+    def touching(self) -> tuple[str, ...]:
+        """Names of the bodies that arm or hand touch, sorted."""
+        return self._contacts.touching(self.model.uid)
+
+    # Commanding ------------------------------------------------------------------------------------------------------
+
+    @property
+    def mode(self) -> Mode:
+        """How the arm is driven now."""
+        return self._control.mode
+
+    def set_position_targets(self, q: Sequence[float] | FloatArray) -> None:
+        """Move to joint positions (n,) [rad] in the next tick, on a straight line in joint space; then hold them.
+
+        Targets beyond a joint limit mean the limit. A jump that the velocity limits do not allow takes more ticks.
+        """
+        target = np.clip(action_vector(q, len(self._arm), "joint position target"), self.lower, self.upper)
+        reference = self._control.reference if self.mode == "position" else self.joint_positions
+        self._control = ArmControl("position", target, reference)
+
+    def set_velocity_targets(self, v: Sequence[float] | FloatArray) -> None:
+        """Turn the joints at velocities (n,) [rad/s] until told otherwise; capped at the joints' velocity limits."""
+        target = action_vector(v, len(self._arm), "joint velocity target")
+        self._control = ArmControl("velocity", np.clip(target, -self.velocity_limits, self.velocity_limits), self.joint_positions)
+
+    def set_torques(self, tau: Sequence[float] | FloatArray) -> None:
+        """Apply torques (n,) [N m] in every physics step until told otherwise; capped at the joints' effort limits."""
+        target = action_vector(tau, len(self._arm), "joint torque")
+        self._control = ArmControl("torque", np.clip(target, -self.effort_limits, self.effort_limits), self.joint_positions)
+
+    def reset_configuration(self, q: Sequence[float] | FloatArray, fingers: Sequence[float] | FloatArray | None = None) -> None:
+        """Put the arm, at rest, at joint positions without moving there, and hold them.
+
+        Args:
+            q: Arm joint positions (n,) [rad].
+            fingers: Finger joint positions (2,) [m]; None leaves them.
+        """
+        positions = finite_vector(q, len(self._arm), "configuration")
+        values = (
+            positions
+            if fingers is None
+            else np.concatenate(
+                [positions, np.clip(finite_vector(fingers, len(self._fingers), "finger positions"), *self._finger_limits)]
+            )
+        )
+        for index, value in zip(self._joints, values.tolist(), strict=False):
+            bullet.resetJointState(self.model.uid, index, value, physicsClientId=self._client.id)
+        self._control = ArmControl("position", positions, positions)
+        self.forget_measurements()
+        self.on_reset(fingers is not None)
+
+    def set_joint_states(self, positions: FloatArray, velocities: FloatArray) -> None:
+        """Put arm and fingers at positions and velocities (n + fingers,); motor commands stay."""
+        for index, q, v in zip(self._joints, positions.tolist(), velocities.tolist(), strict=True):
+            bullet.resetJointState(self.model.uid, index, q, v, physicsClientId=self._client.id)
+        self.forget_measurements()
+
+    # Ticks -----------------------------------------------------------------------------------------------------------
+
+    @property
+    def control(self) -> ArmControl:
+        """What the motors are told."""
+        return self._control
+
+    def set_control(self, control: ArmControl) -> None:
+        """Go on with a stored command."""
+        self._control = control
+        self._told = None
+        self.forget_measurements()
+
+    def begin_tick(self) -> None:
+        """Work out what the motors do in this tick."""
+        control = self._control
+        if control.mode == "position":
+            self._begin_position_tick()
+        elif control is not self._told:
+            self._release_motors() if control.mode == "torque" else self._drive_velocities()
+        self._told = self._control
+
+    def _begin_position_tick(self) -> None:
+        control = self._control
+        self._lead = self._allowed_lead(control)
+        measured = self._measured()[:2, : len(self._arm)]
+        start = np.clip(control.reference, measured[0] - self._lead, measured[0] + self._lead)
+        move = control.target - start
+        excess = float(np.max(np.abs(move) / (self.velocity_limits * self.tick)))
+        if excess > 1.0:
+            move /= excess
+        self._start, self._increment = start, move / self.substeps
+        feed = move / self.tick
+        self._feed = feed.tolist()
+        self._hasty = bool(np.any(np.abs(feed - measured[1]) > _HASTE * self.velocity_limits))
+        self._control = ArmControl("position", control.target, start + move if excess > 1.0 else control.target)
+
+    def _allowed_lead(self, control: ArmControl) -> FloatArray:
+        """How far the reference may be ahead of a lagging arm so that catching up does not exceed the velocity limits [rad]."""
+        feed = np.abs(control.target - control.reference) / self.tick
+        spare = np.maximum(self.velocity_limits - feed, _CATCH_UP * self.velocity_limits)
+        return spare * self.timestep / self.position_gain
+
+    def _position_goals(self, substep: int) -> list[float]:
+        """Motor positions for one physics step; in hasty motions they wait for the arm."""
+        goals = self._start + substep * self._increment
+        if self._hasty and substep:
+            states = bullet.getJointStates(self.model.uid, self._arm, physicsClientId=self._client.id)
+            measured = np.array([s[0] for s in states])
+            goals = np.clip(goals, measured - self._lead, measured + self._lead)
+        return goals.tolist()
+
+    def drive(self, substep: int) -> None:
+        """Command the motors for physics step `substep` of this tick."""
+        mode = self._control.mode
+        if mode == "position":
+            bullet.setJointMotorControlArray(
+                self.model.uid,
+                self._arm,
+                bullet.POSITION_CONTROL,
+                targetPositions=self._position_goals(substep),
+                targetVelocities=self._feed,
+                positionGains=[self.position_gain] * len(self._arm),
+                velocityGains=[1.0] * len(self._arm),
+                forces=self._efforts,
+                physicsClientId=self._client.id,
+            )
+        elif mode == "torque":
+            bullet.setJointMotorControlArray(
+                self.model.uid,
+                self._arm,
+                bullet.TORQUE_CONTROL,
+                forces=self._control.target.tolist(),
+                physicsClientId=self._client.id,
+            )
+
+    def _drive_velocities(self) -> None:
+        self._velocity_motors(self._control.target.tolist(), self._efforts)
+
+    def _release_motors(self) -> None:
+        self._velocity_motors([0.0] * len(self._arm), [0.0] * len(self._arm))
+
+    def _velocity_motors(self, velocities: list[float], forces: list[float]) -> None:
+        bullet.setJointMotorControlArray(
+            self.model.uid,
+            self._arm,
+            bullet.VELOCITY_CONTROL,
+            targetVelocities=velocities,
+            forces=forces,
+            physicsClientId=self._client.id,
+        )

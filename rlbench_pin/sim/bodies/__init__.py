@@ -1,0 +1,1 @@
+"""Bodies of a scene and of the room, their joints and models."""

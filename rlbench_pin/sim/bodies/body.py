@@ -1,0 +1,232 @@
+"""A body of the scene, as tasks see it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from rlbench_pin.errors import UnknownName
+from rlbench_pin.robot import geometry
+from rlbench_pin.sim.bodies.joint import ObjectJoint
+from rlbench_pin.sim.bodies.model import BASE, LoadedModel
+from rlbench_pin.sim.checks import finite_vector, pose_vector
+from rlbench_pin.sim.client import bullet
+from rlbench_pin.spatial import FloatArray, PoseLike, compose, pose_to_se3, relative
+
+OnMove = Callable[[str, FloatArray, FloatArray], None]
+"""Told the name of a body and its old and new pose (7,)."""
+Color = tuple[float, float, float, float]
+_STATIC = (2, -3)  # PyBullet's own collision group and mask of things that never move
+_DYNAMIC = (1, -1)
+
+
+class Body:
+    """One object; its pose is that of the base link frame of its URDF.
+
+    Args:
+        name: Name in the scene file.
+        model: What was loaded.
+        fixed: Welded to its place.
+        collides: Touches other things.
+        on_move: Called with the old and the new pose when `set_pose` moved the body, to carry along what hangs on it.
+    """
+
+    def __init__(self, name: str, model: LoadedModel, *, fixed: bool, collides: bool, on_move: OnMove) -> None:
+        self.name, self.model, self.fixed = name, model, fixed
+        self.graspable = False
+        """Whether closing the hand may attach this body; set by tasks."""
+        self.joints: dict[str, ObjectJoint] = {n: ObjectJoint(f"{name}/{n}", model, info) for n, info in model.joints.items()}
+        self._on_move = on_move
+        self._collides = True
+        self._visuals = visual_colors(model)
+        self._colors: dict[int, Color] = {}
+        self._rigid_bounds: FloatArray | None = None
+        if not collides:
+            self.set_collides(False)
+
+    # Place -----------------------------------------------------------------------------------------------------------
+
+    @property
+    def pose(self) -> FloatArray:
+        """Pose (7,) of the base link frame in the world."""
+        return self.model.base_pose()
+
+    @property
+    def position(self) -> FloatArray:
+        """Origin (3,) of the base link frame [m]."""
+        return self.pose[:3]
+
+    @property
+    def quaternion(self) -> FloatArray:
+        """Orientation (4,) of the base link frame, [qx, qy, qz, qw]."""
+        return self.pose[3:]
+
+    @property
+    def velocity(self) -> FloatArray:
+        """Velocity (6,) of the base's centre of mass, linear [m/s] then angular [rad/s], in world axes."""
+        linear, angular = bullet.getBaseVelocity(self.model.uid, physicsClientId=self.model.client.id)
+        return np.array(linear + angular)
+
+    def set_pose(self, pose: PoseLike, zero_velocity: bool = True) -> None:
+        """Put the body at a pose (7,); bodies that the scene file hangs on it come along.
+
+        Args:
+            pose: Pose of the base link frame in the world.
+            zero_velocity: Bring the body to rest as well.
+        """
+        new = pose_vector(pose, f"pose of '{self.name}'")
+        old, velocity = self.pose, self.velocity
+        self.place(new)
+        if not zero_velocity:
+            self.set_velocity(velocity)
+        self._on_move(self.name, old, new)
+
+    def place(self, pose: PoseLike) -> None:
+        """Put this body alone at a pose (7,), at rest."""
+        self.model.set_base_pose(pose)
+        if not self.fixed:
+            self.set_velocity(np.zeros(6))
+
+    def set_velocity(self, velocity: Sequence[float] | FloatArray) -> None:
+        """Set linear [m/s] and angular [rad/s] velocity (6,) of the base's centre of mass."""
+        v = finite_vector(velocity, 6, f"velocity of '{self.name}'").tolist()
+        bullet.resetBaseVelocity(self.model.uid, v[:3], v[3:], physicsClientId=self.model.client.id)
+
+    def link_pose(self, link: str) -> FloatArray:
+        """Pose (7,) of the URDF frame of `link` in the world."""
+        return self.model.link_pose(link)
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """Names of all links, base first."""
+        return tuple(self.model.links)
+
+    # Shape -----------------------------------------------------------------------------------------------------------
+
+    def bounds(self) -> FloatArray:
+        """Corners [[min], [max]] (2, 3) of the box around the body in its own frame, with its joints where they are [m]."""
+        if not self.joints:
+            if self._rigid_bounds is None:
+                self._rigid_bounds = self.bounds_from(self.pose)
+            return self._rigid_bounds.copy()
+        return self.bounds_from(self.pose)
+
+    def bounds_from(self, frame: PoseLike) -> FloatArray:
+        """Corners [[min], [max]] (2, 3) of the box around the body along the axes of a frame (7,), from its origin [m]."""
+        boxes = []
+        parts = geometry.solid_geometry(self.model.urdf, self.model.scale)
+        for link in self.model.solid_links():
+            T_base_link = pose_to_se3(relative(self.link_pose(link), frame))
+            boxes.append(geometry.bounds((shape, T_base_link * local) for shape, local in parts[link]))
+        if not boxes:
+            return np.zeros((2, 3))
+        return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
+
+    def aabb_size(self) -> FloatArray:
+        """Size (3,) of the box around the body in its own frame [m]."""
+        low, high = self.bounds()
+        return high - low
+
+    # Looks and contact -----------------------------------------------------------------------------------------------
+
+    @property
+    def color(self) -> Color:
+        """Colour rgba in 0..1: the last one set on the base, or that of its first visual."""
+        for index in (BASE, *sorted(self._visuals)):
+            if index in self._colors:
+                return self._colors[index]
+            if index in self._visuals:
+                return self._visuals[index][0]
+        return (1.0, 1.0, 1.0, 1.0)
+
+    def set_color(self, color: Sequence[float], link: str | None = None) -> None:
+        """Colour every visual of one link, or of all links.
+
+        Args:
+            color: rgb or rgba in 0..1.
+            link: Name of the link; None colours them all.
+        """
+        if len(color) not in (3, 4) or not all(0.0 <= c <= 1.0 for c in color):
+            raise ValueError(f"A colour is 3 or 4 numbers in 0..1, not {list(color)}.")
+        red, green, blue, alpha = (float(c) for c in (*color, 1.0)[:4])
+        indices = list(self._visuals) if link is None else [self.model.link_index(link)]
+        for index in indices:
+            self._paint(index, (red, green, blue, alpha))
+
+    def _paint(self, index: int, color: Color) -> None:
+        if self._colors.get(index) == color or index not in self._visuals:
+            return
+        self._colors[index] = color
+        bullet.changeVisualShape(self.model.uid, index, rgbaColor=color, physicsClientId=self.model.client.id)
+
+    def _unpaint(self, index: int) -> None:
+        """Give the visuals of a link the colours of the URDF back."""
+        del self._colors[index]
+        for shape, color in enumerate(self._visuals[index]):
+            bullet.changeVisualShape(
+                self.model.uid, index, shapeIndex=shape, rgbaColor=color, physicsClientId=self.model.client.id
+            )
+
+    def repaint(self) -> None:
+        """Show the colours that the body has, whatever was painted over it."""
+        for index in self._visuals:
+            if index in self._colors:
+                color = self._colors.pop(index)
+                self._paint(index, color)
+            else:
+                self._colors[index] = (0.0, 0.0, 0.0, 0.0)
+                self._unpaint(index)
+
+    @property
+    def seen_links(self) -> tuple[int, ...]:
+        """Numbers of the links that have visuals."""
+        return tuple(sorted(self._visuals))
+
+    @property
+    def colors(self) -> dict[int, Color]:
+        """Colours that were set, by link number."""
+        return dict(self._colors)
+
+    def set_colors(self, colors: dict[int, Color]) -> None:
+        """Make `colors` the only ones that differ from the URDF."""
+        for index in [i for i in self._colors if i not in colors]:
+            self._unpaint(index)
+        for index, color in colors.items():
+            self._paint(index, color)
+
+    @property
+    def collides(self) -> bool:
+        """Whether the body touches other things."""
+        return self._collides
+
+    def set_collides(self, collides: bool) -> None:
+        """Let the body touch other things, or pass through them."""
+        if collides == self._collides:
+            return
+        self._collides = collides
+        for index in self.model.links.values():
+            group, mask = (_STATIC if self.fixed and index == BASE else _DYNAMIC) if collides else (0, 0)
+            bullet.setCollisionFilterGroupMask(self.model.uid, index, group, mask, physicsClientId=self.model.client.id)
+
+    def joint(self, name: str) -> ObjectJoint:
+        """Return the joint called `name`."""
+        if name not in self.joints:
+            raise UnknownName(f"joint of '{self.name}'", name, tuple(self.joints))
+        return self.joints[name]
+
+    def __repr__(self) -> str:
+        return f"Body('{self.name}')"
+
+
+def carried(pose: PoseLike, old: PoseLike, new: PoseLike) -> FloatArray:
+    """Where a thing at `pose` goes when what it hangs on moves from `old` to `new`."""
+    return compose(new, relative(pose, old))
+
+
+def visual_colors(model: LoadedModel) -> dict[int, tuple[Color, ...]]:
+    """Colours of the URDF's visuals, by link number, in file order."""
+    colors: dict[int, tuple[Color, ...]] = {}
+    for entry in bullet.getVisualShapeData(model.uid, physicsClientId=model.client.id):
+        colors[entry[1]] = (*colors.get(entry[1], ()), tuple(round(c, 6) for c in entry[7]))
+    return colors

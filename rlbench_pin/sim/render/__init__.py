@@ -1,0 +1,1 @@
+"""Cameras, lights, textures and pictures."""

@@ -1,0 +1,158 @@
+"""Trials add up to a verdict with its reasons."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from rlbench_pin.checking.judge import Rest
+from rlbench_pin.checking.pages.page import page
+from rlbench_pin.checking.pages.table import table
+from rlbench_pin.checking.reach import Reach
+from rlbench_pin.checking.report import TaskReport, summarise
+from rlbench_pin.checking.trials import Trial, drawn_variations
+from rlbench_pin.environment.demonstrate import LegReport
+
+LEGS = (LegReport(0, "straight", 0.06, 2.0), LegReport(1, "search", 0.04, 3.0))
+GOOD = Trial(
+    "push_button", "demos", 0, 0, True, 1, replayed=True, frames=100, simulated=5.0, wall=0.5,
+    process=0.25, planning=0.1, physics=0.125, ticks=50, timings=LEGS,
+)  # fmt: skip
+REST = Rest(penetration=0.0004, held=(), arm_speed=0.0, drift=0.0002, drifter="button/cap", success=False)
+
+
+def _trials(amount: int = 20) -> list[Trial]:
+    demos = [replace(GOOD, seed=i, variation=i % 3) for i in range(amount)]
+    others = [Trial("push_button", "idle", 0, 0, False, rest=REST), Trial("push_button", "repeat", 0, 0, True)]
+    return demos + others + [Trial("push_button", "words", v, v, True, words=(f"Press button {v}.",)) for v in range(3)]
+
+
+def _content(*reports: TaskReport) -> dict[str, object]:
+    settings = {"episodes": 20, "seed": 0, "max_attempts": 10, "max_variations": 20, "versions": {"numpy": "2"}}
+    return {**settings, "tasks": {r.task: r.as_dict() for r in reports}}
+
+
+def test_a_good_task_passes() -> None:
+    """No faults, and the figures are those of the trials."""
+    report = summarise("push_button", _trials())
+    assert report.faults == ()
+    assert report.variations == (0, 1, 2)
+    assert (report.frames, report.simulated, report.speed.times_real_time) == (100.0, 5.0, 20.0)
+    line = " ".join(table([report]).splitlines()[1].split())
+    figures = "20/20 84%..100% 20/20 20/20 0/1 0/0 1/1 0/0 0.20 mm 0.40 mm 5.0 s 100 ms 20.0 x"
+    assert line == f"push_button 3 {figures} ok"
+
+
+@pytest.mark.parametrize(
+    ("worse", "fault"),
+    [
+        (replace(GOOD, part="idle"), "resting succeeds"),
+        (replace(GOOD, part="random"), "flailing succeeds"),
+        (replace(GOOD, part="repeat", success=False), "a reset or a demonstration does not repeat"),
+        (replace(GOOD, left_over=("pose of crumb",)), "an episode leaves something behind"),
+        (replace(GOOD, part="idle", success=False, rest=replace(REST, drift=0.0011)), "button/cap moves by itself"),
+        (replace(GOOD, part="idle", success=False, rest=replace(REST, penetration=0.0021)), "things overlap at a reset"),
+        (replace(GOOD, part="idle", success=False, rest=replace(REST, held=("cup",))), "something is held at a reset"),
+        (replace(GOOD, part="words", variation=3, words=("",)), "variation 3 lacks instructions, or repeats one"),
+        (replace(GOOD, part="words", variation=3, words=("Go.", "Go.")), "variation 3 lacks instructions, or repeats one"),
+        (replace(GOOD, part="words", variation=3, words=("Press button 1.",)), "variations (1, 3) have the same instructions"),
+        (replace(GOOD, part="reach", error="KeyError: 'cup'"), "raises an error"),
+        (replace(GOOD, success=False, tries=10, causes=("no path: x",), legs=(2,)), "a seed failed every try"),
+    ],
+)
+def test_each_fault_is_named(worse: Trial, fault: str) -> None:
+    """One bad trial of the hard checks is enough."""
+    assert fault in summarise("push_button", [*_trials(40), worse]).faults
+
+
+def test_rates_have_floors() -> None:
+    """Two of twenty first tries or replays lost is too many."""
+    late = [replace(GOOD, seed=100 + i, tries=2, causes=("no path: after 10 checks",), legs=(1,)) for i in range(2)]
+    assert summarise("push_button", [*_trials(18), *late]).faults == ("first try below 95%",)
+    lost = [replace(GOOD, seed=100 + i, replayed=False) for i in range(2)]
+    assert summarise("push_button", [*_trials(18), *lost]).faults == ("replay below 95%",)
+
+
+def test_flailing_may_reach_a_target() -> None:
+    """The random floor of reach_target is reported, not forbidden."""
+    report = summarise(
+        "reach_target", [replace(GOOD, task="reach_target"), Trial("reach_target", "random", 0, 0, True)], by_chance=True
+    )
+    assert report.faults == ()
+    assert report.random.count == 1
+
+
+def test_failures_are_grouped_by_cause() -> None:
+    """Causes that differ in their numbers only count together, with the first as example."""
+    causes = [("no path: no path after 20 checks",), ("no path: no path after 31 checks",), ("timing: joint 3",)]
+    trials = [replace(GOOD, seed=i, tries=2, causes=c, legs=(i,)) for i, c in enumerate(causes)]
+    failures = summarise("push_button", trials).failures
+    assert [(f.count, f.seed, f.waypoint) for f in failures] == [(2, 0, 0), (1, 2, 2)]
+
+
+def test_variations_are_drawn_without_repeats() -> None:
+    """All when there are few; otherwise the same draw each time."""
+    assert drawn_variations(3, 20) == (0, 1, 2)
+    drawn = drawn_variations(60, 20)
+    assert len(set(drawn)) == 20
+    assert drawn == drawn_variations(60, 20)
+    assert max(drawn) < 60
+
+
+def test_variations_may_share_a_goal_when_the_task_says_so() -> None:
+    """Then the same instructions are no fault."""
+    same = [*_trials(), Trial("push_button", "words", 3, 3, True, words=("Press button 1.",))]
+    assert summarise("push_button", same, shared_goals=True).faults == ()
+
+
+def test_each_variation_has_its_rates() -> None:
+    """First tries and successes are counted by variation."""
+    late = replace(GOOD, seed=50, variation=1, tries=3, causes=("a", "b"), legs=(0, 0))
+    report = summarise("push_button", [*_trials(6), late])
+    assert {v: (first.count, first.of, within.count) for v, (first, within) in report.per_variation.items()} == {
+        0: (2, 2, 2),
+        1: (2, 3, 3),
+        2: (2, 2, 2),
+    }
+
+
+def test_legs_and_shares_of_time_add_up() -> None:
+    """By waypoint: how long planning takes and how long the motion is; and what the whole is spent on."""
+    slower = replace(GOOD, seed=99, timings=(LegReport(0, "search", 0.16, 4.0),))
+    report = summarise("push_button", [GOOD, slower])
+    first, second = report.legs
+    assert (first.waypoint, first.count, first.methods) == (0, 2, {"search": 1, "straight": 1})
+    assert first.planning == pytest.approx((0.11, 0.155))
+    assert first.duration == pytest.approx((3.0, 3.9))
+    assert (second.waypoint, second.count) == (1, 1)
+    assert report.speed.reason.startswith("physics 50% (2.5 ms a tick); planning 40%, 0.11 s of it at waypoint 0;")
+
+
+def test_reach_is_counted_by_waypoint() -> None:
+    """A place counts as kept when every waypoint is in reach and the arm free."""
+    places = [
+        Reach((0.1, 0.2, 0.0), (0, 2), (True, True), ((0.1, 0.2),) * 2, True),
+        Reach((0.1, 0.3, 0.0), (0, 2), (True, False), ((0.1, 0.3),) * 2, True),
+        Reach((0.1, 0.1, 0.0), (0, 2), (True, True), ((0.1, 0.1),) * 2, False),
+    ]
+    trials = [Trial("push_button", "reach", i, 0, r.accepted, reach=r) for i, r in enumerate(places)]
+    report = summarise("push_button", [*_trials(), *trials])
+    assert {w: (rate.count, rate.of) for w, rate in report.reach.items()} == {0: (3, 3), 2: (2, 3)}
+    assert (report.accepted.count, report.accepted.of) == (1, 3)
+    assert report.faults == ()
+
+
+def test_the_page_shows_what_the_json_holds() -> None:
+    """Tables of tasks, variations and legs, the slowest with the reason, and pictures where there are some."""
+    slow = [replace(t, task="stack_blocks", process=1.0, physics=0.8) for t in _trials()]
+    content = _content(summarise("push_button", _trials()), summarise("stack_blocks", slow))
+    text = page(content, {"push_button": {"sheet": "pictures/push_button.jpg"}})
+    assert "2 of 2 pass" in text
+    assert "| [`push_button`](#push_button) | 3 | 100 % (84 to 100) | 20/20 |" in text
+    assert "![push_button, sheet](pictures/push_button.jpg)" in text
+    assert "| 1 | 100 % (65 to 100) | 7/7 | Press button 1. |" in text
+    assert "| 1 | 20 | 40 ms | 40 ms | 3.00 s | 3.00 s | search 20 |" in text
+    slowest = text[text.index("## The slowest") :]
+    assert slowest.index("`stack_blocks`") < slowest.index("`push_button`")
+    assert "physics 80%" in slowest

@@ -1,0 +1,302 @@
+"""RLBench-style folders: what is written is what the format says, what is read is what was written, nothing is trusted."""
+
+from __future__ import annotations
+
+import ast
+import os
+import pickle
+import pickletools
+import subprocess
+import sys
+import types
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from rlbench_pin.datasets import DatasetWriter, episode_files, read_demo
+from rlbench_pin.datasets.formats.rlbench_folders import export_rlbench
+from rlbench_pin.datasets.formats.rlbench_pickle import PickledDemo, PickledObservation, dump, load
+from rlbench_pin.datasets.formats.rlbench_pictures import decode_depth, decode_mask, encode_depth, encode_mask
+from rlbench_pin.datasets.formats.rlbench_reader import folder_demos, folder_episodes, read_folder
+from rlbench_pin.errors import DatasetError, EpisodeFileError
+from rlbench_pin.observation import Demo, Observation
+
+TASK = "reach_target"
+
+
+def make_demo(seed: int, frames: int = 4, variation: int = 0) -> Demo:
+    """Return a demo with pictures of three kinds and everything that `misc` may hold."""
+    rng = np.random.default_rng(seed)
+    observations = [
+        Observation(
+            front_rgb=rng.integers(0, 256, (12, 16, 3), dtype=np.uint8),
+            front_depth=rng.random((12, 16), dtype=np.float32),
+            front_mask=rng.integers(0, 70_000, (12, 16), dtype=np.int32),
+            wrist_rgb=rng.integers(0, 256, (12, 16, 3), dtype=np.uint8),
+            joint_positions=rng.normal(size=7),
+            gripper_open=1.0,
+            gripper_matrix=rng.normal(size=(4, 4)),
+            misc={
+                "front_camera_intrinsics": np.diag([-20.0, -20.0, 1.0]),
+                "front_camera_extrinsics": np.eye(4),
+                "front_camera_near": 0.01,
+                "front_camera_far": 4.5,
+                "variation_index": variation,
+                "joint_poses": [rng.normal(size=7) for _ in range(7)],
+                "descriptions": ["reach the red ball"],
+            },
+        )
+        for _ in range(frames)
+    ]
+    return Demo(
+        observations, random_seed=seed, num_reset_attempts=2, variation_number=variation,
+        instructions=["reach the red ball", "touch it"], task_name=TASK,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Eleven episodes of variation 0, one of variation 2."""
+    folder = tmp_path_factory.mktemp("data")
+    for seed in range(11):
+        DatasetWriter(folder).add(make_demo(seed))
+    DatasetWriter(folder).add(make_demo(20, frames=6, variation=2))
+    return folder
+
+
+@pytest.fixture(scope="module", params=["upstream", "peract"])
+def folders(request: pytest.FixtureRequest, root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same in folders, in both layouts."""
+    return export_rlbench(root, tmp_path_factory.mktemp("folders") / request.param, layout=request.param)
+
+
+def check_equal(read: Demo, original: Demo) -> None:
+    """The same within the encodings: colours and ids exactly, depth within half a step of 24 bits."""
+    assert len(read) == len(original)
+    for a, b in zip(read, original):
+        for name in ("front_rgb", "front_mask", "wrist_rgb", "joint_positions", "gripper_matrix"):
+            assert np.array_equal(getattr(a, name), getattr(b, name))
+        assert a.front_mask is not None
+        assert a.front_mask.dtype == np.int32
+        assert np.abs(np.subtract(a.front_depth, b.front_depth, dtype=np.float64)).max() < 1.2e-7
+        assert (a.gripper_open, a.overhead_rgb, a.wrist_depth) == (1.0, None, None)
+        assert a.misc.keys() == b.misc.keys()
+        assert np.array_equal(a.misc["joint_poses"], b.misc["joint_poses"])
+        assert np.array_equal(a.misc["front_camera_intrinsics"], b.misc["front_camera_intrinsics"])
+    for name in ("random_seed", "num_reset_attempts", "variation_number", "instructions", "task_name"):
+        assert getattr(read, name) == getattr(original, name)
+
+
+def test_what_is_read_is_what_was_written(root: Path, folders: Path) -> None:
+    """Every episode comes back equal within the encodings, in natural order, with seed, variation and sentences."""
+    originals = [read_demo(path) for path in episode_files(root, TASK)]
+    demos = folder_demos(folders, TASK, -1, -1)
+    for read, original in zip(demos, originals, strict=True):
+        check_equal(read, original)
+    assert [d.random_seed for d in folder_demos(folders, TASK, 1, 2)] == [20]
+    assert [d.random_seed for d in folder_demos(folders, TASK, 2, 0, from_episode_number=9)] == [9, 10]
+    drawn = folder_demos(folders, TASK, 5, 0, from_episode_number=None, rng=np.random.default_rng(0))
+    assert len({d.random_seed for d in drawn}) == 5
+
+
+def test_the_layouts_are_those_of_the_format(root: Path, tmp_path: Path) -> None:
+    """Folders and files are where loaders of either dialect look for them."""
+    upstream = export_rlbench(root, tmp_path / "upstream") / TASK
+    peract = export_rlbench(root, tmp_path / "peract", layout="peract") / TASK
+    assert (upstream / "variation2" / "variation_descriptions.pkl").is_file()
+    episode = upstream / "variation0" / "episodes" / "episode10"
+    assert {p.name for p in episode.iterdir()} == {"low_dim_obs.pkl", "front_rgb", "front_depth", "front_mask", "wrist_rgb"}
+    assert sorted(p.name for p in (episode / "front_rgb").iterdir()) == ["0.png", "1.png", "2.png", "3.png"]
+    episodes = peract / "all_variations" / "episodes"
+    assert len(list(episodes.iterdir())) == 12
+    assert pickle.loads((episodes / "episode11" / "variation_number.pkl").read_bytes()) == 2
+    assert pickle.loads((episodes / "episode11" / "variation_descriptions.pkl").read_bytes()) == [
+        "reach the red ball",
+        "touch it",
+    ]
+
+
+def test_the_pictures_are_those_of_the_format(root: Path, tmp_path: Path) -> None:
+    """Depth has its high byte in red, masks their low byte in red, as A.19 of the interface says."""
+    demo = read_demo(episode_files(root, TASK)[3])
+    episode = export_rlbench(root, tmp_path / "x") / TASK / "variation0" / "episodes" / "episode3"
+    rgb, depth, mask = (np.asarray(Image.open(episode / f"front_{p}" / "2.png")).astype(int) for p in ("rgb", "depth", "mask"))
+    assert np.array_equal(rgb, demo[2].front_rgb)
+    steps = depth[..., 0] * 65536 + depth[..., 1] * 256 + depth[..., 2]
+    assert np.abs(steps / (2**24 - 1) - demo[2].front_depth).max() < 6e-8
+    assert np.array_equal(mask[..., 0] + 256 * mask[..., 1] + 65536 * mask[..., 2], demo[2].front_mask)
+
+
+def test_depth_survives_to_half_a_micrometre() -> None:
+    """Every depth within 4.5 m comes back within half a micrometre, ends included; masks exactly."""
+    depth = np.append(np.random.default_rng(0).random(1000), [0.0, 1.0]).astype(np.float32).reshape(2, -1)
+    assert np.abs(decode_depth(encode_depth(depth)).astype(float) - depth).max() * 4.5 < 5e-7
+    mask = np.array([[0, 1, 255, 256, 65535, 65536, 2**24 - 1]], dtype=np.int32)
+    assert np.array_equal(decode_mask(encode_mask(mask)), mask)
+    with pytest.raises(DatasetError, match=r"0\.\.1"):
+        encode_depth(np.array([[1.5]]))
+    with pytest.raises(DatasetError, match="2\\^24"):
+        encode_mask(np.array([[2**24]]))
+
+
+# The pickle -----------------------------------------------------------------------------------------------------------
+
+
+def test_other_packages_load_the_pickle(root: Path, tmp_path: Path) -> None:
+    """A plain unpickler that has classes under the upstream names, and nothing of ours, gets their instances."""
+    episode = export_rlbench(root, tmp_path / "x") / TASK / "variation0" / "episodes" / "episode3"
+    package = tmp_path / "site" / "rlbench" / "backend"
+    package.mkdir(parents=True)
+    (package.parent / "__init__.py").write_text("")
+    (package / "__init__.py").write_text("")
+    (package.parent / "demo.py").write_text("class Demo:\n    def __len__(self):\n        return len(self._observations)\n")
+    (package / "observation.py").write_text("class Observation:\n    pass\n")
+    code = (
+        "import pickle, sys\n"
+        "demo = pickle.load(open(sys.argv[1], 'rb'))\n"
+        "first = demo._observations[0]\n"
+        "print(type(demo).__module__, type(first).__module__, len(demo), first.front_rgb, first.joint_positions.shape,"
+        " demo.random_seed, first.misc['variation_index'], any('rlbench_pin' in m for m in sys.modules))\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path / "site")}
+    command = [sys.executable, "-W", "ignore", "-c", code, str(episode / "low_dim_obs.pkl")]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=tmp_path, check=True)
+    assert done.stdout.split() == ["rlbench.demo", "rlbench.backend.observation", "4", "None", "(7,)", "3", "0", "False"]
+
+
+def test_the_pickle_names_nothing_of_ours(root: Path, tmp_path: Path) -> None:
+    """Every name in the file is one that the package of the format, or any numpy, knows."""
+    episode = export_rlbench(root, tmp_path / "x") / TASK / "variation0" / "episodes" / "episode3"
+    data = (episode / "low_dim_obs.pkl").read_bytes()
+    names = {str(argument) for opcode, argument, _ in pickletools.genops(data) if opcode.name == "GLOBAL"}
+    assert names <= {
+        "rlbench.demo Demo", "rlbench.backend.observation Observation", "numpy.core.multiarray _reconstruct",
+        "numpy.core.multiarray scalar", "numpy ndarray", "numpy dtype", "_codecs encode", "copy_reg _reconstructor",
+        "__builtin__ object",
+    }  # fmt: skip
+
+
+_CLASSES = (("demo", "Demo"), ("backend.observation", "Observation"))
+
+
+class Evil:
+    """Runs a command when it is unpickled."""
+
+    def __init__(self, file: Path) -> None:
+        self.file = file
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return os.system, (f"touch {self.file}",)
+
+
+@pytest.mark.parametrize("protocol", range(6))
+def test_a_hostile_pickle_runs_nothing(tmp_path: Path, protocol: int) -> None:
+    """A file that asks for a function is refused by name, before the function is called."""
+    bad = tmp_path / "low_dim_obs.pkl"
+    bad.write_bytes(pickle.dumps(Evil(tmp_path / "pwned"), protocol=protocol))
+    with pytest.raises(EpisodeFileError, match=r"low_dim_obs\.pkl.*system.*Do not trust it"):
+        load(bad)
+    assert not (tmp_path / "pwned").exists()
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"cbuiltins\neval\n(S'1'\ntR.",
+        b"cbuiltins\ngetattr\n(cbuiltins\nobject\nS'__subclasses__'\ntR.",
+        b"crlbench_pin.datasets.formats.rlbench_pickle\nload\n.",
+        b"cnumpy\nload\n(S'/etc/passwd'\ntR.",
+        b"cnumpy.core.multiarray\nfromfile\n.",
+        b"c_codecs\nencode\n(Vx\nVzlib\ntR.",
+        b"Psomething\n.",
+        b"cnumpy\nndarray\n((K\x01tVO\ntR.",
+        b"cnumpy\ndtype\n(VV8\ntR.",
+        b"cnumpy.core.multiarray\nscalar\n(cnumpy\ndtype\n(VO\ntRC\x08AAAAAAAAtR.",
+        b"",
+        b"\x80\x04garbage",
+    ],
+)
+def test_damaged_and_hostile_bytes_are_named(tmp_path: Path, data: bytes) -> None:
+    """Whatever the bytes are, the error is ours and names the file."""
+    (tmp_path / "x.pkl").write_bytes(data)
+    with pytest.raises(EpisodeFileError, match=r"x\.pkl"):
+        load(tmp_path / "x.pkl")
+
+
+@pytest.mark.parametrize("protocol", range(6))
+def test_pickles_of_every_protocol_are_read(tmp_path: Path, protocol: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files of other Pythons and numpys hold the same things in other words."""
+    for module in ("rlbench", "rlbench.backend", "rlbench.demo", "rlbench.backend.observation"):
+        monkeypatch.setitem(sys.modules, module, types.ModuleType(module))
+    classes = [type(name, (), {"__module__": f"rlbench.{module}"}) for module, name in _CLASSES]
+    for cls in classes:
+        setattr(sys.modules[cls.__module__], cls.__name__, cls)
+    demo, observation = (cls() for cls in classes)
+    observation.__dict__.update(joint_positions=np.arange(7.0), gripper_open=np.float64(1.0), misc={"x": np.int32(4), "s": "é"})
+    demo.__dict__.update(_observations=[observation], random_seed=("MT19937", np.arange(4, dtype=np.uint32), 624, 0, 0.0))
+    data = pickle.dumps(demo, protocol=protocol)
+    (tmp_path / "x.pkl").write_bytes(data)
+    again = load(tmp_path / "x.pkl")
+    (first,) = vars(again)["_observations"]
+    assert np.array_equal(vars(first)["joint_positions"], np.arange(7.0))
+    assert (vars(first)["gripper_open"], vars(first)["misc"]) == (1.0, {"x": 4, "s": "é"})
+
+
+def test_pickle_has_one_home() -> None:
+    """No module but the one for this foreign format imports pickle."""
+    package = Path(__file__).parents[3] / "rlbench_pin"
+    importing = {
+        file.name
+        for file in package.rglob("*.py")
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Import)
+        and any(alias.name in ("pickle", "dill", "cloudpickle", "marshal") for alias in node.names)
+    }
+    assert importing == {"rlbench_pickle.py"}
+
+
+# Tolerance ------------------------------------------------------------------------------------------------------------
+
+
+def test_broken_folders_are_named(root: Path, tmp_path: Path) -> None:
+    """A picture too few, a damaged picture and a missing list are errors with a path; masks are not counted."""
+    folders = export_rlbench(root, tmp_path / "x")
+    episodes = folder_episodes(folders, TASK, 0)
+    (episodes[0] / "front_rgb" / "3.png").unlink()
+    with pytest.raises(RuntimeError, match=r"Broken dataset.*front_rgb.*3 pictures for 4 frames"):
+        read_folder(episodes[0])
+    (episodes[1] / "wrist_rgb" / "1.png").write_bytes(b"\x89PNG nothing")
+    with pytest.raises(EpisodeFileError, match=r"1\.png.*damaged"):
+        read_folder(episodes[1])
+    assert read_folder(episodes[1], fields=["front_rgb"])[0].wrist_rgb is None
+    (episodes[2] / "low_dim_obs.pkl").write_bytes(dump("nothing of the kind"))
+    with pytest.raises(EpisodeFileError, match="no list of observations"):
+        read_folder(episodes[2])
+    with pytest.raises(DatasetError, match="13 demos"):
+        folder_demos(folders, TASK, 13, -1)
+
+
+def test_old_episodes_are_read(tmp_path: Path) -> None:
+    """Old files lack the variation in `misc` and may have an observation where the sentences belong."""
+    folder = tmp_path / TASK / "variation3" / "episodes" / "episode0"
+    folder.mkdir(parents=True)
+    demo, observation = PickledDemo(), PickledObservation()
+    observation.__dict__.update(joint_positions=np.zeros(7), misc={})
+    demo.__dict__.update(_observations=[observation, observation], random_seed=None)
+    (folder / "low_dim_obs.pkl").write_bytes(dump(demo))
+    (folder.parents[1] / "variation_descriptions.pkl").write_bytes(dump(observation))
+    (read,) = folder_demos(tmp_path, TASK, -1, 3)
+    assert (read.variation_number, read.instructions, len(read)) == (3, (), 2)
+    assert read[1].misc["variation_index"] == 3
+
+
+def test_paths_instead_of_pictures(root: Path, tmp_path: Path) -> None:
+    """With `image_paths`, picture fields hold the paths of files that any program opens."""
+    folders = export_rlbench(root, tmp_path / "x")
+    (demo,) = folder_demos(folders, TASK, 1, 0, image_paths=True)
+    assert str(demo[2].front_rgb).endswith(os.path.join("episode0", "front_rgb", "2.png"))
+    with Image.open(str(demo[2].front_rgb)) as picture:
+        assert picture.size == (16, 12)

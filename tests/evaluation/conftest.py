@@ -1,0 +1,5 @@
+"""Environments shared by the tests of this folder."""
+
+from tests.environment.conftest import reach
+
+__all__ = ["reach"]

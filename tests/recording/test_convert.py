@@ -1,0 +1,83 @@
+"""Demonstrations in other action spaces."""
+
+from __future__ import annotations
+
+import pytest
+
+from rlbench_pin.environment import (
+    Discrete,
+    EndEffectorPoseViaIK,
+    EndEffectorVelocity,
+    Environment,
+    ERJointViaIK,
+    JointPosition,
+    JointTorque,
+    JointVelocity,
+    MoveArmThenGripper,
+)
+from rlbench_pin.environment.actions.arm_mode import ArmActionMode
+from rlbench_pin.errors import InvalidActionError
+from rlbench_pin.recording import convert_by_playing, convert_demo, verify
+from tests.environment.conftest import low_dim
+
+MODES = [
+    JointPosition(),
+    JointPosition(absolute_mode=False),
+    JointVelocity(),
+    EndEffectorPoseViaIK(),
+    EndEffectorPoseViaIK(absolute_mode=False),
+    EndEffectorPoseViaIK(frame="end effector"),
+    EndEffectorVelocity(),
+    EndEffectorVelocity(frame="end effector"),
+]
+
+
+@pytest.mark.parametrize("arm", MODES, ids=lambda a: f"{type(a).__name__}-{getattr(a, 'frame', '')}-{a.absolute_mode}")
+def test_a_converted_demo_still_succeeds(arm: ArmActionMode) -> None:
+    """Picking and lifting works again in another action space."""
+    mode = MoveArmThenGripper(arm, Discrete())
+    with Environment(mode, obs_config=low_dim(), seed=0) as env:
+        task = env.get_task("pick_and_lift")
+        (demo,) = task.get_demos(1, live_demos=True, seed=3)
+        actions = convert_demo(demo, mode, task.runtime.model)
+        assert len(actions) == len(demo) - 1
+        assert all(action.shape == env.action_shape for action in actions)
+        assert verify(task, demo, actions)
+
+
+PLAYED = [JointTorque(), JointTorque(absolute_mode=False), JointVelocity(absolute_mode=False), EndEffectorVelocity(False)]
+
+
+@pytest.mark.parametrize("arm", PLAYED, ids=lambda a: f"{type(a).__name__}-{a.absolute_mode}")
+def test_torques_and_differences_are_found_by_playing(arm: ArmActionMode) -> None:
+    """What drifts when it is worked out from the model alone succeeds when it was worked out from what was measured."""
+    mode = MoveArmThenGripper(arm, Discrete())
+    with Environment(mode, obs_config=low_dim(), seed=0) as env:
+        task = env.get_task("pick_and_lift")
+        (demo,) = task.get_demos(1, live_demos=True, seed=3)
+        actions = convert_by_playing(task, demo)
+        assert 1 < len(actions) <= len(demo) - 1
+        assert all(action.shape == env.action_shape for action in actions)
+        assert verify(task, demo, actions)
+
+
+def test_actions_that_do_nothing_do_not_verify() -> None:
+    """The check fails when the deed is left out."""
+    mode = MoveArmThenGripper(JointPosition(), Discrete())
+    with Environment(mode, obs_config=low_dim(), seed=0) as env:
+        task = env.get_task("pick_and_lift")
+        (demo,) = task.get_demos(1, live_demos=True, seed=3)
+        actions = convert_demo(demo, mode, task.runtime.model)
+        for action in actions:
+            action[-1] = 1.0
+        assert not verify(task, demo, actions)
+
+
+def test_what_cannot_be_converted_says_so() -> None:
+    """Elbow control and torque changes are refused by name."""
+    with Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=low_dim(), seed=0) as env:
+        task = env.get_task("reach_target")
+        (demo,) = task.get_demos(1, live_demos=True, seed=3)
+        for arm in (ERJointViaIK(), JointTorque(absolute_mode=False)):
+            with pytest.raises(InvalidActionError, match=type(arm).__name__):
+                convert_demo(demo, MoveArmThenGripper(arm, Discrete()), task.runtime.model)

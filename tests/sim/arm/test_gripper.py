@@ -1,0 +1,132 @@
+"""The hand closes on things, holds them, and lets them go."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rlbench_pin.errors import InvalidActionError
+from rlbench_pin.spatial import relative, rotation_distance
+from tests.sim.support import ABOVE, AROUND, build, close_on_cube, cube, cube_scene, fingers, move, steps
+
+
+@pytest.fixture
+def world():
+    with build() as world:
+        world.body("cube").graspable = True
+        yield world
+
+
+def in_hand(world) -> np.ndarray:
+    """Pose of the cube in the hand."""
+    return relative(world.body("cube").pose, world.robot.link_pose("panda_hand"))
+
+
+def test_fingers_travel_at_the_given_speed(world):
+    """A stroke of 0.04 m takes 20 ticks at 0.04 m/s and 4 at 0.2 m/s, and ends where it should."""
+    slow = fingers(world, 0.0, 0.04)
+    assert 20 <= slow <= 22
+    np.testing.assert_allclose(world.gripper.opening, 0.0, atol=0.01)
+    fast = fingers(world, 1.0, 0.2)
+    assert 4 <= fast <= 6
+    np.testing.assert_allclose(world.gripper.opening, 1.0, atol=0.01)
+    assert world.gripper.is_open
+
+
+def test_fingers_stop_at_an_object(world):
+    """Closing on a cube stalls at its width, both fingers alike, with a force on each pad."""
+    close_on_cube(world)
+    np.testing.assert_allclose(world.robot.fingers, 0.025, atol=5e-4)
+    left, right = world.robot.touch_forces().reshape(2, 3)
+    assert 5.0 < left[1] < 45.0
+    assert -45.0 < right[1] < -5.0
+    assert world.gripper.between_fingers() == ("cube",)
+
+
+def test_an_off_centre_object_is_moved_to_the_middle():
+    """The fingers stay symmetric: a cube 12 mm off is pushed between them."""
+    with build(cube_scene(cube("cube", 0.3, 0.012))) as world:
+        close_on_cube(world)
+        assert abs(world.body("cube").position[1]) < 1.5e-3
+        assert abs(np.diff(world.robot.fingers)[0]) < 1.5e-3
+
+
+def test_only_graspable_bodies_between_the_pads_count(world):
+    """A body that is not declared graspable, or not between the pads, is not proposed."""
+    world.robot.reset_configuration(ABOVE)
+    assert world.gripper.between_fingers() == ()
+    world.robot.reset_configuration(AROUND)
+    assert world.gripper.between_fingers() == ("cube",)
+    world.body("cube").graspable = False
+    assert world.gripper.between_fingers() == ()
+
+
+def test_an_attached_body_neither_sags_nor_shakes(world):
+    """Lifted and swung, the cube stays within 0.2 mm of its place in the hand; at rest within 5 um, and it does not move."""
+    close_on_cube(world)
+    assert world.gripper.grasp("cube")
+    assert not world.gripper.grasp("cube")
+    assert world.gripper.grasped == ("cube",)
+    start, poses = in_hand(world), []
+    world.on_step.append(lambda: poses.append(in_hand(world)))
+    move(world, ABOVE)
+    move(world, ABOVE + [0.8, 0, 0, 0, 0, 0, 0.5])
+    assert max(np.abs(p - start)[:3].max() for p in poses) < 2e-4
+    assert max(rotation_distance(p, start) for p in poses) < 2e-3
+    steps(world, 20)
+    assert np.abs(in_hand(world) - start)[:3].max() < 5e-6
+    assert np.abs(world.body("cube").velocity).max() < 1e-6
+    assert np.abs(world.robot.joint_velocities).max() < 0.01
+
+
+def test_release_lets_go_without_a_kick(world):
+    """Put down and released the cube stays; it is not pushed, and can be grasped again."""
+    close_on_cube(world)
+    world.gripper.grasp("cube")
+    move(world, ABOVE)
+    move(world, AROUND)
+    before = world.body("cube").pose
+    world.gripper.release()
+    assert world.gripper.grasped == ()
+    fingers(world, 1.0)
+    assert np.abs(world.body("cube").pose - before)[:3].max() < 1e-3
+    assert world.body("cube").position[2] == pytest.approx(0.777, abs=1e-3)
+    fingers(world, 0.0)
+    assert world.gripper.grasp("cube")
+
+
+def test_a_released_body_falls(world):
+    """Let go in the air the cube falls to the table."""
+    close_on_cube(world)
+    world.gripper.grasp("cube")
+    move(world, ABOVE)
+    world.gripper.release()
+    world.gripper.set_target(1.0, 0.2)
+    steps(world, 20)
+    assert world.body("cube").position[2] == pytest.approx(0.777, abs=2e-3)
+
+
+def test_friction_alone_holds(world):
+    """Without attachment the fingers lift the cube and do not lose it."""
+    close_on_cube(world)
+    start = in_hand(world)
+    move(world, ABOVE, 1.5)
+    steps(world, 40)
+    assert world.gripper.grasped == ()
+    assert np.abs(in_hand(world) - start)[:3].max() < 2e-3
+    assert world.body("cube").position[2] > 0.88
+
+
+def test_fixed_bodies_are_not_grasped():
+    """Something welded to the world is refused."""
+    with build(cube_scene(cube("cube", 0.3, 0.0, fixed=True))) as world:
+        assert not world.gripper.grasp("cube")
+
+
+@pytest.mark.parametrize(
+    ("amount", "speed", "force"), [(1.1, 0.04, None), (np.nan, 0.04, None), (0.5, 0.0, None), (0.5, 0.04, -1.0)]
+)
+def test_a_bad_command_is_refused(world, amount, speed, force):
+    """Fractions outside 0..1 and speeds or forces that are not positive raise InvalidActionError."""
+    with pytest.raises(InvalidActionError):
+        world.gripper.set_target(amount, speed, force)
