@@ -9,31 +9,36 @@ JOBS ?= 2
 TASKS ?=
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: help setup demo check format test sweep bench clean
+.PHONY: help setup demo lint check format test sweep bench lock clean
 
 help:
 	@echo "make demo    a Panda takes the lid off a saucepan: an episode and a video in out/demo"
-	@echo "make check   format, lint, types and the fast tests, in about a minute"
-	@echo "make test    all tests but the long ones"
+	@echo "make check   format, lint, types and the tests that play no episodes: before every commit"
+	@echo "make test    all tests but the long ones: before a merge"
+	@echo "make lint    format, lint and types only"
+	@echo "make format  format, and fix what the linter can"
 	@echo "make sweep   100 demonstrations of each task and the long tests; writes docs/results and the table in README.md"
 	@echo "make bench   how fast; writes benchmarks/results"
+	@echo "make lock    newest versions that pyproject.toml allows, into constraints.txt"
 
 setup: $(STAMP)
 
-# Reads the versions from pyproject.toml, so a change there installs again.
-$(STAMP): pyproject.toml
+# Installs again when pyproject.toml or the tested versions change.
+$(STAMP): pyproject.toml constraints.txt
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,bench]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev,bench]'
 	@touch $(STAMP)
 
 demo: $(STAMP)
 	$(BIN)/rlbench-pin demo take_lid_off_saucepan --episodes 1 --out out/demo --video
 
-check: $(STAMP)
+lint: $(STAMP)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
-	$(BIN)/pytest -m "not slow" -n $(JOBS) $(TESTS)
+
+check: lint
+	$(BIN)/pytest -m "not slow and not simulation" -n $(JOBS) --dist worksteal $(TESTS)
 
 format: $(STAMP)
 	$(BIN)/ruff format .
@@ -41,6 +46,12 @@ format: $(STAMP)
 
 test: $(STAMP)
 	$(BIN)/pytest -m "not slow" -n $(JOBS) --dist worksteal $(TESTS)
+
+lock:
+	rm -rf .venv-lock && $(PYTHON) -m venv .venv-lock
+	.venv-lock/bin/python -m pip install --quiet --disable-pip-version-check -e '.[dev,bench]'
+	.venv-lock/bin/python -m pip freeze --exclude-editable > constraints.txt
+	rm -rf .venv-lock
 
 # 100 demonstrations of each task and the whole contract. A stopped sweep goes on: finished trials are kept in out/sweep.
 # The table is written also when a task fails; the exit code says so afterwards. A sweep of some TASKS leaves the table alone.

@@ -59,12 +59,12 @@ def rest(task: TaskEnvironment, seed: int, variation: int, steps: int = IDLE_STE
     return Rest(penetration, held, speed, drift, drifter, success)
 
 
-def flail_succeeds(task: TaskEnvironment, seed: int, variation: int) -> bool:
-    """Whether actions drawn evenly from the action space reach the goal; they should not."""
+def flail_succeeds(task: TaskEnvironment, seed: int, variation: int, steps: int = RANDOM_STEPS) -> bool:
+    """Whether `steps` actions drawn evenly from the action space reach the goal; they should not."""
     rng = np.random.default_rng(seed)
     task.reset(seed=seed, variation=variation)
     low, high = task.action_bounds()
-    return reaches_goal(task, (rng.uniform(low, high) for _ in range(RANDOM_STEPS)))
+    return reaches_goal(task, (rng.uniform(low, high) for _ in range(steps)))
 
 
 def replay_succeeds(task: TaskEnvironment, demo: Demo) -> bool:
@@ -98,6 +98,11 @@ def demo_repeats(task: TaskEnvironment, seed: int, variation: int) -> bool:
     """Whether a demonstration played twice has the same bytes, or fails twice for the same cause."""
     first, second = (_demo_bytes(task, seed, variation) for _ in range(2))
     return first == second
+
+
+def demo_bytes(demo: Demo) -> bytes:
+    """Return all low-dimensional data of a demonstration."""
+    return b"".join(observation.get_low_dim_data().tobytes() for observation in demo)
 
 
 def reaches_goal(task: TaskEnvironment, actions: Sequence[np.ndarray] | Iterator[np.ndarray]) -> bool:
@@ -196,6 +201,4 @@ def _world_bytes(task: TaskEnvironment) -> bytes:
 
 def _demo_bytes(task: TaskEnvironment, seed: int, variation: int) -> bytes:
     outcome = task.try_demo(seed=seed, variation=variation)
-    if outcome.demo is None:
-        return outcome.cause.encode()
-    return b"".join(obs.get_low_dim_data().tobytes() for obs in outcome.demo)
+    return outcome.cause.encode() if outcome.demo is None else demo_bytes(outcome.demo)

@@ -1,6 +1,7 @@
 """What every task of the registry must keep, asked of each without naming it.
 
-This is the quick form, on few seeds; the long one is `make sweep`: `rlbench-pin check` with 100 demonstrations and 20 seeds.
+This is the quick form: one demonstration played twice, one replay, one seed of rest and flailing. Its longer half is marked
+`slow`; the long form is `make sweep`: `rlbench-pin check` with 100 demonstrations and 20 seeds.
 """
 
 from __future__ import annotations
@@ -14,8 +15,15 @@ import pytest
 from rlbench_pin.checking import judge
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.motion import REST_SPEED
+from rlbench_pin.observation import Demo
 
-REST_SEEDS, FLAIL_SEEDS = range(2), range(1)
+SHORT = 60
+"""Control ticks of resting and flailing in the quick form; 3 s."""
+
+
+def long(*values: int) -> object:
+    """A case of the long form."""
+    return pytest.param(*values, marks=pytest.mark.slow)
 
 
 def test_a_task_file_imports_only_the_task_api_and_numpy(task_env: TaskEnvironment) -> None:
@@ -49,39 +57,50 @@ def test_the_same_seed_gives_the_same_world(task_env: TaskEnvironment) -> None:
     assert task_env.reset(seed=3)[1].get_low_dim_data().tobytes() == first.tobytes()
 
 
-def test_a_scene_left_alone_stays_as_it_is(task_env: TaskEnvironment) -> None:
+@pytest.mark.parametrize(("seed", "steps"), [(0, SHORT), long(1, judge.IDLE_STEPS)])
+def test_a_scene_left_alone_stays_as_it_is(task_env: TaskEnvironment, seed: int, steps: int) -> None:
     """At the reset nothing is held or overlaps and the arm is still; then nothing moves by itself, and nothing is solved."""
-    for seed in REST_SEEDS:
-        found = judge.rest(task_env, seed, -1)
-        assert found.held == ()
-        assert found.penetration <= judge.MAX_PENETRATION, f"seed {seed}"
-        assert found.arm_speed < REST_SPEED
-        assert not found.success, f"seed {seed}"
-        assert found.drift <= judge.MAX_DRIFT, f"seed {seed}: {found.drifter}"
+    found = judge.rest(task_env, seed, -1, steps)
+    assert found.held == ()
+    assert found.penetration <= judge.MAX_PENETRATION
+    assert found.arm_speed < REST_SPEED
+    assert not found.success
+    assert found.drift <= judge.MAX_DRIFT, found.drifter
     task_env.set_variation(0)
 
 
-def test_flailing_never_succeeds(task_env: TaskEnvironment) -> None:
+@pytest.mark.parametrize(("seed", "steps"), [(0, SHORT), long(0, judge.RANDOM_STEPS)])
+def test_flailing_never_succeeds(task_env: TaskEnvironment, seed: int, steps: int) -> None:
     """Random joint motion solves nothing."""
     if task_env.task.solved_by_chance:
         pytest.skip("a random motion may pass through the goal; `rlbench-pin check` reports how often")
-    for seed in FLAIL_SEEDS:
-        assert not judge.flail_succeeds(task_env, seed, -1), f"seed {seed}"
+    assert not judge.flail_succeeds(task_env, seed, -1, steps)
     task_env.set_variation(0)
 
 
-def test_a_demonstration_succeeds_and_repeats_byte_for_byte(task_env: TaskEnvironment) -> None:
-    """Within ten tries a demo reaches the goal and rests; played again it has the same bytes."""
-    demos = [task_env.get_demos(1, live_demos=True, seed=7)[0] for _ in range(2)]
-    assert np.abs(demos[0][-1].joint_velocities).max() < 0.1
-    first, second = (b"".join(o.get_low_dim_data().tobytes() for o in demo) for demo in demos)
-    assert first == second
+def test_a_demonstration_repeats_replays_and_leaves_nothing_over(task_env: TaskEnvironment) -> None:
+    """Within ten tries a demo reaches the goal and rests; the next episode starts as ever, the recorded actions succeed again.
+
+    Where the replay fails, those of two more demonstrations have to succeed. Played again, the demonstration has the same bytes.
+    """
+    demo = demonstrate(task_env, 7)
+    assert np.abs(demo[-1].joint_velocities).max() < 0.1
+    assert replays(task_env, demo) or all(replays(task_env, demonstrate(task_env, seed)) for seed in (30, 31))
+    assert judge.demo_bytes(demonstrate(task_env, 7)) == judge.demo_bytes(demo)
 
 
-def test_nothing_is_left_over_and_replaying_the_actions_succeeds(task_env: TaskEnvironment) -> None:
-    """After an episode the next one starts as ever; of three demos' joint-position actions, at least two succeed again."""
-    solved = 0
-    for demo in task_env.get_demos(3, live_demos=True, seed=30):
-        assert judge.left_over(task_env, demo) == ()
-        solved += judge.replay_succeeds(task_env, demo)
-    assert solved >= 2
+@pytest.mark.slow
+def test_of_three_replays_two_succeed(task_env: TaskEnvironment) -> None:
+    """And after none of the episodes anything is left over."""
+    assert sum(replays(task_env, demonstrate(task_env, seed)) for seed in (30, 31, 32)) >= 2
+
+
+def demonstrate(task_env: TaskEnvironment, seed: int) -> Demo:
+    """Return a demonstration."""
+    return task_env.get_demos(1, live_demos=True, seed=seed)[0]
+
+
+def replays(task_env: TaskEnvironment, demo: Demo) -> bool:
+    """Whether the joint-position actions of a demonstration just played succeed again; nothing may be left over from it."""
+    assert judge.left_over(task_env, demo) == ()
+    return judge.replay_succeeds(task_env, demo)

@@ -12,8 +12,6 @@ from rlbench_pin.environment.demonstrate import DemoPlayer, try_play
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.tasks import Waypoint, task_class
 
-SEEDS = range(2)
-
 
 @dataclass(frozen=True)
 class LeftOut:
@@ -55,15 +53,15 @@ class Negative(DemoPlayer):
             super()._operate_gripper(waypoint)
 
 
-def test_without_the_deed_there_is_no_success(task_env: TaskEnvironment) -> None:
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
+def test_without_the_deed_there_is_no_success(task_env: TaskEnvironment, seed: int) -> None:
     """The script runs as far as it can; the goal is not reached, at no moment of its last leg and not afterwards."""
     left_out = DEEDS.get(task_env.get_name(), NO_GRIP)
     task_env.set_variation(-1)
-    for seed in SEEDS:
-        task_env.reset(seed=seed)
-        cause, _ = try_play(Negative(task_env.runtime, left_out))
-        assert cause, f"seed {seed}: reached without the deed"
-        assert task_env.task.success()[0] is False
+    task_env.reset(seed=seed)
+    cause, _ = try_play(Negative(task_env.runtime, left_out))
+    assert cause, "reached without the deed"
+    assert task_env.task.success()[0] is False
     task_env.set_variation(0)
 
 
