@@ -125,6 +125,13 @@ def test_every_room_has_a_row() -> None:
     assert {room for room in rooms if _row(room) is None} == set()
 
 
+@pytest.mark.parametrize("page", ["docs/architecture.md", "README.md"])
+def test_pages_draw_these_rows(page: str) -> None:
+    """The picture of the house is the one that is kept."""
+    drawn = "\n".join(" . ".join(row) for row in ROWS)
+    assert f"```text\n{drawn}\n```" in (ROOT.parent / page).read_text(encoding="utf-8")
+
+
 def test_imports_point_down() -> None:
     """No import goes up or sideways."""
     own = [i for i in _imports() if i.target.split(".")[0] == PACKAGE]
