@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from rlbench_pin import __version__, task_names
+
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 RESULTS = ROOT / "docs" / "results" / "demo_success.json"
@@ -53,3 +55,10 @@ def test_the_table_is_the_measured_one() -> None:
     result = subprocess.run([sys.executable, ROOT / "scripts" / "update_readme.py", "--check"], timeout=60)
     assert result.returncode == 0, "run `python scripts/update_readme.py`"
     assert set(json.loads(RESULTS.read_text(encoding="utf-8"))["tasks"]) <= set(re.findall(r"`(\w+)`", README))
+
+
+def test_the_changelog_names_every_task() -> None:
+    """Whoever looks for a task finds since when there is one."""
+    text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert {name for name in task_names() if f"`{name}`" not in text} == set()
+    assert re.search(rf"^## {re.escape(__version__)} - \d{{4}}-\d\d-\d\d$", text, re.MULTILINE)
