@@ -18,12 +18,12 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from rlbench_pin.cli.dataset import ExportFormat, find_exporter
 from rlbench_pin.cli.main import main
 from rlbench_pin.datasets import DatasetWriter, read_manifest, task_faults
 from rlbench_pin.datasets.merge import merge
 from rlbench_pin.errors import StorageError
 from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.recording.export import ExportFormat, find_exporter
 from rlbench_pin.recording.rerender import seeds_of, write_seeds
 from tests.demos_for_tests import fill_up, mounted
 
