@@ -9,20 +9,14 @@ there), a robomimic file per task, and RLBench-style folders. Run it again: what
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 from pathlib import Path
 
 from rlbench_pin.datasets import Episode, read_manifest, stored_tasks, task_faults
-from rlbench_pin.datasets.formats.rlbench_folders import export_rlbench
-from rlbench_pin.datasets.formats.robomimic import export_robomimic
+from rlbench_pin.errors import MissingExtra
 from rlbench_pin.recording.config import PictureConfig, RecordConfig
 from rlbench_pin.recording.engines import ProcessEngine
+from rlbench_pin.recording.export import ExportFormat, export_dataset
 from rlbench_pin.recording.record import RecordReport, record
-
-try:
-    from rlbench_pin.datasets.formats.lerobot import export_lerobot
-except ImportError:  # the extra `lerobot` is not installed
-    export_lerobot = None  # type: ignore[assignment]
 
 
 def main() -> None:
@@ -31,7 +25,7 @@ def main() -> None:
     root = options.out / "dataset"
     pictures = PictureConfig(cameras=("front", "wrist"), products=("rgb", "depth"), image_size=(options.image_size,) * 2)
     config = RecordConfig(tasks=tuple(options.tasks), episodes=options.episodes, seed=options.seed, pictures=pictures)
-    report = record(config, root, engine=ProcessEngine(options.workers), resume=True, on_progress=_tell)
+    report = record(config, root, engine=ProcessEngine(options.workers), resume=True, on_progress=_show_progress)
     print(f"{report.recorded} recorded now, {report.found} found, {report.missing} missing")
 
     for task in stored_tasks(root):
@@ -45,20 +39,22 @@ def main() -> None:
         )
 
     for task in stored_tasks(root):
-        _export(options.out / f"{task}.hdf5", lambda out, task=task: export_robomimic(root, out, tasks=(task,)))
-    _export(options.out / "rlbench", lambda out: export_rlbench(root, out))
-    if export_lerobot is not None:
-        _export(options.out / "lerobot", lambda out: export_lerobot(root, out))
+        _export("robomimic", root, options.out / f"{task}.hdf5", (task,))
+    _export("rlbench", root, options.out / "rlbench")
+    _export("lerobot", root, options.out / "lerobot")
 
 
-def _export(out: Path, export: Callable[[Path], Path]) -> None:
+def _export(name: ExportFormat, root: Path, out: Path, tasks: tuple[str, ...] = ()) -> None:
     if out.exists():
         print(f"{out} is there already")
-    else:
-        print(f"wrote {export(out)}")
+        return
+    try:
+        print(f"wrote {export_dataset(name, root, out, tasks=tasks)}")
+    except MissingExtra as error:
+        print(error)
 
 
-def _tell(report: RecordReport) -> None:
+def _show_progress(report: RecordReport) -> None:
     print(f"{report.found + report.recorded} of {report.wanted}", end="\r", flush=True)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 import subprocess
 from collections.abc import Iterator
@@ -13,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rlbench_pin.datasets import DatasetWriter
 from rlbench_pin.observation import Demo, Observation
 
 
@@ -30,6 +32,21 @@ def make_demo(frames: int = 5, seed: int = 3, variation: int = 0, task: str = "r
         attempt=1,
         task_name=task,
     )
+
+
+def fill(root: Path, seeds: range, frames: int = 2, variation: int = 0) -> Path:
+    """Write an episode of `make_demo` for each seed and return the folder."""
+    for seed in seeds:
+        DatasetWriter(root, compression="lzf").add(make_demo(frames=frames, seed=seed, variation=variation))
+    return root
+
+
+def edit_manifest(root: Path, **changes: object) -> None:
+    """Change the second entry of the manifest of `reach_target`."""
+    path = root / "reach_target" / "manifest.json"
+    content = json.loads(path.read_text())
+    content["episodes"][1].update(changes)
+    path.write_text(json.dumps(content))
 
 
 def _observation(index: int, rng: np.random.Generator) -> Observation:
@@ -99,8 +116,8 @@ def assert_equal(a: Any, b: Any) -> None:
         assert a == b
 
 
-def fill_up(monkeypatch: pytest.MonkeyPatch, after: int) -> None:
-    """Feign a disk that is full after so many files and lines have reached it."""
+def simulate_full_disk(monkeypatch: pytest.MonkeyPatch, after: int) -> None:
+    """Simulate a disk that is full after so many files and lines have reached it."""
     calls, real = iter(range(1000)), os.fsync
 
     def fsync(file: int) -> None:

@@ -12,16 +12,21 @@ from typing import Any
 from rlbench_pin.assets import ASSETS
 from rlbench_pin.checking.judge import Rest
 from rlbench_pin.checking.reach import Reach
-from rlbench_pin.checking.trials import Item, Trial
+from rlbench_pin.checking.records import RECORDS, Cost, FailedAttempt, Part, SolvedDemo, Trial
+from rlbench_pin.checking.trials import Item
 from rlbench_pin.environment.demonstrate import LegReport
 from rlbench_pin.environment.task_environment import library_versions
 from rlbench_pin.tasks import LIBRARY, find_task
 
 _PACKAGE = ASSETS.parent
-_JUDGES = ("judge.py", "trials.py", "reach.py", "stopwatch.py")
-"""Files of this folder that decide about trials; the others only show them."""
-_BESIDE = ("datasets", "challenges", "learning")
-"""Folders that no trial comes near."""
+_DECISIVE = ("judge.py", "reach.py", "records.py", "stopwatch.py", "trials.py")
+"""Files of this folder that trials depend on; the others only show them."""
+_UNRELATED = ("cli", "datasets", "evaluation", "gym", "recording")
+"""Folders of the package that trials do not depend on."""
+_NESTED: dict[str, type] = {"rest": Rest, "reach": Reach, "cost": Cost}
+"""Field of a trial, or of its demonstration -> the record that it holds."""
+_LISTED: dict[str, type] = {"failed": FailedAttempt, "legs": LegReport}
+"""Field -> the record of which it holds a tuple."""
 
 
 class Journal:
@@ -45,13 +50,13 @@ class Journal:
         return self._done.get(self._key(item))
 
     def add(self, item: Item, trials: Sequence[Trial]) -> None:
-        """Write a finished item down."""
+        """Append a finished item to the file."""
         if self._path is None:
             return
-        line = json.dumps({"key": self._key(item), "trials": [asdict(trial) for trial in trials]})
+        entry = {"key": self._key(item), "part": item.part, "trials": [asdict(trial) for trial in trials]}
         self._path.parent.mkdir(parents=True, exist_ok=True)
         with self._path.open("a", encoding="utf-8") as file:
-            file.write(line + "\n")
+            file.write(json.dumps(entry) + "\n")
 
     def _key(self, item: Item) -> str:
         return json.dumps({**asdict(item), "mark": self._marks.get(item.task, "")}, sort_keys=True)
@@ -63,32 +68,43 @@ class Journal:
         for line in text.splitlines():
             try:
                 entry = json.loads(line)
-                self._done[entry["key"]] = [as_trial(trial) for trial in entry["trials"]]
-            except (ValueError, KeyError, TypeError):
+                self._done[entry["key"]] = [as_trial(entry["part"], trial) for trial in entry["trials"]]
+            except (ValueError, KeyError, TypeError):  # damaged, or of an earlier version: the item is done again
                 continue
 
 
-def as_trial(plain: Mapping[str, Any]) -> Trial:
-    """Return the trial that `dataclasses.asdict` and JSON made plain."""
-    fields = _with_tuples(plain)
-    fields["timings"] = tuple(LegReport(**leg) for leg in plain["timings"])
-    if plain["rest"] is not None:
-        fields["rest"] = Rest(**_with_tuples(plain["rest"]))
-    if plain["reach"] is not None:
-        fields["reach"] = Reach(**_with_tuples(plain["reach"]))
-    return Trial(**fields)
+def as_trial(part: Part, plain: Mapping[str, Any]) -> Trial:
+    """Return the trial that `dataclasses.asdict` and JSON made plain.
+
+    Args:
+        part: Part of the check that it belongs to.
+        plain: Its fields by name.
+
+    Raises:
+        KeyError: There is no such part.
+        TypeError: These are not the fields of its record.
+    """
+    return RECORDS[part](**{name: _restored(name, value) for name, value in plain.items()})
 
 
-def _with_tuples(plain: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: _tuple(value) for name, value in plain.items()}
+def _restored(name: str, value: Any) -> Any:
+    if value is None:
+        return None
+    if name == "demo":
+        return SolvedDemo(**{inner: _restored(inner, content) for inner, content in value.items()})
+    if name in _NESTED:
+        return _NESTED[name](**{inner: _as_tuple(content) for inner, content in value.items()})
+    if name in _LISTED:
+        return tuple(_LISTED[name](**content) for content in value)
+    return _as_tuple(value)
 
 
-def _tuple(value: Any) -> Any:
-    return tuple(map(_tuple, value)) if isinstance(value, list) else value
+def _as_tuple(value: Any) -> Any:
+    return tuple(map(_as_tuple, value)) if isinstance(value, list) else value
 
 
 def _marks(tasks: Sequence[str]) -> dict[str, str]:
-    """Return task -> a sum over everything that its trials depend on."""
+    """Return task -> a checksum of everything that its trials depend on."""
     shared = sha256(json.dumps(library_versions()).encode())
     for file in sorted(_PACKAGE.rglob("*")):
         if file.is_file() and file.suffix != ".pyc" and LIBRARY not in file.parents and _decides(file):
@@ -104,8 +120,8 @@ def _marks(tasks: Sequence[str]) -> dict[str, str]:
 
 
 def _decides(file: Path) -> bool:
-    room = file.relative_to(_PACKAGE).parts[0]
-    return file.name in _JUDGES if room == "cli" else room not in _BESIDE
+    folder = file.relative_to(_PACKAGE).parts[0]
+    return file.name in _DECISIVE if folder == "checking" else folder not in _UNRELATED
 
 
 def _own_assets(scene: Path) -> list[Path]:

@@ -9,14 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from rlbench_pin.environment import TaskEnvironment
+from rlbench_pin.environment.replay import EXTRA_STEPS, reaches_goal, replay_succeeds
 from rlbench_pin.observation import Demo
 from rlbench_pin.robot import geometry
 from rlbench_pin.scene.snapshot import BodySnapshot
 from rlbench_pin.spatial import FloatArray
 
 IDLE_STEPS = RANDOM_STEPS = 200
-EXTRA_STEPS = 10
-"""Repetitions of the last action when a replay has not succeeded yet, as many as a demonstration waits."""
 REST_TIME = 2.0
 """For how long nothing may move after a reset [s]."""
 MAX_DRIFT = 1e-3
@@ -67,12 +66,6 @@ def flail_succeeds(task: TaskEnvironment, seed: int, variation: int, steps: int 
     return reaches_goal(task, (rng.uniform(low, high) for _ in range(steps)))
 
 
-def replay_succeeds(task: TaskEnvironment, demo: Demo) -> bool:
-    """Whether the joint-position actions of a demonstration reach the goal through `step`, from the start of the demo."""
-    actions = [obs.misc["joint_position_action"] for obs in demo[1:]]
-    return reaches_goal(task, [*actions, *[actions[-1]] * EXTRA_STEPS])
-
-
 def left_over(task: TaskEnvironment, demo: Demo) -> tuple[str, ...]:
     """Start as a demonstration did, after it was played, and return what is not as it was: nothing, in a task that cleans up."""
     assert demo.random_seed is not None
@@ -103,15 +96,6 @@ def demo_repeats(task: TaskEnvironment, seed: int, variation: int) -> bool:
 def demo_bytes(demo: Demo) -> bytes:
     """Return all low-dimensional data of a demonstration."""
     return b"".join(observation.get_low_dim_data().tobytes() for observation in demo)
-
-
-def reaches_goal(task: TaskEnvironment, actions: Sequence[np.ndarray] | Iterator[np.ndarray]) -> bool:
-    """Step through actions until the episode ends; whether the goal was reached."""
-    for action in actions:
-        _, reward, terminate = task.step(action)
-        if reward > 0.0 or terminate:
-            return reward > 0.0
-    return False
 
 
 # Instructions -------------------------------------------------------------------------------------------------------------------
@@ -202,3 +186,25 @@ def _world_bytes(task: TaskEnvironment) -> bytes:
 def _demo_bytes(task: TaskEnvironment, seed: int, variation: int) -> bytes:
     outcome = task.try_demo(seed=seed, variation=variation)
     return outcome.cause.encode() if outcome.demo is None else demo_bytes(outcome.demo)
+
+
+__all__ = [
+    "IDLE_STEPS",
+    "MAX_DRIFT",
+    "MAX_PENETRATION",
+    "RANDOM_STEPS",
+    "REST_TIME",
+    "Rest",
+    "corners",
+    "demo_bytes",
+    "demo_repeats",
+    "differences",
+    "flail_succeeds",
+    "left_over",
+    "poor_instructions",
+    "reaches_goal",
+    "replay_succeeds",
+    "reset_repeats",
+    "rest",
+    "shared_instructions",
+]

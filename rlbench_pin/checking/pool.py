@@ -1,44 +1,71 @@
-"""Work items -> trials, in this process or in several, with a bar and a journal."""
+"""Work items -> trials, in this process or in several; finished ones are kept in a journal."""
 
 from __future__ import annotations
 
 import multiprocessing
 import os
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-
-from tqdm import tqdm
+from dataclasses import dataclass, replace
 
 from rlbench_pin.checking.journal import Journal
-from rlbench_pin.checking.trials import Item, Trial, work
+from rlbench_pin.checking.records import Trial
+from rlbench_pin.checking.trials import Item, work
 from rlbench_pin.errors import RlbenchPinError
 
 
-def do_all(items: Sequence[Item], workers: int, journal: Journal) -> list[Trial]:
+@dataclass(frozen=True)
+class CheckProgress:
+    """How far a check is."""
+
+    total: int
+    """Trials of the whole check."""
+    found: int
+    """Trials that the journal held at the start."""
+    done: int
+    """Trials done now."""
+    latest: Item | None = None
+    """The item that was finished last, None at the start."""
+
+
+def do_all(
+    items: Sequence[Item], workers: int, journal: Journal, on_progress: Callable[[CheckProgress], None] | None = None
+) -> list[Trial]:
     """Do what the journal does not hold yet, write it there, and return the trials of all items.
+
+    Args:
+        items: The work.
+        workers: Processes; the result does not depend on their number.
+        journal: What was done before.
+        on_progress: Called once before the work begins, and after each item.
 
     Raises:
         RlbenchPinError: A worker died.
     """
     trials: list[Trial] = []
     todo = []
-    with tqdm(total=sum(len(item.seeds) for item in items), unit="trial", desc="check", smoothing=0.05) as bar:
-        for item in items:
-            done = journal.trials_of(item)
-            if done is None:
-                todo.append(item)
-                continue
-            trials += done
-            bar.update(len(item.seeds))
-        bar.unpause()
-        for item, done in _results(todo, workers):
-            journal.add(item, done)
-            trials += done
-            bar.set_postfix_str(f"{done[0].task if done else item.task} {item.part}", refresh=False)
-            bar.update(len(item.seeds))
+    for item in items:
+        known = journal.trials_of(item)
+        if known is None:
+            todo.append(item)
+        else:
+            trials += known
+    total = _count(items)
+    progress = CheckProgress(total, total - _count(todo), 0)
+    report = on_progress or (lambda _: None)
+    report(progress)
+    for item, made in _results(todo, workers):
+        journal.add(item, made)
+        trials += made
+        progress = replace(progress, done=progress.done + len(item.seeds), latest=item)
+        report(progress)
     return trials
+
+
+def _count(items: Sequence[Item]) -> int:
+    return sum(len(item.seeds) for item in items)
 
 
 def _results(items: Sequence[Item], workers: int) -> Iterator[tuple[Item, list[Trial]]]:
@@ -57,7 +84,7 @@ def _results(items: Sequence[Item], workers: int) -> Iterator[tuple[Item, list[T
 
 
 def _die_with_parent() -> None:
-    """End this worker when the process that started it is killed; else it would wait for work for ever."""
+    """End this worker when the process that started it is killed; it would wait for work for ever otherwise."""
     parent = multiprocessing.parent_process()
 
     def watch() -> None:

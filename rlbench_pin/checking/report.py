@@ -2,34 +2,31 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from rlbench_pin.checking.failures import Failure, group_failures
 from rlbench_pin.checking.judge import MAX_DRIFT, MAX_PENETRATION, poor_instructions, shared_instructions
+from rlbench_pin.checking.reach import Reach
+from rlbench_pin.checking.records import (
+    DemoTrial,
+    IdleTrial,
+    RandomTrial,
+    ReachTrial,
+    RepeatTrial,
+    Trial,
+    WordsTrial,
+    of_kind,
+    ordered,
+)
 from rlbench_pin.checking.speed import LegStatistics, Speed, leg_statistics, speed_of
 from rlbench_pin.checking.statistics import Rate
-from rlbench_pin.checking.trials import Part, Trial, ordered
 
 FIRST_TRY_FLOOR = 0.95
 REPLAY_FLOOR = 0.95
-
-_NUMBER = re.compile(r"-?\d+(\.\d+)?")
-
-
-@dataclass(frozen=True)
-class Failure:
-    """A cause of failed tries, and where to see it."""
-
-    cause: str
-    count: int
-    seed: int
-    variation: int
-    attempt: int
-    waypoint: int | None
-    part: Part = "demos"
 
 
 @dataclass(frozen=True)
@@ -59,9 +56,9 @@ class TaskReport:
     per_variation: dict[int, tuple[Rate, Rate]]
     """Variation -> first try, within the tries."""
     idle: Rate
-    """Goals reached by resting."""
+    """Goals reached by doing nothing."""
     random: Rate
-    """Goals reached by flailing."""
+    """Goals reached by random actions."""
     repeat: Rate
     """Resets and demonstrations that repeat bit for bit."""
     tidy: Rate
@@ -94,7 +91,7 @@ class TaskReport:
     speed: Speed
     legs: tuple[LegStatistics, ...]
     by_chance: bool = False
-    """Whether flailing may succeed now and then."""
+    """Whether random actions may succeed now and then."""
     shared_goals: bool = False
     """Whether variations may ask for the same."""
 
@@ -139,43 +136,57 @@ def summarise(task: str, trials: Sequence[Trial], by_chance: bool = False, share
     Args:
         task: Its name.
         trials: Trials of all parts.
-        by_chance: Whether flailing may succeed now and then.
+        by_chance: Whether random actions may succeed now and then.
         shared_goals: Whether variations may ask for the same.
     """
     trials = ordered(trials)
-    demos = [t for t in trials if t.part == "demos"]
-    good = [t for t in demos if t.success]
-    reaches = [t.reach for t in trials if t.reach is not None]
-    lengths = [t.simulated for t in good]
     return TaskReport(
         task=task,
-        variations=tuple(sorted({t.variation for t in demos})),
-        first_try=_first_try(demos),
-        within_tries=Rate(len(good), len(demos)),
-        replay=Rate(sum(bool(t.replayed) for t in good), sum(t.replayed is not None for t in good)),
-        per_variation=_per_variation(demos),
-        idle=_rate(trials, "idle"),
-        random=_rate(trials, "random"),
-        repeat=_rate(trials, "repeat"),
-        tidy=Rate(sum(not t.left_over for t in good), len(good)),
-        left_over=tuple(sorted({thing for t in good for thing in t.left_over})),
-        drift=_worst([Worst(t.rest.drift, t.rest.drifter, t.seed, t.variation) for t in trials if t.rest]),
-        penetration=_worst([Worst(t.rest.penetration, "", t.seed, t.variation) for t in trials if t.rest]),
-        held=tuple(sorted({name for t in trials if t.rest for name in t.rest.held})),
-        words=_words(trials),
-        reach={w: _reached([r.reached[r.waypoints.index(w)] for r in reaches if w in r.waypoints]) for w in _waypoints(trials)},
-        accepted=_rate(trials, "reach"),
-        failures=_failures(trials),
-        errors=tuple(dict.fromkeys(t.error for t in trials if t.error)),
-        frames=_median([t.frames for t in good]),
-        simulated=_median(lengths),
-        simulated_p95=float(np.percentile(lengths, 95)) if lengths else 0.0,
-        planning=_median([sum(leg.planning_time for leg in t.timings) for t in good]),
-        speed=speed_of(good),
-        legs=leg_statistics(good),
+        **_of_demos(of_kind(trials, DemoTrial)),
+        **_of_contract(trials),
+        failures=group_failures(trials),
+        errors=tuple(dict.fromkeys(trial.error for trial in trials if trial.error)),
         by_chance=by_chance,
         shared_goals=shared_goals,
     )
+
+
+def _of_demos(trials: Sequence[DemoTrial]) -> dict[str, Any]:
+    """Return the fields of a report that follow from demonstrations."""
+    demos = [trial.demo for trial in trials if trial.demo is not None]
+    lengths = [demo.simulated for demo in demos]
+    return {
+        "variations": tuple(sorted({trial.variation for trial in trials})),
+        "first_try": _first_try(trials),
+        "within_tries": _within_tries(trials),
+        "replay": _rate([demo.replayed for demo in demos if demo.replayed is not None]),
+        "per_variation": _per_variation(trials),
+        "tidy": _rate([not demo.left_over for demo in demos]),
+        "left_over": tuple(sorted({thing for demo in demos for thing in demo.left_over})),
+        "frames": _median([demo.frames for demo in demos]),
+        "simulated": _median(lengths),
+        "simulated_p95": float(np.percentile(lengths, 95)) if lengths else 0.0,
+        "planning": _median([sum(leg.planning_time for leg in demo.legs) for demo in demos]),
+        "speed": speed_of(demos),
+        "legs": leg_statistics(demos),
+    }
+
+
+def _of_contract(trials: Sequence[Trial]) -> dict[str, Any]:
+    """Return the fields of a report that follow from the other parts."""
+    idle, reaches = of_kind(trials, IdleTrial), of_kind(trials, ReachTrial)
+    rests = [(trial, trial.rest) for trial in idle if trial.rest is not None]
+    return {
+        "idle": _rate([trial.reached_goal for trial in idle]),
+        "random": _rate([trial.reached_goal for trial in of_kind(trials, RandomTrial)]),
+        "repeat": _rate([trial.repeats for trial in of_kind(trials, RepeatTrial)]),
+        "drift": _worst([Worst(rest.drift, rest.drifter, trial.seed, trial.variation) for trial, rest in rests]),
+        "penetration": _worst([Worst(rest.penetration, "", trial.seed, trial.variation) for trial, rest in rests]),
+        "held": tuple(sorted({name for _, rest in rests for name in rest.held})),
+        "words": _words(of_kind(trials, WordsTrial)),
+        "reach": _reached([trial.reach for trial in reaches if trial.reach is not None]),
+        "accepted": _rate([trial.reachable for trial in reaches]),
+    }
 
 
 def _faults(report: TaskReport) -> tuple[str, ...]:
@@ -200,59 +211,41 @@ def _faults(report: TaskReport) -> tuple[str, ...]:
     return tuple(fault for passed, fault in checks if not passed)
 
 
-def _first_try(demos: Sequence[Trial]) -> Rate:
-    return Rate(sum(t.success and t.tries == 1 for t in demos), len(demos))
+def _rate(successes: Sequence[bool]) -> Rate:
+    return Rate(sum(successes), len(successes))
 
 
-def _per_variation(demos: Sequence[Trial]) -> dict[int, tuple[Rate, Rate]]:
-    groups: dict[int, list[Trial]] = {}
-    for trial in demos:
+def _first_try(trials: Sequence[DemoTrial]) -> Rate:
+    return _rate([trial.solved_at_first for trial in trials])
+
+
+def _within_tries(trials: Sequence[DemoTrial]) -> Rate:
+    return _rate([trial.solved for trial in trials])
+
+
+def _per_variation(trials: Sequence[DemoTrial]) -> dict[int, tuple[Rate, Rate]]:
+    groups: dict[int, list[DemoTrial]] = {}
+    for trial in trials:
         groups.setdefault(trial.variation, []).append(trial)
-    return {v: (_first_try(g), Rate(sum(t.success for t in g), len(g))) for v, g in sorted(groups.items())}
+    return {variation: (_first_try(group), _within_tries(group)) for variation, group in sorted(groups.items())}
 
 
-def _words(trials: Sequence[Trial]) -> dict[int, tuple[str, ...]]:
-    told = sorted((t for t in trials if t.part == "words" and not t.error), key=lambda t: t.variation)
-    return {t.variation: t.words for t in told}
+def _words(trials: Sequence[WordsTrial]) -> dict[int, tuple[str, ...]]:
+    known = sorted((trial for trial in trials if not trial.error), key=lambda trial: trial.variation)
+    return {trial.variation: trial.instructions for trial in known}
 
 
-def _waypoints(trials: Sequence[Trial]) -> list[int]:
-    return sorted({w for t in trials if t.reach is not None for w in t.reach.waypoints})
-
-
-def _reached(reached: Sequence[bool]) -> Rate:
-    return Rate(sum(reached), len(reached))
+def _reached(reaches: Sequence[Reach]) -> dict[int, Rate]:
+    """Return waypoint -> places from which the arm reaches it."""
+    found: dict[int, list[bool]] = {}
+    for reach in reaches:
+        for waypoint, reached in zip(reach.waypoints, reach.reached, strict=True):
+            found.setdefault(waypoint, []).append(reached)
+    return {waypoint: _rate(found[waypoint]) for waypoint in sorted(found)}
 
 
 def _worst(found: Sequence[Worst]) -> Worst:
     return max(found, key=lambda worst: worst.value, default=Worst())
-
-
-def _rate(trials: Sequence[Trial], part: Part) -> Rate:
-    chosen = [t for t in trials if t.part == part]
-    return Rate(sum(t.success for t in chosen), len(chosen))
-
-
-def _failures(trials: Sequence[Trial]) -> tuple[Failure, ...]:
-    """Group failed tries by cause, numbers left aside, most frequent first; each with its first example."""
-    groups: dict[str, list[Failure]] = {}
-
-    def add(key: str, trial: Trial, cause: str, attempt: int = 0, waypoint: int | None = None) -> None:
-        groups.setdefault(key, []).append(Failure(cause, 1, trial.seed, trial.variation, attempt, waypoint, trial.part))
-
-    for trial in trials:
-        for attempt, (cause, leg) in enumerate(zip(trial.causes, trial.legs)):
-            add(_NUMBER.sub("#", cause), trial, cause, attempt, leg)
-        if trial.error:
-            add(_NUMBER.sub("#", trial.error), trial, trial.error)
-        if trial.replayed is False:
-            add("replay", trial, "replay: goal not reached", trial.tries - 1)
-        if trial.left_over:
-            add("left over", trial, f"left over: {', '.join(trial.left_over)}", trial.tries - 1)
-        if trial.success and trial.part in ("idle", "random"):
-            add(trial.part, trial, f"{trial.part}: goal reached")
-    chosen = sorted(groups.values(), key=len, reverse=True)
-    return tuple(Failure(**{**vars(group[0]), "count": len(group)}) for group in chosen)
 
 
 def _median(values: Sequence[float]) -> float:

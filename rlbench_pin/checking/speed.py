@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rlbench_pin.checking.trials import Trial
+from rlbench_pin.checking.records import SolvedDemo
 from rlbench_pin.environment.demonstrate import LegReport
 
 
@@ -89,32 +89,33 @@ class Speed:
         }
 
 
-def speed_of(demos: Sequence[Trial]) -> Speed:
+def speed_of(demos: Sequence[SolvedDemo]) -> Speed:
     """Add up successful demonstrations, each with its reset."""
-    total, ticks = sum(t.process for t in demos), sum(t.ticks for t in demos)
+    costs = [demo.cost for demo in demos]
+    total, ticks = sum(c.process for c in costs), sum(c.ticks for c in costs)
     if not total:
         return Speed()
     spent: dict[int, float] = {}
-    for leg in (leg for t in demos for leg in t.timings):
+    for leg in (leg for demo in demos for leg in demo.legs):
         spent[leg.waypoint] = spent.get(leg.waypoint, 0.0) + leg.planning_time
     slowest = max(spent, key=spent.__getitem__, default=None)
-    on_the_wall = [t.simulated / t.wall for t in demos if t.wall]
+    on_the_wall = [demo.simulated / demo.cost.wall for demo in demos if demo.cost.wall]
     return Speed(
-        times_real_time=float(np.median([t.simulated / t.process for t in demos if t.process])),
+        times_real_time=float(np.median([demo.simulated / demo.cost.process for demo in demos if demo.cost.process])),
         times_real_time_wall=float(np.median(on_the_wall)) if on_the_wall else 0.0,
-        planning=sum(t.planning for t in demos) / total,
-        physics=sum(t.physics for t in demos) / total,
-        observing=sum(t.observing for t in demos) / total,
-        tick=sum(t.physics for t in demos) / ticks if ticks else 0.0,
+        planning=sum(c.planning for c in costs) / total,
+        physics=sum(c.physics for c in costs) / total,
+        observing=sum(c.observing for c in costs) / total,
+        tick=sum(c.physics for c in costs) / ticks if ticks else 0.0,
         slowest_leg=slowest,
         slowest_leg_planning=0.0 if slowest is None else spent[slowest] / len(demos),
     )
 
 
-def leg_statistics(demos: Sequence[Trial]) -> tuple[LegStatistics, ...]:
+def leg_statistics(demos: Sequence[SolvedDemo]) -> tuple[LegStatistics, ...]:
     """Group the legs of demonstrations by waypoint, rounds of a repeated list together."""
     groups: dict[int, list[LegReport]] = {}
-    for leg in (leg for t in demos for leg in t.timings):
+    for leg in (leg for demo in demos for leg in demo.legs):
         groups.setdefault(leg.waypoint, []).append(leg)
     return tuple(
         LegStatistics(

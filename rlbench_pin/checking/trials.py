@@ -3,22 +3,33 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Literal
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from rlbench_pin.checking.judge import Rest, demo_repeats, flail_succeeds, left_over, replay_succeeds, reset_repeats, rest
-from rlbench_pin.checking.reach import Reach, reach_of
+from rlbench_pin.checking.judge import demo_repeats, flail_succeeds, left_over, replay_succeeds, reset_repeats, rest
+from rlbench_pin.checking.reach import reach_of
+from rlbench_pin.checking.records import (
+    RECORDS,
+    Cost,
+    DemoTrial,
+    FailedAttempt,
+    IdleTrial,
+    Part,
+    RandomTrial,
+    ReachTrial,
+    RepeatTrial,
+    SolvedDemo,
+    Trial,
+    WordsTrial,
+)
 from rlbench_pin.checking.stopwatch import Stopwatch
-from rlbench_pin.environment import TaskEnvironment
-from rlbench_pin.environment.demonstrate import LegReport
+from rlbench_pin.environment import DemoOutcome, TaskEnvironment
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import BoundaryError, ResetError
 from rlbench_pin.tasks import find_task
-
-Part = Literal["words", "demos", "repeat", "idle", "random", "reach"]
 
 
 @dataclass(frozen=True)
@@ -29,56 +40,15 @@ class Item:
     """Name, or path of a task file."""
     part: Part
     seeds: tuple[int, ...]
+    """Seeds of the episodes; not used for `words`, which has one trial for each variation."""
     max_variations: int
+    """Most variations to draw."""
     max_attempts: int = 10
+    """Attempts at each demonstration."""
     first_seed: int = 0
+    """First seed of the whole check; it has the first of the variations drawn."""
     replays: int = 1_000_000
     """Seeds, from the first on, whose demonstrations are replayed."""
-
-
-@dataclass(frozen=True)
-class Trial:
-    """What one seed showed."""
-
-    task: str
-    part: Part
-    seed: int
-    variation: int
-    success: bool
-    """demos: within the tries; idle and random: the goal was reached (it should not be); repeat: the reset repeats exactly;
-    reach: every waypoint can be reached."""
-    tries: int = 1
-    causes: tuple[str, ...] = ()
-    """Why each failed try failed."""
-    legs: tuple[int | None, ...] = ()
-    """Waypoint at which each failed try failed."""
-    error: str = ""
-    """What the task raised, where it should not raise anything."""
-    replayed: bool | None = None
-    """Whether the recorded joint-position actions succeed again."""
-    left_over: tuple[str, ...] = ()
-    """What the episode left behind in the next one."""
-    frames: int = 0
-    simulated: float = 0.0
-    """Length of the demonstration [s]."""
-    wall: float = 0.0
-    """Time that reset and demonstration took [s]."""
-    process: float = 0.0
-    """The same in time of the process [s]."""
-    planning: float = 0.0
-    """Process time that reset and demonstration spent planning [s]."""
-    physics: float = 0.0
-    """Process time that they spent simulating [s]."""
-    observing: float = 0.0
-    """Process time that they spent observing [s]."""
-    ticks: int = 0
-    """Control ticks that they simulated."""
-    timings: tuple[LegReport, ...] = ()
-    """Planning and length of each leg."""
-    rest: Rest | None = None
-    reach: Reach | None = None
-    words: tuple[str, ...] = ()
-    """Instructions."""
 
 
 def drawn_variations(count: int, maximum: int) -> tuple[int, ...]:
@@ -94,86 +64,119 @@ def work(item: Item) -> list[Trial]:
     try:
         with make_environment(low_dim_config()) as environment:
             task = environment.get_task(find_task(item.task))
-            return list(_words(task) if item.part == "words" else _trials(task, item))
+            return list(_trials(task, item))
     except Exception as error:  # a user's task may raise anything; the report says what
-        return [Trial(name, item.part, seed, 0, False, 0, error=_text(error)) for seed in item.seeds]
-
-
-def _words(task: TaskEnvironment) -> Iterator[Trial]:
-    def told(blank: Trial) -> Trial:
-        return replace(blank, words=tuple(task.reset(seed=blank.seed, variation=blank.variation)[0]))
-
-    for variation in range(task.variation_count()):
-        yield _guarded(Trial(task.get_name(), "words", variation, variation, True), told)
+        return [RECORDS[item.part](task=name, seed=seed, variation=0, error=_text(error)) for seed in item.seeds]
 
 
 def _trials(task: TaskEnvironment, item: Item) -> Iterator[Trial]:
+    """Yield one trial for each seed of an item; for each variation of the task when the part is `words`."""
+    if item.part == "words":
+        for variation in range(task.variation_count()):
+            yield _guarded(item.part, words_trial, task, variation, variation)
+        return
     variations = drawn_variations(task.variation_count(), item.max_variations)
-
-    def reach(blank: Trial) -> Trial:
-        found = reach_of(task.runtime, blank.seed, blank.variation)
-        return replace(blank, success=found.accepted, reach=found)
-
-    parts: dict[str, Callable[[Trial], Trial]] = {
-        "demos": lambda blank: demo_trial(task, blank, item.max_attempts, blank.seed - item.first_seed < item.replays),
-        "repeat": lambda blank: _repeat(task, blank),
-        "idle": lambda blank: _rest(task, blank),
-        "random": lambda blank: replace(blank, success=flail_succeeds(task, blank.seed, blank.variation)),
-        "reach": reach,
-    }
     for seed in item.seeds:
-        variation = variations[(seed - item.first_seed) % len(variations)]
-        yield _guarded(Trial(task.get_name(), item.part, seed, variation, False), parts[item.part])
+        index = seed - item.first_seed
+        trial: Callable[[TaskEnvironment, int, int], Trial]
+        if item.part == "demos":
+            trial = partial(demo_trial, max_attempts=item.max_attempts, replay=index < item.replays)
+        else:
+            trial = _TRIALS[item.part]
+        yield _guarded(item.part, trial, task, seed, variations[index % len(variations)])
 
 
-def _guarded(blank: Trial, judge: Callable[[Trial], Trial]) -> Trial:
+def _guarded(
+    part: Part, trial: Callable[[TaskEnvironment, int, int], Trial], task: TaskEnvironment, seed: int, variation: int
+) -> Trial:
+    """Do a trial; what the task raises becomes part of its record."""
+    record, name = RECORDS[part], task.get_name()
     try:
-        return judge(blank)
+        return trial(task, seed, variation)
     except (ResetError, BoundaryError) as error:
-        why = f"reset: {error}"
-        in_demo = blank.part in ("demos", "reach")
-        return replace(blank, success=False, tries=0, causes=(why,), legs=(None,), error="" if in_demo else why)
+        return record.without_start(name, seed, variation, f"reset: {error}")
     except Exception as error:  # a user's task may raise anything; the report says what
-        return replace(blank, success=False, tries=0, error=_text(error))
+        return record(task=name, seed=seed, variation=variation, error=_text(error))
 
 
 def _text(error: Exception) -> str:
     return f"{type(error).__name__}: {error}"
 
 
-def demo_trial(task: TaskEnvironment, blank: Trial, max_attempts: int, replay: bool = True) -> Trial:
+def words_trial(task: TaskEnvironment, seed: int, variation: int) -> WordsTrial:
+    """Reset, and keep the instructions."""
+    instructions, _ = task.reset(seed=seed, variation=variation)
+    return WordsTrial(task=task.get_name(), seed=seed, variation=variation, instructions=tuple(instructions))
+
+
+def demo_trial(task: TaskEnvironment, seed: int, variation: int, max_attempts: int, replay: bool = True) -> DemoTrial:
     """Try to demonstrate one seed, then look at what it left behind, and perhaps replay the recorded actions."""
-    causes: list[str] = []
-    legs: list[int | None] = []
+    failed: list[FailedAttempt] = []
+    demo = None
     for attempt in range(max_attempts):
         watch, began = Stopwatch(), time.perf_counter()
         with watch.watching(task.runtime):
-            outcome = task.try_demo(seed=blank.seed, variation=blank.variation, attempt=attempt)
+            outcome = task.try_demo(seed=seed, variation=variation, attempt=attempt)
         wall = time.perf_counter() - began
         if outcome.demo is not None:
-            remains = left_over(task, outcome.demo)
-            return replace(
-                blank, success=True, tries=attempt + 1, causes=tuple(causes), legs=tuple(legs),
-                left_over=remains, replayed=replay_succeeds(task, outcome.demo) if replay else None, frames=len(outcome.demo),
-                simulated=outcome.duration, wall=wall, process=watch.total, ticks=watch.ticks, timings=outcome.legs,
-                planning=watch.spent["planning"], physics=watch.spent["physics"], observing=watch.spent["observing"],
-            )  # fmt: skip
-        causes.append(outcome.cause)
-        legs.append(outcome.leg)
-    return replace(blank, success=False, tries=max_attempts, causes=tuple(causes), legs=tuple(legs))
+            demo = _solved(task, outcome, _cost(watch, wall), replay)
+            break
+        failed.append(FailedAttempt(outcome.cause, outcome.leg))
+    return DemoTrial(task=task.get_name(), seed=seed, variation=variation, failed=tuple(failed), demo=demo)
 
 
-def _repeat(task: TaskEnvironment, blank: Trial) -> Trial:
+def _solved(task: TaskEnvironment, outcome: DemoOutcome, cost: Cost, replay: bool) -> SolvedDemo:
+    demo = outcome.demo
+    assert demo is not None
+    remains = left_over(task, demo)
+    return SolvedDemo(
+        frames=len(demo),
+        simulated=outcome.duration,
+        replayed=replay_succeeds(task, demo) if replay else None,
+        left_over=remains,
+        legs=outcome.legs,
+        cost=cost,
+    )
+
+
+def _cost(watch: Stopwatch, wall: float) -> Cost:
+    return Cost(
+        wall=wall,
+        process=watch.total,
+        planning=watch.spent["planning"],
+        physics=watch.spent["physics"],
+        observing=watch.spent["observing"],
+        ticks=watch.ticks,
+    )
+
+
+def repeat_trial(task: TaskEnvironment, seed: int, variation: int) -> RepeatTrial:
+    """Reset and demonstrate twice, and compare the bytes."""
     same = [("reset", reset_repeats), ("demonstration", demo_repeats)]
-    causes = [f"{what}: not the same bytes twice" for what, repeats in same if not repeats(task, blank.seed, blank.variation)]
-    return replace(blank, success=not causes, causes=tuple(causes), legs=(None,) * len(causes))
+    differing = tuple(what for what, repeats in same if not repeats(task, seed, variation))
+    return RepeatTrial(task=task.get_name(), seed=seed, variation=variation, differing=differing)
 
 
-def _rest(task: TaskEnvironment, blank: Trial) -> Trial:
-    found = rest(task, blank.seed, blank.variation)
-    return replace(blank, success=found.success, rest=found)
+def idle_trial(task: TaskEnvironment, seed: int, variation: int) -> IdleTrial:
+    """Leave the scene alone."""
+    return IdleTrial(task=task.get_name(), seed=seed, variation=variation, rest=rest(task, seed, variation))
 
 
-def ordered(trials: Sequence[Trial]) -> list[Trial]:
-    """Sort trials, so that a report does not depend on who finished first."""
-    return sorted(trials, key=lambda t: (t.task, t.part, t.seed))
+def random_trial(task: TaskEnvironment, seed: int, variation: int) -> RandomTrial:
+    """Do random actions."""
+    reached = flail_succeeds(task, seed, variation)
+    return RandomTrial(task=task.get_name(), seed=seed, variation=variation, reached_goal=reached)
+
+
+def reach_trial(task: TaskEnvironment, seed: int, variation: int) -> ReachTrial:
+    """Lay the scene out once, and see what the arm reaches."""
+    reach = reach_of(task.runtime, seed, variation)
+    return ReachTrial(task=task.get_name(), seed=seed, variation=variation, reach=reach)
+
+
+_TRIALS: dict[Part, Callable[[TaskEnvironment, int, int], Trial]] = {
+    "repeat": repeat_trial,
+    "idle": idle_trial,
+    "random": random_trial,
+    "reach": reach_trial,
+}

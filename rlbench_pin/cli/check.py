@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,8 +17,10 @@ from rlbench_pin.checking.pages.page import page
 from rlbench_pin.checking.pages.pictures import draw_pictures
 from rlbench_pin.checking.pages.table import table
 from rlbench_pin.checking.pool import do_all
+from rlbench_pin.checking.records import Part, Trial
 from rlbench_pin.checking.report import TaskReport, summarise
-from rlbench_pin.checking.trials import Item, Part, Trial
+from rlbench_pin.checking.trials import Item
+from rlbench_pin.cli.progress import CheckBar
 from rlbench_pin.environment.task_environment import library_versions
 from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.tasks import find_task, task_class, task_names
@@ -67,7 +70,8 @@ class Check:
     def run(self) -> int:
         """Judge, print a table and the causes of failures; 1 when a task fails."""
         wanted = self._wanted()
-        trials = do_all(list(self._items(wanted.values())), self.workers, self._journal(wanted))
+        with closing(CheckBar()) as bar:
+            trials = do_all(list(self._items(wanted.values())), self.workers, self._journal(wanted), bar)
         of_task = {name: [t for t in trials if t.task == name] for name in wanted}
         reports = [_report(name, wanted[name], of_task[name]) for name in wanted]
         print(table(reports))
@@ -97,7 +101,7 @@ class Check:
     def _journal(self, wanted: Mapping[str, str]) -> Journal:
         return Journal(None if self.out is None else self.out / "trials.jsonl", list(wanted.values()))
 
-    def _items(self, tasks: Sequence[str] | Any) -> Iterator[Item]:
+    def _items(self, tasks: Iterable[str]) -> Iterator[Item]:
         amounts: dict[Part, int] = {"demos": self.episodes}
         if self.contract:
             amounts |= {"repeat": min(REPEATS, self.contract_seeds), "idle": self.contract_seeds, "random": self.contract_seeds}

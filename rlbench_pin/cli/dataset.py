@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-import importlib
 import json
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import asdict, dataclass, field
-from functools import partial
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import tyro
 from tqdm import tqdm
 
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
-from rlbench_pin.cli.record import EngineName, make_engine, tell
+from rlbench_pin.cli.record import EngineName, make_engine, print_report
 from rlbench_pin.datasets import stored_tasks, task_faults
 from rlbench_pin.datasets.formats.common import stored_episodes
 from rlbench_pin.datasets.info import TaskInfo, task_info
 from rlbench_pin.datasets.merge import merge, plan_merge
-from rlbench_pin.errors import DatasetError, MissingExtra
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.recording.config import PictureConfig
+from rlbench_pin.recording.export import ExportFormat, export_dataset
 from rlbench_pin.recording.rerender import rerender, seeds_of, write_seeds
 
 Root = tyro.conf.Positional[Path]
-ExportFormat = Literal["lerobot", "robomimic", "rlbench", "peract", "zarr"]
 
 
 @dataclass(frozen=True)
@@ -40,7 +36,7 @@ class Info:
 
     def run(self) -> int:
         """Print one line per task."""
-        infos = [task_info(self.root, task) for task in _tasks(self.root)]
+        infos = [task_info(self.root, task) for task in stored_tasks(self.root, at_least_one=True)]
         print(json.dumps([asdict(info) for info in infos], indent=1) if self.json else _table(infos))
         return 0
 
@@ -57,7 +53,7 @@ class Verify:
     def run(self) -> int:
         """Print what is wrong; 1 when something is."""
         bad = 0
-        tasks = _tasks(self.root)
+        tasks = stored_tasks(self.root, at_least_one=True)
         for task in tqdm(tasks, unit="task", desc="verify"):
             for fault in task_faults(self.root, task, structure=not self.quick):
                 bad += 1
@@ -110,7 +106,7 @@ class Rerender:
         engine = make_engine(self.engine, self.workers)
         with stopping_gently() as stop, closing(RecordBar("rerender")) as bar:
             report = rerender(self.source, self.out, pictures, tasks=self.tasks, engine=engine, on_progress=bar, stop=stop)
-        return tell(report, self.out, "the same command", as_json=False)
+        return print_report(report, self.out, "the same command", as_json=False)
 
 
 @dataclass(frozen=True)
@@ -146,35 +142,18 @@ class Export:
 
     def run(self) -> int:
         """Export and say where it is."""
-        export = find_exporter(self.format, self.cameras)
         total = len(stored_episodes(self.root, self.tasks))
         with tqdm(total=total, unit="episode", desc=f"export {self.format}") as bar:
-            export(self.root, self.out, tasks=self.tasks, on_episode=lambda _: bar.update() and None)
+            export_dataset(
+                self.format,
+                self.root,
+                self.out,
+                tasks=self.tasks,
+                cameras=self.cameras,
+                on_episode=lambda _: bar.update() and None,
+            )
         print(f"{total} episodes in {self.out}")
         return 0
-
-
-def find_exporter(name: ExportFormat, cameras: tuple[str, ...] = ()) -> Callable[..., Path]:
-    """Return the function that writes a format.
-
-    Raises:
-        MissingExtra: The library that the format needs is not installed.
-    """
-    module, function, options, extra = _EXPORTERS[name]
-    try:
-        export: Callable[..., Path] = getattr(importlib.import_module(f"rlbench_pin.datasets.formats.{module}"), function)
-    except ImportError as error:
-        raise MissingExtra(f"The export to '{name}'", error.name or extra, extra) from error
-    return partial(export, **options) if module == "rlbench_folders" else partial(export, cameras=cameras)
-
-
-_EXPORTERS: dict[str, tuple[str, str, dict[str, str], str]] = {
-    "lerobot": ("lerobot", "export_lerobot", {}, "lerobot"),
-    "robomimic": ("robomimic", "export_robomimic", {}, ""),
-    "rlbench": ("rlbench_folders", "export_rlbench", {"layout": "upstream"}, ""),
-    "peract": ("rlbench_folders", "export_rlbench", {"layout": "peract"}, ""),
-    "zarr": ("zarr_buffer", "export_zarr", {}, "zarr"),
-}
 
 
 @dataclass(frozen=True)
@@ -197,13 +176,6 @@ class Dataset:
 
 
 HEADER = ("task", "episodes", "variations", "frames", "lengths", "MB", "kB a frame", "retried", "pictures")
-
-
-def _tasks(root: Path) -> tuple[str, ...]:
-    tasks = stored_tasks(root)
-    if not tasks:
-        raise DatasetError(f"'{root}' holds no demonstrations. `rlbench-pin record TASK --out {root}` makes some.")
-    return tasks
 
 
 def _table(infos: list[TaskInfo]) -> str:

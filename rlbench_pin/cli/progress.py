@@ -1,4 +1,4 @@
-"""The bar of a long piece of work, and Ctrl-C that loses nothing."""
+"""Progress bars on stderr, and Ctrl-C that loses nothing."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from types import FrameType
 
 from tqdm import tqdm
 
+from rlbench_pin.checking.pool import CheckProgress
 from rlbench_pin.recording.record import RecordReport
 
 
@@ -30,6 +31,26 @@ class RecordBar:
         notes += [f"{len(report.failed)} given up"] if report.failed else []
         notes += [f"{len(report.deaths)} workers died"] if report.deaths else []
         self._bar.set_postfix_str(", ".join(notes))
+
+    def close(self) -> None:
+        """Leave the line as it is."""
+        if self._bar is not None:
+            self._bar.close()
+
+
+class CheckBar:
+    """Trials done, their rate, and the task and part that were finished last, on stderr."""
+
+    def __init__(self) -> None:
+        self._bar: tqdm | None = None
+
+    def __call__(self, progress: CheckProgress) -> None:
+        """Show how far the check is."""
+        if self._bar is None:
+            self._bar = tqdm(total=progress.total, initial=progress.found, unit="trial", desc="check", smoothing=0.05)
+        if progress.latest is not None:
+            self._bar.set_postfix_str(f"{progress.latest.task} {progress.latest.part}", refresh=False)
+        self._bar.update(progress.found + progress.done - self._bar.n)
 
     def close(self) -> None:
         """Leave the line as it is."""

@@ -44,7 +44,7 @@ class Record:
     workers: int = 1
     """Processes; 0 works in this one."""
     engine: EngineName = "processes"
-    """Who does the work: processes of this machine, or a Ray cluster."""
+    """What does the work: processes of this machine, or a Ray cluster."""
     resume: bool = False
     """Go on with what the folder holds."""
     image_size: tuple[int, int] = (128, 128)
@@ -68,7 +68,7 @@ class Record:
         engine = make_engine(self.engine, self.workers)
         with stopping_gently() as stop, closing(RecordBar("record")) as bar:
             report = record(config, self.out, engine=engine, resume=self.resume, on_progress=bar, stop=stop)
-        return tell(report, self.out, self._resume_command(), as_json=self.json)
+        return print_report(report, self.out, self._resume_command(), as_json=self.json)
 
     def _config(self) -> RecordConfig:
         return RecordConfig(
@@ -104,7 +104,7 @@ def make_engine(name: EngineName, workers: int) -> Engine:
     return make(max(1, workers))
 
 
-def tell(report: RecordReport, out: Path, go_on: str, *, as_json: bool) -> int:
+def print_report(report: RecordReport, out: Path, go_on: str, *, as_json: bool) -> int:
     """Print what was done, what failed and how to go on; return the exit code."""
     print(json.dumps(as_dict(report), indent=1) if as_json else _text(report, out))
     for result in report.failed:

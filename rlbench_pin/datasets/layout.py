@@ -51,14 +51,21 @@ def episode_number(path: Path) -> int:
     return int(match[1])
 
 
-def stored_tasks(root: Path) -> tuple[str, ...]:
+def stored_tasks(root: Path, *, at_least_one: bool = False) -> tuple[str, ...]:
     """Return the tasks that have a folder with a manifest or variations, by name.
 
+    Args:
+        root: Folder of the dataset.
+        at_least_one: Whether a folder without tasks is an error.
+
     Raises:
-        DatasetError: The root does not exist.
+        DatasetError: The root does not exist, or holds no task where there must be one.
     """
     folders = [p for p in _root_folder(root).iterdir() if p.is_dir() and _TASK.fullmatch(p.name)]
-    return tuple(sorted(p.name for p in folders if (p / MANIFEST).is_file() or any(p.glob("variation*/episodes"))))
+    tasks = sorted(p.name for p in folders if (p / MANIFEST).is_file() or any(p.glob("variation*/episodes")))
+    if at_least_one and not tasks:
+        raise DatasetError(f"'{root}' holds no demonstrations. `rlbench-pin record TASK --out {root}` makes some.")
+    return tuple(tasks)
 
 
 def chosen_tasks(place: Path, stored: Sequence[str], tasks: Sequence[str]) -> tuple[str, ...]:

@@ -10,22 +10,40 @@ from rlbench_pin.checking.judge import Rest
 from rlbench_pin.checking.pages.page import page
 from rlbench_pin.checking.pages.table import table
 from rlbench_pin.checking.reach import Reach
+from rlbench_pin.checking.records import (
+    Cost,
+    DemoTrial,
+    FailedAttempt,
+    IdleTrial,
+    RandomTrial,
+    ReachTrial,
+    RepeatTrial,
+    SolvedDemo,
+    Trial,
+    WordsTrial,
+)
 from rlbench_pin.checking.report import TaskReport, summarise
-from rlbench_pin.checking.trials import Trial, drawn_variations
+from rlbench_pin.checking.trials import drawn_variations
 from rlbench_pin.environment.demonstrate import LegReport
 
 LEGS = (LegReport(0, "straight", 0.06, 2.0), LegReport(1, "search", 0.04, 3.0))
-GOOD = Trial(
-    "push_button", "demos", 0, 0, True, 1, replayed=True, frames=100, simulated=5.0, wall=0.5,
-    process=0.25, planning=0.1, physics=0.125, ticks=50, timings=LEGS,
+DEMO = SolvedDemo(
+    frames=100, simulated=5.0, replayed=True, legs=LEGS, cost=Cost(0.5, process=0.25, planning=0.1, physics=0.125, ticks=50)
 )  # fmt: skip
+GOOD = DemoTrial(task="push_button", seed=0, variation=0, demo=DEMO)
 REST = Rest(penetration=0.0004, held=(), arm_speed=0.0, drift=0.0002, drifter="button/cap", success=False)
+IDLE = IdleTrial(task="push_button", seed=0, variation=0, rest=REST)
+FAILED = FailedAttempt("no path: x", 2)
+
+
+def _words(variation: int, *instructions: str) -> WordsTrial:
+    return WordsTrial(task="push_button", seed=variation, variation=variation, instructions=instructions)
 
 
 def _trials(amount: int = 20) -> list[Trial]:
     demos = [replace(GOOD, seed=i, variation=i % 3) for i in range(amount)]
-    others = [Trial("push_button", "idle", 0, 0, False, rest=REST), Trial("push_button", "repeat", 0, 0, True)]
-    return demos + others + [Trial("push_button", "words", v, v, True, words=(f"Press button {v}.",)) for v in range(3)]
+    others = [IDLE, RepeatTrial(task="push_button", seed=0, variation=0)]
+    return demos + others + [_words(v, f"Press button {v}.") for v in range(3)]
 
 
 def _content(*reports: TaskReport) -> dict[str, object]:
@@ -47,18 +65,21 @@ def test_a_good_task_passes() -> None:
 @pytest.mark.parametrize(
     ("worse", "fault"),
     [
-        (replace(GOOD, part="idle"), "resting succeeds"),
-        (replace(GOOD, part="random"), "flailing succeeds"),
-        (replace(GOOD, part="repeat", success=False), "a reset or a demonstration does not repeat"),
-        (replace(GOOD, left_over=("pose of crumb",)), "an episode leaves something behind"),
-        (replace(GOOD, part="idle", success=False, rest=replace(REST, drift=0.0011)), "button/cap moves by itself"),
-        (replace(GOOD, part="idle", success=False, rest=replace(REST, penetration=0.0021)), "things overlap at a reset"),
-        (replace(GOOD, part="idle", success=False, rest=replace(REST, held=("cup",))), "something is held at a reset"),
-        (replace(GOOD, part="words", variation=3, words=("",)), "variation 3 lacks instructions, or repeats one"),
-        (replace(GOOD, part="words", variation=3, words=("Go.", "Go.")), "variation 3 lacks instructions, or repeats one"),
-        (replace(GOOD, part="words", variation=3, words=("Press button 1.",)), "variations (1, 3) have the same instructions"),
-        (replace(GOOD, part="reach", error="KeyError: 'cup'"), "raises an error"),
-        (replace(GOOD, success=False, tries=10, causes=("no path: x",), legs=(2,)), "a seed failed every try"),
+        (replace(IDLE, rest=replace(REST, success=True)), "resting succeeds"),
+        (RandomTrial(task="push_button", seed=0, variation=0, reached_goal=True), "flailing succeeds"),
+        (
+            RepeatTrial(task="push_button", seed=0, variation=0, differing=("reset",)),
+            "a reset or a demonstration does not repeat",
+        ),
+        (replace(GOOD, demo=replace(DEMO, left_over=("pose of crumb",))), "an episode leaves something behind"),
+        (replace(IDLE, rest=replace(REST, drift=0.0011)), "button/cap moves by itself"),
+        (replace(IDLE, rest=replace(REST, penetration=0.0021)), "things overlap at a reset"),
+        (replace(IDLE, rest=replace(REST, held=("cup",))), "something is held at a reset"),
+        (_words(3, ""), "variation 3 lacks instructions, or repeats one"),
+        (_words(3, "Go.", "Go."), "variation 3 lacks instructions, or repeats one"),
+        (_words(3, "Press button 1."), "variations (1, 3) have the same instructions"),
+        (ReachTrial(task="push_button", seed=0, variation=0, error="KeyError: 'cup'"), "raises an error"),
+        (replace(GOOD, demo=None, failed=(FAILED,) * 10), "a seed failed every try"),
     ],
 )
 def test_each_fault_is_named(worse: Trial, fault: str) -> None:
@@ -68,25 +89,24 @@ def test_each_fault_is_named(worse: Trial, fault: str) -> None:
 
 def test_rates_have_floors() -> None:
     """Two of twenty first tries or replays lost is too many."""
-    late = [replace(GOOD, seed=100 + i, tries=2, causes=("no path: after 10 checks",), legs=(1,)) for i in range(2)]
+    late = [replace(GOOD, seed=100 + i, failed=(FailedAttempt("no path: after 10 checks", 1),)) for i in range(2)]
     assert summarise("push_button", [*_trials(18), *late]).faults == ("first try below 95%",)
-    lost = [replace(GOOD, seed=100 + i, replayed=False) for i in range(2)]
+    lost = [replace(GOOD, seed=100 + i, demo=replace(DEMO, replayed=False)) for i in range(2)]
     assert summarise("push_button", [*_trials(18), *lost]).faults == ("replay below 95%",)
 
 
 def test_flailing_may_reach_a_target() -> None:
     """The random floor of reach_target is reported, not forbidden."""
-    report = summarise(
-        "reach_target", [replace(GOOD, task="reach_target"), Trial("reach_target", "random", 0, 0, True)], by_chance=True
-    )
+    random = RandomTrial(task="reach_target", seed=0, variation=0, reached_goal=True)
+    report = summarise("reach_target", [replace(GOOD, task="reach_target"), random], by_chance=True)
     assert report.faults == ()
     assert report.random.count == 1
 
 
 def test_failures_are_grouped_by_cause() -> None:
     """Causes that differ in their numbers only count together, with the first as example."""
-    causes = [("no path: no path after 20 checks",), ("no path: no path after 31 checks",), ("timing: joint 3",)]
-    trials = [replace(GOOD, seed=i, tries=2, causes=c, legs=(i,)) for i, c in enumerate(causes)]
+    causes = ["no path: no path after 20 checks", "no path: no path after 31 checks", "timing: joint 3"]
+    trials = [replace(GOOD, seed=i, failed=(FailedAttempt(cause, i),)) for i, cause in enumerate(causes)]
     failures = summarise("push_button", trials).failures
     assert [(f.count, f.seed, f.waypoint) for f in failures] == [(2, 0, 0), (1, 2, 2)]
 
@@ -102,13 +122,13 @@ def test_variations_are_drawn_without_repeats() -> None:
 
 def test_variations_may_share_a_goal_when_the_task_says_so() -> None:
     """Then the same instructions are no fault."""
-    same = [*_trials(), Trial("push_button", "words", 3, 3, True, words=("Press button 1.",))]
+    same = [*_trials(), _words(3, "Press button 1.")]
     assert summarise("push_button", same, shared_goals=True).faults == ()
 
 
 def test_each_variation_has_its_rates() -> None:
     """First tries and successes are counted by variation."""
-    late = replace(GOOD, seed=50, variation=1, tries=3, causes=("a", "b"), legs=(0, 0))
+    late = replace(GOOD, seed=50, variation=1, failed=(FailedAttempt("a", 0), FailedAttempt("b", 0)))
     report = summarise("push_button", [*_trials(6), late])
     assert {v: (first.count, first.of, within.count) for v, (first, within) in report.per_variation.items()} == {
         0: (2, 2, 2),
@@ -119,7 +139,7 @@ def test_each_variation_has_its_rates() -> None:
 
 def test_legs_and_shares_of_time_add_up() -> None:
     """By waypoint: how long planning takes and how long the motion is; and what the whole is spent on."""
-    slower = replace(GOOD, seed=99, timings=(LegReport(0, "search", 0.16, 4.0),))
+    slower = replace(GOOD, seed=99, demo=replace(DEMO, legs=(LegReport(0, "search", 0.16, 4.0),)))
     report = summarise("push_button", [GOOD, slower])
     first, second = report.legs
     assert (first.waypoint, first.count, first.methods) == (0, 2, {"search": 1, "straight": 1})
@@ -136,7 +156,7 @@ def test_reach_is_counted_by_waypoint() -> None:
         Reach((0.1, 0.3, 0.0), (0, 2), (True, False), ((0.1, 0.3),) * 2, True),
         Reach((0.1, 0.1, 0.0), (0, 2), (True, True), ((0.1, 0.1),) * 2, False),
     ]
-    trials = [Trial("push_button", "reach", i, 0, r.accepted, reach=r) for i, r in enumerate(places)]
+    trials = [ReachTrial(task="push_button", seed=i, variation=0, reach=reach) for i, reach in enumerate(places)]
     report = summarise("push_button", [*_trials(), *trials])
     assert {w: (rate.count, rate.of) for w, rate in report.reach.items()} == {0: (3, 3), 2: (2, 3)}
     assert (report.accepted.count, report.accepted.of) == (1, 3)
@@ -145,7 +165,9 @@ def test_reach_is_counted_by_waypoint() -> None:
 
 def test_the_page_shows_what_the_json_holds() -> None:
     """Tables of tasks, variations and legs, the slowest with the reason, and pictures where there are some."""
-    slow = [replace(t, task="stack_blocks", process=1.0, physics=0.8) for t in _trials()]
+    slower = replace(DEMO, cost=replace(DEMO.cost, process=1.0, physics=0.8))
+    demos = [replace(GOOD, task="stack_blocks", seed=i, variation=i % 3, demo=slower) for i in range(20)]
+    slow = [*demos, *(replace(t, task="stack_blocks") for t in _trials(0))]
     content = _content(summarise("push_button", _trials()), summarise("stack_blocks", slow))
     text = page(content, {"push_button": {"sheet": "pictures/push_button.jpg"}})
     assert "2 of 2 pass" in text
@@ -156,3 +178,29 @@ def test_the_page_shows_what_the_json_holds() -> None:
     slowest = text[text.index("## The slowest") :]
     assert slowest.index("`stack_blocks`") < slowest.index("`push_button`")
     assert "physics 80%" in slowest
+
+
+def test_the_json_keeps_its_format() -> None:
+    """`docs/results/demo_success.json` and its readers rely on these keys and their order."""
+    failed = replace(GOOD, seed=50, failed=(FailedAttempt("no path: after 7 checks", 2),), demo=replace(DEMO, replayed=False))
+    plain = summarise("push_button", [*_trials(), failed]).as_dict()
+    assert list(plain) == [
+        "passed", "faults", "variations", "first_try", "within_tries", "replay", "idle", "random", "repeat", "tidy", "accepted",
+        "per_variation", "drift", "penetration", "held", "left_over", "instructions", "reach", "median_frames",
+        "median_simulated_s", "p95_simulated_s", "median_planning_s", "times_real_time", "speed", "legs", "failures", "errors",
+    ]  # fmt: skip
+    where = {"seed": 50, "variation": 0}
+    assert plain["failures"] == [
+        {"cause": "no path: after 7 checks", "count": 1, **where, "attempt": 0, "waypoint": 2, "part": "demos"},
+        {"cause": "replay: goal not reached", "count": 1, **where, "attempt": 1, "waypoint": None, "part": "demos"},
+    ]
+    assert plain["drift"] == {"mm": 0.2, "what": "button/cap", "seed": 0, "variation": 0}
+
+
+def test_a_trial_without_a_start_state_is_counted_once() -> None:
+    """For a demonstration or a draw it is a failure, for the other parts an error."""
+    records = [kind.without_start("push_button", 0, 0, "reset: no place") for kind in (DemoTrial, ReachTrial, IdleTrial)]
+    report = summarise("push_button", records)
+    assert [(failure.cause, failure.count) for failure in report.failures] == [("reset: no place", 3)]
+    assert report.errors == ("reset: no place",)
+    assert (report.within_tries.of, report.accepted.of, report.idle.count) == (1, 1, 0)

@@ -64,13 +64,13 @@ def test_demo_writes_an_episode(tmp_path: Path, capsys: Capture) -> None:
     arguments = ("demo", "reach_target", "--seed", "4", "--out", str(tmp_path), "--no-video", "--json")
     options = ("--image-size", "24", "16", "--cameras", "front", "wrist")
     assert _exit_code(*arguments, *options) == 0
-    (told,) = json.loads(capsys.readouterr().out)
-    assert (told["task"], told["seed"], told["video"]) == ("reach_target", 4, None)
+    (recorded,) = json.loads(capsys.readouterr().out)
+    assert (recorded["task"], recorded["seed"], recorded["video"]) == ("reach_target", 4, None)
     assert _exit_code(*arguments, *options) == 0
     (path,) = episode_files(tmp_path, "reach_target")
-    assert str(path) == told["episode"]
+    assert str(path) == recorded["episode"]
     demo = read_demo(path)
-    assert len(demo) == told["frames"]
+    assert len(demo) == recorded["frames"]
     assert demo[0].front_rgb is not None
     assert demo[0].front_rgb.shape == (16, 24, 3)
     assert demo[0].wrist_depth is not None

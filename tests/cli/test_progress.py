@@ -1,4 +1,4 @@
-"""What the bar of a recording tells: episodes done, their rate, failures by cause."""
+"""What the bars show: work done, its rate, failures by cause."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from dataclasses import replace
 
 import pytest
 
-from rlbench_pin.cli.progress import RecordBar
+from rlbench_pin.checking.pool import CheckProgress
+from rlbench_pin.checking.trials import Item
+from rlbench_pin.cli.progress import CheckBar, RecordBar
 from rlbench_pin.recording.config import WorkItem
 from rlbench_pin.recording.engines import WorkerDeath
 from rlbench_pin.recording.record import RecordReport
@@ -18,7 +20,7 @@ ITEM = WorkItem("reach_target", "reach_target", 0, 0, 1, (0,))
 
 
 class Clock:
-    """Time for the bar, which passes when told."""
+    """Time for the bar, which a test sets."""
 
     def __init__(self) -> None:
         self.now = 1000.0
@@ -30,7 +32,7 @@ class Clock:
 
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
-    """A clock that stands, and a terminal with room for everything."""
+    """A clock that stands still, and a terminal wide enough for everything."""
     monkeypatch.setenv("COLUMNS", "200")
     monkeypatch.setenv("LINES", "50")
     clock = Clock()
@@ -80,7 +82,7 @@ def line_ends(line: str, words: str) -> bool:
 
 
 def test_the_last_state_stays(clock: Clock, capsys: Capture) -> None:
-    """Closing leaves the line and ends it; a bar that nothing was told has none."""
+    """Closing leaves the line and ends it; a bar that was never called has none."""
     RecordBar("record").close()
     assert capsys.readouterr().err == ""
     bar = RecordBar("record")
@@ -91,3 +93,17 @@ def test_the_last_state_stays(clock: Clock, capsys: Capture) -> None:
     err = capsys.readouterr().err
     assert err.endswith("\n")
     assert re.search(r"record: 100%.* 2/2 .*2\.00episode/s", err.rsplit("\r", 1)[-1])
+
+
+def test_the_bar_of_a_check_counts_trials_and_their_rate(clock: Clock, capsys: Capture) -> None:
+    """Trials of an earlier run count as done but not for the rate; the last item is named."""
+    bar, item = CheckBar(), Item("open_drawer", "idle", (0, 1), 3)
+    bar(CheckProgress(20, 10, 0))
+    assert re.search(r"check: +50%.* 10/20 ", last_line(capsys))
+    for done in (2, 4):
+        clock.now += 4.0
+        bar(CheckProgress(20, 10, done, item))
+    line = last_line(capsys)
+    assert re.search(r"check: +70%.* 14/20 .*00:08<00:12, +2\.00s/trial, open_drawer idle", line), line
+    bar.close()
+    assert capsys.readouterr().err.endswith("\n")

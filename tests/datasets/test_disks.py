@@ -1,7 +1,7 @@
 """Disks that are full or read-only, for all that is written beside a recording: exports, merged datasets, lists of seeds.
 
 `tests/recording/test_record.py` has those of recordings. The disks are real where this machine lets tests mount one;
-elsewhere a disk is feigned that refuses to sync, or the kernel is told to let no file grow beyond a size.
+elsewhere `fsync` is replaced by one that fails, or the kernel lets no file grow beyond a size.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from rlbench_pin.cli.dataset import ExportFormat, find_exporter
 from rlbench_pin.cli.main import main
 from rlbench_pin.datasets import DatasetWriter, read_manifest, task_faults
 from rlbench_pin.datasets.merge import merge
 from rlbench_pin.errors import StorageError
 from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.recording.export import ExportFormat, find_exporter
 from rlbench_pin.recording.rerender import seeds_of, write_seeds
-from tests.demos_for_tests import fill_up, mounted
+from tests.demos_for_tests import mounted, simulate_full_disk
 
 Capture = pytest.CaptureFixture[str]
 TASK = "reach_target"
@@ -62,13 +62,13 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def disk(tmp_path: Path) -> Iterator[Path]:
-    """A disk with too little room for anything that the tests write."""
+    """A disk that is too small for anything that the tests write."""
     with mounted(tmp_path / "disk", SIZE) as folder:
         yield folder
 
 
-def leave(disk: Path, kilobytes: int) -> None:
-    """Fill the disk but for so much."""
+def leave_free(disk: Path, kilobytes: int) -> None:
+    """Fill the disk but for so much [kB]."""
     (disk / "ballast").write_bytes(bytes(1024 * (SIZE - kilobytes)))
 
 
@@ -93,25 +93,25 @@ def exporter(name: ExportFormat) -> Callable[..., Path]:
 # Real ones ------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("room", [0, 12, 100, 240])
+@pytest.mark.parametrize("free", [0, 12, 100, 240])
 @pytest.mark.parametrize("name", get_args(ExportFormat))
-def test_an_export_to_a_full_disk(disk: Path, data: Path, name: ExportFormat, room: int) -> None:
+def test_an_export_to_a_full_disk(disk: Path, data: Path, name: ExportFormat, free: int) -> None:
     """Wherever in its course the disk is full, an export says so, and leaves nothing."""
     export = exporter(name)
-    leave(disk, room)
+    leave_free(disk, free)
     with pytest.raises(StorageError, match=r"disk/out.*No space left.*Free some space") as caught:
         export(data, disk / "out")
     assert caught.value.errno == errno.ENOSPC
     assert [path.name for path in disk.iterdir()] == ["ballast"]
 
 
-@pytest.mark.parametrize("room", [0, 300])
-def test_merging_onto_a_full_disk(disk: Path, data: Path, room: int) -> None:
-    """What was copied before is whole and listed; merging again, with room, completes it."""
-    leave(disk, room)
+@pytest.mark.parametrize("free", [0, 300])
+def test_merging_onto_a_full_disk(disk: Path, data: Path, free: int) -> None:
+    """What was copied before is whole and listed; merging again, with enough space, completes it."""
+    leave_free(disk, free)
     with pytest.raises(StorageError, match=r"No space left.*Free some space"):
         merge([data], disk / "out")
-    assert task_faults(disk / "out", TASK) == [] if room else not list(disk.rglob("*.h5"))
+    assert task_faults(disk / "out", TASK) == [] if free else not list(disk.rglob("*.h5"))
     assert not list(disk.rglob("*.part"))
     (disk / "ballast").unlink()
     subprocess.run(["mount", "-o", "remount,size=2000k", str(disk)], check=True)
@@ -123,7 +123,7 @@ def test_merging_onto_a_full_disk(disk: Path, data: Path, room: int) -> None:
 def test_seeds_onto_a_full_disk(disk: Path, data: Path) -> None:
     """The file that was there before stays as it was."""
     (disk / "seeds.json").write_text("before")
-    leave(disk, 4)
+    leave_free(disk, 4)
     with pytest.raises(StorageError, match=r"seeds\.json.*No space left"):
         write_seeds(disk / "seeds.json", seeds_of(data) * 1000)
     assert (disk / "seeds.json").read_text() == "before"
@@ -131,7 +131,7 @@ def test_seeds_onto_a_full_disk(disk: Path, data: Path) -> None:
 
 def test_the_commands_say_what_to_do(disk: Path, data: Path, capsys: Capture) -> None:
     """On a full disk and on a read-only one: one line with the path and the remedy, exit code 1, no traceback."""
-    leave(disk, 0)
+    leave_free(disk, 0)
     small = ("--episodes", "1", "--workers", "0", "--products")
     commands = (
         ("record", TASK, "--out", f"{disk}/recorded", *small),
@@ -145,12 +145,12 @@ def test_the_commands_say_what_to_do(disk: Path, data: Path, capsys: Capture) ->
     subprocess.run(["mount", "-o", "remount,ro", str(disk)], check=True)
     for command in commands:
         assert main(command) == 1, command
-        told = capsys.readouterr().err
-        assert str(disk) in told, command
-        assert "The disk is read-only: choose another folder" in told, command
+        err = capsys.readouterr().err
+        assert str(disk) in err, command
+        assert "The disk is read-only: choose another folder" in err, command
 
 
-# Feigned ones ---------------------------------------------------------------------------------------------------------
+# Simulated ones -------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("size", [600, 5000])
@@ -168,7 +168,7 @@ def test_an_export_whose_files_are_refused(tmp_path: Path, data: Path, name: Exp
 def test_merging_while_the_disk_fills_up(tmp_path: Path, data: Path, monkeypatch: pytest.MonkeyPatch, after: int) -> None:
     """Whenever it is full, the file is named, every episode that is there is whole, and merging again completes it."""
     out, whole = tmp_path / "out", {path.read_bytes() for path in data.rglob("*.h5")}
-    fill_up(monkeypatch, after)
+    simulate_full_disk(monkeypatch, after)
     with pytest.raises(StorageError, match=rf"'{out}/{TASK}/.*No space left.*Free some space") as caught:
         merge([data], out)
     monkeypatch.undo()
@@ -195,7 +195,7 @@ def test_seeds_while_the_disk_fills_up(tmp_path: Path, data: Path, monkeypatch: 
     file.write_text("before")
     with short_files(200), pytest.raises(StorageError, match=rf"'{file}' cannot be written: File too large"):
         write_seeds(file, seeds)
-    fill_up(monkeypatch, 0)
+    simulate_full_disk(monkeypatch, 0)
     with pytest.raises(StorageError, match=rf"'{file}' cannot be written: No space left.*Free some space"):
         write_seeds(file, seeds)
     assert [path.read_text() for path in tmp_path.iterdir()] == ["before"]
@@ -203,9 +203,9 @@ def test_seeds_while_the_disk_fills_up(tmp_path: Path, data: Path, monkeypatch: 
 
 def test_the_commands_say_so(tmp_path: Path, data: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
     """One line with the path and the remedy, exit code 1."""
-    fill_up(monkeypatch, 0)
+    simulate_full_disk(monkeypatch, 0)
     for command in (("merge", str(data), "--out", f"{tmp_path}/out"), ("seeds", str(data), f"{tmp_path}/out")):
         assert main(["dataset", *command]) == 1, command
-        told = capsys.readouterr().err.splitlines()[-1]
-        assert told.startswith(f"rlbench-pin: '{tmp_path}/out"), command
-        assert "No space left on device. Free some space" in told, command
+        err = capsys.readouterr().err.splitlines()[-1]
+        assert err.startswith(f"rlbench-pin: '{tmp_path}/out"), command
+        assert "No space left on device. Free some space" in err, command

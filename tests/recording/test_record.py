@@ -21,7 +21,7 @@ from rlbench_pin.errors import CameraError, DatasetConflict, DatasetError, Stora
 from rlbench_pin.recording.config import PictureConfig, RecordConfig, item_seed, plan_items
 from rlbench_pin.recording.engines import SerialEngine
 from rlbench_pin.recording.record import RecordReport, read_recording, record
-from tests.demos_for_tests import fill_up, mounted
+from tests.demos_for_tests import mounted, simulate_full_disk
 from tests.engines_for_tests import MadeUpEngine
 
 TASK = "reach_target"
@@ -252,7 +252,7 @@ def test_settings_come_back(undisturbed: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize("call", range(2, 12))
 def test_a_full_disk_loses_nothing(tmp_path: Path, undisturbed: Path, monkeypatch: pytest.MonkeyPatch, call: int) -> None:
     """Whenever the disk is full, the error says so, what was stored is sound, and the recording goes on later."""
-    fill_up(monkeypatch, after=call)
+    simulate_full_disk(monkeypatch, after=call)
     with pytest.raises(StorageError, match="No space left.*--resume"):
         record(CONFIG, tmp_path, engine=MadeUpEngine(retried=[1]))
     monkeypatch.undo()

@@ -2,15 +2,9 @@
 
 from __future__ import annotations
 
-import ast
 import os
 import pickle
-import pickletools
-import subprocess
-import sys
-import types
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +12,7 @@ from PIL import Image
 
 from rlbench_pin.datasets import DatasetWriter, episode_files, read_demo
 from rlbench_pin.datasets.formats.rlbench_folders import export_rlbench
-from rlbench_pin.datasets.formats.rlbench_pickle import PickledDemo, PickledObservation, dump, load
+from rlbench_pin.datasets.formats.rlbench_pickle import PickledDemo, PickledObservation, dump
 from rlbench_pin.datasets.formats.rlbench_pictures import decode_depth, decode_mask, encode_depth, encode_mask
 from rlbench_pin.datasets.formats.rlbench_reader import folder_demos, folder_episodes, read_folder
 from rlbench_pin.errors import DatasetError, EpisodeFileError
@@ -140,125 +134,6 @@ def test_depth_survives_to_half_a_micrometre() -> None:
         encode_depth(np.array([[1.5]]))
     with pytest.raises(DatasetError, match="2\\^24"):
         encode_mask(np.array([[2**24]]))
-
-
-# The pickle -----------------------------------------------------------------------------------------------------------
-
-
-def test_other_packages_load_the_pickle(root: Path, tmp_path: Path) -> None:
-    """A plain unpickler that has classes under the upstream names, and nothing of ours, gets their instances."""
-    episode = export_rlbench(root, tmp_path / "x") / TASK / "variation0" / "episodes" / "episode3"
-    package = tmp_path / "site" / "rlbench" / "backend"
-    package.mkdir(parents=True)
-    (package.parent / "__init__.py").write_text("")
-    (package / "__init__.py").write_text("")
-    (package.parent / "demo.py").write_text("class Demo:\n    def __len__(self):\n        return len(self._observations)\n")
-    (package / "observation.py").write_text("class Observation:\n    pass\n")
-    code = (
-        "import pickle, sys\n"
-        "demo = pickle.load(open(sys.argv[1], 'rb'))\n"
-        "first = demo._observations[0]\n"
-        "print(type(demo).__module__, type(first).__module__, len(demo), first.front_rgb, first.joint_positions.shape,"
-        " demo.random_seed, first.misc['variation_index'], any('rlbench_pin' in m for m in sys.modules))\n"
-    )
-    environment = {**os.environ, "PYTHONPATH": str(tmp_path / "site")}
-    command = [sys.executable, "-W", "ignore", "-c", code, str(episode / "low_dim_obs.pkl")]
-    done = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=tmp_path, check=True)
-    assert done.stdout.split() == ["rlbench.demo", "rlbench.backend.observation", "4", "None", "(7,)", "3", "0", "False"]
-
-
-def test_the_pickle_names_nothing_of_ours(root: Path, tmp_path: Path) -> None:
-    """Every name in the file is one that the package of the format, or any numpy, knows."""
-    episode = export_rlbench(root, tmp_path / "x") / TASK / "variation0" / "episodes" / "episode3"
-    data = (episode / "low_dim_obs.pkl").read_bytes()
-    names = {str(argument) for opcode, argument, _ in pickletools.genops(data) if opcode.name == "GLOBAL"}
-    assert names <= {
-        "rlbench.demo Demo", "rlbench.backend.observation Observation", "numpy.core.multiarray _reconstruct",
-        "numpy.core.multiarray scalar", "numpy ndarray", "numpy dtype", "_codecs encode", "copy_reg _reconstructor",
-        "__builtin__ object",
-    }  # fmt: skip
-
-
-_CLASSES = (("demo", "Demo"), ("backend.observation", "Observation"))
-
-
-class Evil:
-    """Runs a command when it is unpickled."""
-
-    def __init__(self, file: Path) -> None:
-        self.file = file
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return os.system, (f"touch {self.file}",)
-
-
-@pytest.mark.parametrize("protocol", range(6))
-def test_a_hostile_pickle_runs_nothing(tmp_path: Path, protocol: int) -> None:
-    """A file that asks for a function is refused by name, before the function is called."""
-    bad = tmp_path / "low_dim_obs.pkl"
-    bad.write_bytes(pickle.dumps(Evil(tmp_path / "pwned"), protocol=protocol))
-    with pytest.raises(EpisodeFileError, match=r"low_dim_obs\.pkl.*system.*Do not trust it"):
-        load(bad)
-    assert not (tmp_path / "pwned").exists()
-
-
-@pytest.mark.parametrize(
-    "data",
-    [
-        b"cbuiltins\neval\n(S'1'\ntR.",
-        b"cbuiltins\ngetattr\n(cbuiltins\nobject\nS'__subclasses__'\ntR.",
-        b"crlbench_pin.datasets.formats.rlbench_pickle\nload\n.",
-        b"cnumpy\nload\n(S'/etc/passwd'\ntR.",
-        b"cnumpy.core.multiarray\nfromfile\n.",
-        b"c_codecs\nencode\n(Vx\nVzlib\ntR.",
-        b"Psomething\n.",
-        b"cnumpy\nndarray\n((K\x01tVO\ntR.",
-        b"cnumpy\ndtype\n(VV8\ntR.",
-        b"cnumpy.core.multiarray\nscalar\n(cnumpy\ndtype\n(VO\ntRC\x08AAAAAAAAtR.",
-        b"",
-        b"\x80\x04garbage",
-    ],
-)
-def test_damaged_and_hostile_bytes_are_named(tmp_path: Path, data: bytes) -> None:
-    """Whatever the bytes are, the error is ours and names the file."""
-    (tmp_path / "x.pkl").write_bytes(data)
-    with pytest.raises(EpisodeFileError, match=r"x\.pkl"):
-        load(tmp_path / "x.pkl")
-
-
-@pytest.mark.parametrize("protocol", range(6))
-def test_pickles_of_every_protocol_are_read(tmp_path: Path, protocol: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Files of other Pythons and numpys hold the same things in other words."""
-    for module in ("rlbench", "rlbench.backend", "rlbench.demo", "rlbench.backend.observation"):
-        monkeypatch.setitem(sys.modules, module, types.ModuleType(module))
-    classes = [type(name, (), {"__module__": f"rlbench.{module}"}) for module, name in _CLASSES]
-    for cls in classes:
-        setattr(sys.modules[cls.__module__], cls.__name__, cls)
-    demo, observation = (cls() for cls in classes)
-    observation.__dict__.update(joint_positions=np.arange(7.0), gripper_open=np.float64(1.0), misc={"x": np.int32(4), "s": "é"})
-    demo.__dict__.update(_observations=[observation], random_seed=("MT19937", np.arange(4, dtype=np.uint32), 624, 0, 0.0))
-    data = pickle.dumps(demo, protocol=protocol)
-    (tmp_path / "x.pkl").write_bytes(data)
-    again = load(tmp_path / "x.pkl")
-    (first,) = vars(again)["_observations"]
-    assert np.array_equal(vars(first)["joint_positions"], np.arange(7.0))
-    assert (vars(first)["gripper_open"], vars(first)["misc"]) == (1.0, {"x": 4, "s": "é"})
-
-
-def test_pickle_has_one_home() -> None:
-    """No module but the one for this foreign format imports pickle."""
-    package = Path(__file__).parents[3] / "rlbench_pin"
-    importing = {
-        file.name
-        for file in package.rglob("*.py")
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
-        if isinstance(node, ast.Import)
-        and any(alias.name in ("pickle", "dill", "cloudpickle", "marshal") for alias in node.names)
-    }
-    assert importing == {"rlbench_pickle.py"}
-
-
-# Tolerance ------------------------------------------------------------------------------------------------------------
 
 
 def test_broken_folders_are_named(root: Path, tmp_path: Path) -> None:

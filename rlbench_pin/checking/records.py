@@ -1,0 +1,236 @@
+"""What the trials of a check found: one record for each part of the check, with a verdict of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import ClassVar, Literal, Self, TypeVar
+
+from rlbench_pin.checking.judge import Rest
+from rlbench_pin.checking.reach import Reach
+from rlbench_pin.environment.demonstrate import LegReport
+
+Part = Literal["words", "demos", "repeat", "idle", "random", "reach"]
+
+
+@dataclass(frozen=True)
+class Incident:
+    """One thing that went wrong in a trial."""
+
+    cause: str
+    attempt: int = 0
+    """Attempt of the seed, from 0."""
+    waypoint: int | None = None
+    """Waypoint at which it happened, where there is one."""
+    group: str = ""
+    """Incidents of one group are counted together; when empty, those whose causes differ in their numbers only."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trial:
+    """What every record says, whichever part of the check it belongs to."""
+
+    part: ClassVar[Part]
+    task: str
+    seed: int
+    variation: int
+    error: str = ""
+    """What the task raised where it should not raise anything; the trial then has no result."""
+
+    @classmethod
+    def without_start(cls, task: str, seed: int, variation: int, why: str) -> Self:
+        """Return the record of a trial for which no start state was found."""
+        return cls(task=task, seed=seed, variation=variation, error=why)
+
+    def incidents(self) -> Iterator[Incident]:
+        """Yield what went wrong."""
+        if self.error:
+            yield Incident(self.error)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WordsTrial(Trial):
+    """The instructions of one variation."""
+
+    part = "words"
+    instructions: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class FailedAttempt:
+    """An attempt at a demonstration that failed."""
+
+    cause: str
+    waypoint: int | None
+    """Waypoint at which it failed, None before the first."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Time that a reset and a demonstration took."""
+
+    wall: float = 0.0
+    """On the clock [s]."""
+    process: float = 0.0
+    """Of the process [s]."""
+    planning: float = 0.0
+    """Of the process, spent planning [s]."""
+    physics: float = 0.0
+    """Of the process, spent simulating [s]."""
+    observing: float = 0.0
+    """Of the process, spent observing [s]."""
+    ticks: int = 0
+    """Control ticks simulated."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SolvedDemo:
+    """A demonstration that reached the goal."""
+
+    frames: int
+    simulated: float
+    """Length [s]."""
+    replayed: bool | None
+    """Whether the recorded joint-position actions reach the goal again; None when that was not tried."""
+    left_over: tuple[str, ...] = ()
+    """What the episode left behind in the next one."""
+    legs: tuple[LegReport, ...] = ()
+    """Planning and length of each leg."""
+    cost: Cost = Cost()
+
+    def incidents(self, attempt: int) -> Iterator[Incident]:
+        """Yield what went wrong after the demonstration, the successful `attempt` of its seed."""
+        if self.replayed is False:
+            yield Incident("replay: goal not reached", attempt)
+        if self.left_over:
+            yield Incident(f"left over: {', '.join(self.left_over)}", attempt, group="left over")
+
+
+@dataclass(frozen=True, kw_only=True)
+class DemoTrial(Trial):
+    """A seed whose demonstration was attempted until one succeeded or the attempts were used up."""
+
+    part = "demos"
+    failed: tuple[FailedAttempt, ...] = ()
+    """The attempts that failed, in order."""
+    demo: SolvedDemo | None = None
+    """The attempt after them, which succeeded; None when all failed."""
+
+    @classmethod
+    def without_start(cls, task: str, seed: int, variation: int, why: str) -> Self:
+        """Return the record of a seed for which no start state was found: a failed attempt, not an error."""
+        return cls(task=task, seed=seed, variation=variation, failed=(FailedAttempt(why, None),))
+
+    @property
+    def solved(self) -> bool:
+        """Whether an attempt succeeded."""
+        return self.demo is not None
+
+    @property
+    def solved_at_first(self) -> bool:
+        """Whether the first attempt succeeded."""
+        return self.solved and not self.failed
+
+    def incidents(self) -> Iterator[Incident]:
+        """Yield the failed attempts, then what went wrong after the successful one."""
+        for attempt, failed in enumerate(self.failed):
+            yield Incident(failed.cause, attempt, failed.waypoint)
+        yield from super().incidents()
+        if self.demo is not None:
+            yield from self.demo.incidents(len(self.failed))
+
+
+@dataclass(frozen=True, kw_only=True)
+class RepeatTrial(Trial):
+    """A reset and a demonstration, each done twice from the same seed."""
+
+    part = "repeat"
+    differing: tuple[str, ...] = ()
+    """Which of `reset` and `demonstration` had other bytes the second time."""
+
+    @property
+    def repeats(self) -> bool:
+        """Whether both gave the same bytes twice."""
+        return not self.differing and not self.error
+
+    def incidents(self) -> Iterator[Incident]:
+        """Yield what does not repeat."""
+        yield from (Incident(f"{what}: not the same bytes twice") for what in self.differing)
+        yield from super().incidents()
+
+
+@dataclass(frozen=True, kw_only=True)
+class IdleTrial(Trial):
+    """A scene left alone."""
+
+    part = "idle"
+    rest: Rest | None = None
+
+    @property
+    def reached_goal(self) -> bool:
+        """Whether doing nothing reached the goal; it should not."""
+        return self.rest is not None and self.rest.success
+
+    def incidents(self) -> Iterator[Incident]:
+        """Yield the error, or that the goal was reached."""
+        yield from super().incidents()
+        if self.reached_goal:
+            yield Incident("idle: goal reached")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RandomTrial(Trial):
+    """An episode of random actions."""
+
+    part = "random"
+    reached_goal: bool = False
+    """Whether they reached the goal; they should not."""
+
+    def incidents(self) -> Iterator[Incident]:
+        """Yield the error, or that the goal was reached."""
+        yield from super().incidents()
+        if self.reached_goal:
+            yield Incident("random: goal reached")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReachTrial(Trial):
+    """One draw of the scene, and which waypoints the arm reaches in it."""
+
+    part = "reach"
+    reach: Reach | None = None
+    no_place: str = ""
+    """Why the scene could not be laid out; a reset would draw again."""
+
+    @classmethod
+    def without_start(cls, task: str, seed: int, variation: int, why: str) -> Self:
+        """Return the record of a draw that found no place, which is no error."""
+        return cls(task=task, seed=seed, variation=variation, no_place=why)
+
+    @property
+    def reachable(self) -> bool:
+        """Whether every waypoint is in reach and the arm is free."""
+        return self.reach is not None and self.reach.accepted
+
+    def incidents(self) -> Iterator[Incident]:
+        """Yield why there was no place, or the error."""
+        if self.no_place:
+            yield Incident(self.no_place)
+        yield from super().incidents()
+
+
+KINDS: tuple[type[Trial], ...] = (WordsTrial, DemoTrial, RepeatTrial, IdleTrial, RandomTrial, ReachTrial)
+RECORDS: dict[Part, type[Trial]] = {kind.part: kind for kind in KINDS}
+"""Part of the check -> its record."""
+
+Kind = TypeVar("Kind", bound=Trial)
+
+
+def of_kind(trials: Iterable[Trial], kind: type[Kind]) -> list[Kind]:
+    """Return the trials of one part of the check."""
+    return [trial for trial in trials if isinstance(trial, kind)]
+
+
+def ordered(trials: Iterable[Trial]) -> list[Trial]:
+    """Sort trials, so that a report does not depend on who finished first."""
+    return sorted(trials, key=lambda trial: (trial.task, trial.part, trial.seed))

@@ -1,0 +1,39 @@
+"""Recorded actions played again through `step`: do they still reach the goal?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from rlbench_pin.environment.task_environment import TaskEnvironment
+from rlbench_pin.errors import DemoError
+from rlbench_pin.observation import Demo
+
+EXTRA_STEPS = 10
+"""Repetitions of the last action when a replay has not succeeded yet, as many as a demonstration waits."""
+
+
+def reaches_goal(task: TaskEnvironment, actions: Iterable[np.ndarray]) -> bool:
+    """Step through actions until the episode ends; whether the goal was reached."""
+    for action in actions:
+        _, reward, terminate = task.step(action)
+        if reward > 0.0 or terminate:
+            return reward > 0.0
+    return False
+
+
+def replay_succeeds(task: TaskEnvironment, demo: Demo) -> bool:
+    """Whether the joint-position actions of a demonstration reach the goal through `step`, from the start of the demo.
+
+    Args:
+        task: A loop of its task with joint-position actions, at the start of the demonstration.
+        demo: The demonstration.
+
+    Raises:
+        DemoError: It has no actions.
+    """
+    actions = [obs.misc["joint_position_action"] for obs in demo[1:] if "joint_position_action" in obs.misc]
+    if not actions or len(actions) < len(demo) - 1:
+        raise DemoError("The demonstration holds no `joint_position_action`, so it cannot be replayed. Record it live.")
+    return reaches_goal(task, [*actions, *[actions[-1]] * EXTRA_STEPS])

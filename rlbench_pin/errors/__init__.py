@@ -1,0 +1,93 @@
+"""The errors that callers catch, by area; `RlbenchPinError` is the base of them all.
+
+Each message names the thing, the value, what was possible, and the next step. The evidence is attached as attributes.
+A few errors that one module alone raises are defined there, each derived from one of these.
+"""
+
+from __future__ import annotations
+
+from rlbench_pin.errors.base import (
+    MissingExtra,
+    RlbenchPinError,
+    UnknownName,
+    nearest_name,
+)
+from rlbench_pin.errors.control import (
+    ControlError,
+    InfeasibleControl,
+    InvalidTarget,
+)
+from rlbench_pin.errors.datasets import (
+    DatasetConflict,
+    DatasetError,
+    EpisodeFileError,
+    StorageError,
+)
+from rlbench_pin.errors.environment import (
+    CameraError,
+    EnvironmentClosed,
+    InvalidActionError,
+    NotReset,
+    ResetError,
+    TaskEnvironmentError,
+)
+from rlbench_pin.errors.planning import (
+    GoalInCollision,
+    NoIkSolution,
+    NoPath,
+    NotStraight,
+    PlanningError,
+    ProblemFileError,
+    RetimingError,
+    StartInCollision,
+)
+from rlbench_pin.errors.scenes import (
+    AssetInvalid,
+    AssetNotFound,
+    RobotModelError,
+    SceneFileError,
+)
+from rlbench_pin.errors.tasks import (
+    BoundaryError,
+    DemoError,
+    NoWaypointsError,
+    TaskError,
+    WaypointError,
+)
+
+__all__ = [
+    "AssetInvalid",
+    "AssetNotFound",
+    "BoundaryError",
+    "CameraError",
+    "ControlError",
+    "DatasetConflict",
+    "DatasetError",
+    "DemoError",
+    "EnvironmentClosed",
+    "EpisodeFileError",
+    "GoalInCollision",
+    "InfeasibleControl",
+    "InvalidActionError",
+    "InvalidTarget",
+    "MissingExtra",
+    "NoIkSolution",
+    "NoPath",
+    "NoWaypointsError",
+    "NotReset",
+    "NotStraight",
+    "PlanningError",
+    "ProblemFileError",
+    "ResetError",
+    "RetimingError",
+    "RlbenchPinError",
+    "RobotModelError",
+    "SceneFileError",
+    "StartInCollision",
+    "StorageError",
+    "TaskEnvironmentError",
+    "TaskError",
+    "UnknownName",
+    "WaypointError",
+    "nearest_name",
+]

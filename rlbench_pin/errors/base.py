@@ -1,0 +1,41 @@
+"""The base class of all errors, and those that any part of the package may raise."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Collection, Sequence
+
+
+class RlbenchPinError(Exception):
+    """Base class of every error that this package raises on purpose."""
+
+
+def nearest_name(name: str, known: Collection[str]) -> str | None:
+    """Return the known name most like `name`, or None when nothing is close."""
+    near = difflib.get_close_matches(name, known, n=1)
+    return near[0] if near else None
+
+
+class UnknownName(RlbenchPinError):
+    """A name is not in the catalogue it was looked up in."""
+
+    def __init__(self, kind: str, name: str, known: Collection[str], command: str = "") -> None:
+        self.kind, self.name, self.known = kind, name, tuple(known)
+        near = nearest_name(name, self.known)
+        guess = f" Did you mean '{near}'?" if near else ""
+        where = f" `{command}` lists all {len(self.known)}." if command else f" Known: {_listing(self.known)}."
+        super().__init__(f"No {kind} is called '{name}'.{guess}{where}")
+
+
+def _listing(names: Sequence[str], limit: int = 12) -> str:
+    shown = ", ".join(sorted(names)[:limit])
+    more = len(names) - limit
+    return f"{shown or 'none'}, and {more} more" if more > 0 else shown or "none"
+
+
+class MissingExtra(RlbenchPinError, ImportError):
+    """An optional library is not installed; `extra` is the extra that brings it."""
+
+    def __init__(self, what: str, library: str, extra: str) -> None:
+        self.library, self.extra = library, extra
+        super().__init__(f"{what} needs '{library}', which is not installed. `pip install 'rlbench-pin[{extra}]'` brings it.")

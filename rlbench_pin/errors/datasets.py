@@ -1,0 +1,44 @@
+"""Stored demonstrations that cannot be read, written or put together."""
+
+from __future__ import annotations
+
+import errno
+from pathlib import Path
+
+from rlbench_pin.errors.base import RlbenchPinError
+
+
+class DatasetError(RlbenchPinError, RuntimeError):
+    """A stored demonstration is missing, truncated, of another version, or more were asked for than exist."""
+
+
+class EpisodeFileError(DatasetError):
+    """One file of a dataset is missing, truncated, altered or of another format; `path` says which."""
+
+    def __init__(self, path: Path | str, message: str) -> None:
+        self.path = Path(path)
+        super().__init__(message)
+
+
+class StorageError(DatasetError):
+    """The disk refused: full, read-only, forbidden; what was stored before is still whole."""
+
+    def __init__(self, path: Path | str, cause: OSError) -> None:
+        self.path, self.errno = Path(path), cause.errno
+        advice = _STORAGE_ADVICE.get(cause.errno or 0, "See whether the folder can be written to.")
+        reason = cause.strerror or str(cause)
+        super().__init__(f"'{path}' cannot be written: {reason}. {advice} Everything stored before is whole.")
+
+
+_STORAGE_ADVICE = {
+    errno.ENOSPC: "Free some space and run it again; `rlbench-pin record` goes on with `--resume`.",
+    errno.EDQUOT: "Free some of your quota and run it again; `rlbench-pin record` goes on with `--resume`.",
+    errno.EROFS: "The disk is read-only: choose another folder.",
+    errno.EACCES: "You may not write there: choose another folder or change its rights.",
+    errno.EPERM: "You may not write there: choose another folder or change its rights.",
+    errno.ENOTDIR: "A part of the path is a file: choose another folder.",
+}
+
+
+class DatasetConflict(DatasetError):
+    """Two sets of demonstrations, or a recording and what is stored, do not go together."""

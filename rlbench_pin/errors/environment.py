@@ -1,0 +1,40 @@
+"""Wrong use of the environment, start states that were not found, and cameras."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rlbench_pin.errors.base import RlbenchPinError
+
+
+class InvalidActionError(RlbenchPinError):
+    """An action was refused; the world is as it was before."""
+
+
+class TaskEnvironmentError(RlbenchPinError):
+    """The environment was used in a way that it cannot serve."""
+
+
+class NotReset(TaskEnvironmentError, RuntimeError):
+    """An episode was used before it was started."""
+
+    def __init__(self, call: str) -> None:
+        super().__init__(f"`{call}` was called before the first reset. Call `reset()` first.")
+
+
+class ResetError(TaskEnvironmentError):
+    """No start state was found; carries why each attempt failed."""
+
+    def __init__(self, task: str, causes: Sequence[str]) -> None:
+        self.causes = tuple(causes)
+        counts = {c: self.causes.count(c) for c in dict.fromkeys(self.causes)}
+        text = "; ".join(f"{n} x {c}" for c, n in counts.items())
+        super().__init__(f"Task '{task}' could not be placed in {len(self.causes)} attempts: {text}.")
+
+
+class EnvironmentClosed(TaskEnvironmentError, RuntimeError):
+    """A world was used after it was shut down."""
+
+
+class CameraError(RlbenchPinError):
+    """A camera was asked for something it cannot deliver."""

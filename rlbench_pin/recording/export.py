@@ -1,0 +1,68 @@
+"""A dataset written in the format of another library, named by a word."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Literal
+
+from rlbench_pin.errors import MissingExtra
+
+ExportFormat = Literal["lerobot", "robomimic", "rlbench", "peract", "zarr"]
+"""`lerobot` (LeRobotDataset v3), `robomimic` (one HDF5 file), `rlbench` and `peract` (folders of PNG files), `zarr`."""
+
+# Format -> module of `datasets.formats`, function, its options, extra that brings the library it needs.
+_EXPORTERS: dict[str, tuple[str, str, dict[str, str], str]] = {
+    "lerobot": ("lerobot", "export_lerobot", {}, "lerobot"),
+    "robomimic": ("robomimic", "export_robomimic", {}, ""),
+    "rlbench": ("rlbench_folders", "export_rlbench", {"layout": "upstream"}, ""),
+    "peract": ("rlbench_folders", "export_rlbench", {"layout": "peract"}, ""),
+    "zarr": ("zarr_buffer", "export_zarr", {}, "zarr"),
+}
+
+
+def export_dataset(
+    name: ExportFormat,
+    root: Path,
+    out: Path,
+    *,
+    tasks: Sequence[str] = (),
+    cameras: Sequence[str] = (),
+    on_episode: Callable[[int], None] | None = None,
+) -> Path:
+    """Write the episodes of a dataset in the format of another library, and return where they are.
+
+    Args:
+        name: The format.
+        root: Folder of the dataset.
+        out: The new folder or file.
+        tasks: Only these; all when none is named.
+        cameras: Cameras whose pictures go along; all stored ones when none is named. Folders always get all.
+        on_episode: Called with the number of episodes written so far.
+
+    Raises:
+        MissingExtra: The library that the format needs is not installed.
+        DatasetError: Something is missing or damaged, or `out` exists.
+        StorageError: The disk refused.
+    """
+    return find_exporter(name, tuple(cameras))(root, out, tasks=tasks, on_episode=on_episode)
+
+
+def find_exporter(name: ExportFormat, cameras: tuple[str, ...] = ()) -> Callable[..., Path]:
+    """Return the function that writes a format.
+
+    Args:
+        name: The format.
+        cameras: Cameras whose pictures go along; all stored ones when none is named. Folders always get all.
+
+    Raises:
+        MissingExtra: The library that the format needs is not installed.
+    """
+    module, function, options, extra = _EXPORTERS[name]
+    try:
+        export: Callable[..., Path] = getattr(importlib.import_module(f"rlbench_pin.datasets.formats.{module}"), function)
+    except ImportError as error:
+        raise MissingExtra(f"The export to '{name}'", error.name or extra, extra) from error
+    return partial(export, **options) if module == "rlbench_folders" else partial(export, cameras=cameras)

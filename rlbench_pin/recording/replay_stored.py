@@ -1,0 +1,57 @@
+"""Stored episodes replayed one after the other: do their recorded actions still reach the goal?
+
+`recording.replay` is the other replay: it observes a stored demonstration again, for `rerender`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rlbench_pin.datasets import read_demo, stored_tasks
+from rlbench_pin.datasets.reader import counted_demo, counted_files
+from rlbench_pin.environment import TaskEnvironment
+from rlbench_pin.environment.presets import low_dim_config, make_environment
+from rlbench_pin.environment.replay import replay_succeeds
+from rlbench_pin.observation import LOW_DIM, Demo
+
+
+@dataclass(frozen=True)
+class ReplayResult:
+    """What became of one stored episode."""
+
+    path: Path
+    """The episode file."""
+    reached: bool
+    """Whether its actions reached the goal again."""
+
+
+def replay_stored(paths: Sequence[Path]) -> Iterator[ReplayResult]:
+    """Restore the start of stored episodes, repeat their joint-position actions, and yield what became of each.
+
+    Args:
+        paths: Episode files, or folders of datasets, of which those episodes count that the manifests list.
+
+    Raises:
+        DatasetError: A file cannot be read, or a folder holds no demonstrations.
+        DemoError: An episode holds no joint-position actions.
+    """
+    with make_environment(low_dim_config()) as environment:
+        task: TaskEnvironment | None = None
+        for path, demo in _episodes(paths):
+            if task is None or task.get_name() != demo.task_name:
+                task = environment.get_task(demo.task_name)
+            task.reset_to_demo(demo)
+            yield ReplayResult(path, replay_succeeds(task, demo))
+
+
+def _episodes(paths: Sequence[Path]) -> Iterator[tuple[Path, Demo]]:
+    """Yield episodes and where they lie, each read when its turn comes."""
+    for path in paths:
+        if not path.is_dir():
+            yield path, read_demo(path, LOW_DIM)
+            continue
+        for task in stored_tasks(path, at_least_one=True):
+            for file, sha256 in counted_files(path, task).items():
+                yield file, counted_demo(file, sha256, LOW_DIM)

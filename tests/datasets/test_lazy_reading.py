@@ -1,0 +1,55 @@
+"""An open episode reads what it is asked for and nothing else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from rlbench_pin.datasets import (
+    Episode,
+    read_demo,
+    write_demo,
+)
+from rlbench_pin.errors import DatasetError, EpisodeFileError
+from rlbench_pin.observation import Demo, Observation
+from tests.demos_for_tests import fill, make_demo
+
+TASK = "reach_target"
+
+
+def test_an_episode_is_read_as_far_as_it_is_used(tmp_path: Path) -> None:
+    """Single frames and fields are those of the whole; a frame that is asked for reads no other picture."""
+    demo = make_demo(frames=6)
+    path = fill(tmp_path, range(1), frames=6) / TASK / "variation0" / "episodes" / "episode0.h5"
+    whole = read_demo(path)
+    with Episode(path) as episode:
+        assert (len(episode), episode.task_name, episode.variation) == (6, TASK, 0)
+        assert episode.instructions == demo.instructions
+        assert episode.shape("front_rgb") == (12, 16, 3)
+        assert np.array_equal(episode.array("joint_positions"), [obs.joint_positions for obs in whole])
+        for index in (0, 4, -1):
+            assert np.array_equal(episode[index].front_rgb, whole[index].front_rgb)
+            assert episode[index].misc.keys() == whole[index].misc.keys()
+        with pytest.raises(IndexError):
+            episode[6]
+        with pytest.raises(DatasetError, match="does not hold 'joint_forces'"):
+            episode.array("joint_forces")
+
+
+def test_a_frame_reads_no_other_picture(tmp_path: Path) -> None:
+    """A damaged picture of one frame leaves the others readable, so they were not read for them; its own is an error."""
+    pictures = np.random.default_rng(0).integers(0, 256, (6, 48, 48, 3), dtype=np.uint8)
+    path = write_demo(Demo([Observation(front_rgb=picture) for picture in pictures], task_name=TASK), tmp_path / "e.h5")
+    with h5py.File(path, "r") as file:
+        offset = file["observations/front_rgb"].id.get_chunk_info(4).byte_offset
+    with open(path, "r+b") as raw:
+        raw.seek(offset)
+        raw.write(bytes(64))
+    with Episode(path) as episode:
+        for index in (0, 3, 5):
+            assert np.array_equal(episode[index].front_rgb, pictures[index])
+        with pytest.raises(EpisodeFileError, match=r"e\.h5.*damaged"):
+            episode[4]
