@@ -243,7 +243,7 @@ class World:
         self._places.unhang(name)
         self._mask_table.remove(body.model)
         self._contacts.remove(body.model.uid)
-        bullet.removeBody(body.model.uid, physicsClientId=self.client.id)
+        self.client.change(bullet.removeBody, body.model.uid)
 
     def _close_gap(self, name: str) -> None:
         """Forget a run-time body; the last one takes its place, as in PyBullet's own list, by whose order states are restored."""

@@ -27,7 +27,7 @@ class RoomBody(Body):
 
     def hide(self) -> RoomBody:
         """Make it invisible to PyBullet's renderers."""
-        bullet.changeVisualShape(self.model.uid, BASE, rgbaColor=_UNSEEN, physicsClientId=self.model.client.id)
+        self.model.client.change(bullet.changeVisualShape, self.model.uid, BASE, rgbaColor=_UNSEEN)
         return self
 
     def _paint(self, index: int, color: Color) -> None:
