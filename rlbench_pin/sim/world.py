@@ -22,15 +22,15 @@ from rlbench_pin.sim.checks import whole_ratio
 from rlbench_pin.sim.client import bullet, open_client
 from rlbench_pin.sim.contacts import Contact
 from rlbench_pin.sim.contents import Contents
+from rlbench_pin.sim.dynamics_overrides import DynamicsOverrides
 from rlbench_pin.sim.frame import Frame, Region
 from rlbench_pin.sim.render.camera import CameraView, Pictures
 from rlbench_pin.sim.render.egl import RendererName
 from rlbench_pin.sim.render.renderer import Renderer
 from rlbench_pin.sim.render.shadows import ShadowMap
-from rlbench_pin.sim.render.wardrobe import Wardrobe
+from rlbench_pin.sim.render.texture_overrides import TextureOverrides
 from rlbench_pin.sim.sensor import Sensor
 from rlbench_pin.sim.state import WorldState
-from rlbench_pin.sim.tuning import Tuning
 from rlbench_pin.spatial import PoseLike
 
 
@@ -51,8 +51,8 @@ class World:
         bodies: Bodies of the scene and those added at run time, by name.
         room: Table, floor and walls, by name.
         renderer: Takes the pictures; its `lighting` may be replaced.
-        wardrobe: Puts textures on things and takes them off.
-        tuning: Scales masses, friction, damping and gains, and takes it back.
+        texture_overrides: Textures over the things' own looks.
+        dynamics_overrides: Scaled masses, friction, damping and gains.
         on_step: Called after every tick.
         on_physics: Called before every physics step; may command the arm.
         client: The physics server, for modules of this folder only.
@@ -86,8 +86,8 @@ class World:
         hardware = self.client.hardware
         self.renderer = Renderer(self.client, self.room, contents.room_ids, contents.masks.table, hardware=hardware)
         self.robot = SimRobot(contents.robot, robot, contents.contacts, self.timestep, self._substeps)
-        self.wardrobe = Wardrobe(self.renderer, contents.robot, self.bodies, self.room)
-        self.tuning = Tuning(self.robot)
+        self.texture_overrides = TextureOverrides(self.renderer, contents.robot, self.bodies, self.room)
+        self.dynamics_overrides = DynamicsOverrides(self.robot)
         self.gripper = SimGripper(self.robot, self.body, lambda: tuple(self.bodies.values()))
 
     # Finding things --------------------------------------------------------------------------------------------------

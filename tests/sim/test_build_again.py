@@ -106,12 +106,12 @@ def test_textures_and_changed_physics_are_kept():
     with build(cube_scene()) as world:
         model = world.body("cube").model
         mass = bullet.getDynamicsInfo(model.uid, -1, physicsClientId=world.client.id)[0]
-        world.tuning.scale(model, mass=2.0)
-        world.wardrobe.dress_body("cube", read_texture(path), 4.0)
+        world.dynamics_overrides.scale(model, mass=2.0)
+        world.texture_overrides.set_body("cube", read_texture(path), 4.0)
         world.build_again()
         assert bullet.getDynamicsInfo(model.uid, -1, physicsClientId=world.client.id)[0] == pytest.approx(2.0 * mass)
         assert bullet.getVisualShapeData(model.uid, physicsClientId=world.client.id)[0][7] == (1.0, 1.0, 1.0, 1.0)
-        world.tuning.reset()
+        world.dynamics_overrides.clear()
         assert bullet.getDynamicsInfo(model.uid, -1, physicsClientId=world.client.id)[0] == pytest.approx(mass)
 
 

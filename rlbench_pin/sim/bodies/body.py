@@ -15,7 +15,7 @@ from rlbench_pin.sim.client import bullet
 from rlbench_pin.spatial import FloatArray, PoseLike, compose, pose_to_se3, relative
 
 OnMove = Callable[[str, FloatArray, FloatArray], None]
-"""Told the name of a body and its old and new pose (7,)."""
+"""Called with the name of a body and its old and new pose (7,)."""
 Color = tuple[float, float, float, float]
 _STATIC = (2, -3)  # PyBullet's own collision group and mask of things that never move
 _DYNAMIC = (1, -1)
@@ -128,7 +128,7 @@ class Body:
         low, high = self.bounds()
         return high - low
 
-    # Looks and contact -----------------------------------------------------------------------------------------------
+    # Appearance and contact ------------------------------------------------------------------------------------------
 
     @property
     def color(self) -> Color:
@@ -177,7 +177,7 @@ class Body:
                 self._unpaint(index)
 
     @property
-    def seen_links(self) -> tuple[int, ...]:
+    def visual_links(self) -> tuple[int, ...]:
         """Numbers of the links that have visuals."""
         return tuple(sorted(self._visuals))
 
