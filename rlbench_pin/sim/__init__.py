@@ -5,7 +5,7 @@ from rlbench_pin.sim.arm.robot import SimRobot
 from rlbench_pin.sim.bodies.body import Body
 from rlbench_pin.sim.bodies.joint import ObjectJoint
 from rlbench_pin.sim.contacts import Contact
-from rlbench_pin.sim.frame import Frame, Region
+from rlbench_pin.sim.frame import Frame, Posed, Region
 from rlbench_pin.sim.render.camera import CameraView, Pictures, look_at
 from rlbench_pin.sim.render.egl import RENDERERS, EglMissing, RendererName
 from rlbench_pin.sim.render.lighting import Light, Lighting
@@ -26,6 +26,7 @@ __all__ = [
     "Lighting",
     "ObjectJoint",
     "Pictures",
+    "Posed",
     "Region",
     "RendererName",
     "Sensor",

@@ -57,7 +57,6 @@ def share_island(robot: LoadedModel, body: Body) -> None:
     """
     link = min(joint.index for joint in body.model.joints.values())
     zero = [0.0, 0.0, 0.0]
-    constraint = bullet.createConstraint(
-        robot.uid, 0, body.model.uid, link, bullet.JOINT_POINT2POINT, zero, zero, zero, physicsClientId=robot.client.id
-    )
-    bullet.changeConstraint(constraint, maxForce=0.0, physicsClientId=robot.client.id)
+    change = robot.client.change
+    tie = change(bullet.createConstraint, robot.uid, 0, body.model.uid, link, bullet.JOINT_POINT2POINT, zero, zero, zero)
+    change(bullet.changeConstraint, tie, maxForce=0.0)

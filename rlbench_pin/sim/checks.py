@@ -42,6 +42,18 @@ def pose_vector(pose: Sequence[float] | FloatArray, what: str) -> FloatArray:
     return vector
 
 
+def whole_ratio(control_dt: float, timestep: float) -> int:
+    """Return how many physics steps of length `timestep` [s] a control tick of length `control_dt` [s] has.
+
+    Raises:
+        ValueError: It is no whole number.
+    """
+    ratio = round(control_dt / timestep) if timestep > 0.0 else 0
+    if ratio < 1 or abs(ratio * timestep - control_dt) > 1e-9:
+        raise ValueError(f"A control tick of {control_dt} s is not a whole number of physics steps of {timestep} s.")
+    return ratio
+
+
 def action_vector(values: Sequence[float] | FloatArray, size: int, what: str) -> FloatArray:
     """Return a copy of a command as a finite vector (size,).
 

@@ -6,14 +6,15 @@ import ctypes
 import os
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from rlbench_pin.errors import AssetInvalid, AssetNotFound, EnvironmentClosed, UnknownName
 from rlbench_pin.sim.bodies.urdf import check_urdf
-from rlbench_pin.sim.journal import Change, close_ledger, noting, open_ledger
+from rlbench_pin.sim.journal import Journal
 from rlbench_pin.sim.render.egl import RENDERERS, EglMissing, RendererName, plugin_file
 from rlbench_pin.spatial import FloatArray
 
@@ -53,10 +54,7 @@ def _flush() -> None:
 
 
 with captured_output():  # pybullet greets when it is imported
-    import pybullet
-
-bullet = noting(pybullet)
-"""PyBullet's functions; those that change a world are written down while it is built."""
+    import pybullet as bullet
 
 __all__ = ["Captured", "PhysicsClient", "bullet", "captured_output", "open_client"]
 
@@ -67,9 +65,15 @@ _GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
 class PhysicsClient:
     """One physics server in this process; every call passes its `id`.
 
+    Calls that change a world while it is built go through `change`, so that `build_again` can repeat them. Calls that only read,
+    step or restore use `bullet` directly.
+
     Args:
         timestep: Length of one physics step [s].
         hardware: Draw with OpenGL through EGL.
+
+    Attributes:
+        journal: The calls that built the world.
 
     Raises:
         EglMissing: There is no EGL here.
@@ -80,37 +84,41 @@ class PhysicsClient:
         self._id: int | None = bullet.connect(bullet.DIRECT)
         if hardware:
             self._plugin = self._load_egl()
-        self._built: tuple[Change, ...] = ()
+        self.journal = Journal()
         self._printed = False
-        open_ledger(self.id)
-        bullet.setTimeStep(timestep, physicsClientId=self.id)
-        bullet.setGravity(*_GRAVITY, physicsClientId=self.id)
-        bullet.setPhysicsEngineParameter(
-            numSolverIterations=_SOLVER_ITERATIONS,
-            deterministicOverlappingPairs=1,
-            physicsClientId=self.id,
-        )
+        self.change(bullet.setTimeStep, timestep)
+        self.change(bullet.setGravity, *_GRAVITY)
+        self.change(bullet.setPhysicsEngineParameter, numSolverIterations=_SOLVER_ITERATIONS, deterministicOverlappingPairs=1)
         for caching in (0, 1):  # forget what files said when an earlier world was built, then read each of them once
-            pybullet.setPhysicsEngineParameter(enableFileCaching=caching, physicsClientId=self.id)
+            bullet.setPhysicsEngineParameter(enableFileCaching=caching, physicsClientId=self.id)
+
+    def change(self, function: Callable[..., Any], *positional: Any, **named: Any) -> Any:
+        """Call a function of PyBullet that changes this world; until `end_building` the call is recorded.
+
+        Args:
+            function: A function of `bullet`.
+            *positional: Its arguments.
+            **named: Its named arguments, without `physicsClientId`.
+        """
+        return self.journal.call(function, *positional, **named, physicsClientId=self.id)
 
     def end_building(self) -> None:
-        """Take what was done so far as what `build_again` does."""
-        self._built = close_ledger(self.id)
+        """Record no more calls: the world is built."""
+        self.journal.close()
 
     def build_again(self) -> None:
-        """Throw everything away, and do what was done until `end_building` in a server without a past.
+        """Empty the server, and repeat all calls recorded until `end_building`.
 
         Bodies keep their numbers. What was simulated before leaves no trace, not even in the order in which PyBullet looks at
         contacts.
 
         Raises:
-            RlbenchPinError: Something went otherwise than the first time; the server is closed then.
+            RlbenchPinError: A call returned something else than the first time; the server is closed then.
         """
         bullet.resetSimulation(physicsClientId=self.id)
         try:
             with captured_output() if self._printed else nullcontext():
-                for change in self._built:
-                    change.repeat()
+                self.journal.repeat()
         except BaseException:
             self.close()
             raise
@@ -143,7 +151,6 @@ class PhysicsClient:
         """Free the physics server; may be called again."""
         if self._id is not None:
             identifier, self._id = self._id, None
-            close_ledger(identifier)
             with captured_output() if self.hardware else nullcontext():
                 bullet.disconnect(physicsClientId=identifier)
 
@@ -160,14 +167,14 @@ class PhysicsClient:
         problem = ""
         with captured_output() as captured:
             try:
-                number: int = bullet.loadURDF(
+                number: int = self.change(
+                    bullet.loadURDF,
                     str(urdf),
                     pose[:3].tolist(),
                     pose[3:].tolist(),
                     useFixedBase=fixed,
                     globalScaling=scale,
                     flags=bullet.URDF_USE_INERTIA_FROM_FILE,
-                    physicsClientId=self.id,
                 )
             except bullet.error as error:
                 problem = str(error)

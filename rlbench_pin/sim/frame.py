@@ -1,4 +1,4 @@
-"""Named places that hang on one another, and boxes to sample in."""
+"""Named places relative to a parent, and boxes to sample in."""
 
 from __future__ import annotations
 
@@ -13,19 +13,44 @@ from rlbench_pin.sim.checks import finite_vector, pose_vector
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3, se3_to_pose
 
 
+class Posed(Protocol):
+    """Something with a name and a movable place in the world: a body or a frame."""
+
+    name: str
+
+    @property
+    def pose(self) -> FloatArray:
+        """Pose (7,) in the world."""
+        ...
+
+    @property
+    def position(self) -> FloatArray:
+        """Origin (3,) in the world [m]."""
+        ...
+
+    @property
+    def quaternion(self) -> FloatArray:
+        """Orientation (4,) in the world, [qx, qy, qz, qw]."""
+        ...
+
+    def set_pose(self, pose: PoseLike) -> None:
+        """Move to a world pose (7,)."""
+        ...
+
+
 class Places(Protocol):
-    """Where everything is: what a frame needs to know of its world."""
+    """What a frame needs to know of its world."""
 
     def placement(self, name: str) -> pin.SE3:
         """Return T_world_x of a body, a link, a frame, `root` or `world`."""
         ...
 
     def carry(self, name: str, old: FloatArray, new: FloatArray) -> None:
-        """Move the bodies that hang on `name`, which went from pose `old` to `new`."""
+        """Move the bodies whose parent, near or far, is `name`, which went from pose `old` to `new`."""
         ...
 
     def check_parent(self, child: str, parent: str) -> None:
-        """Raise when `parent` is unknown or hangs on `child`."""
+        """Raise when `parent` is unknown or a descendant of `child`."""
         ...
 
 
@@ -77,11 +102,11 @@ class Frame:
 
     @property
     def parent(self) -> str:
-        """What the frame hangs on."""
+        """Name of what the frame moves with."""
         return self._parent
 
     def set_pose(self, pose: PoseLike) -> None:
-        """Move the frame to a world pose (7,); the parent stays, and bodies that hang on the frame come along."""
+        """Move the frame to a world pose (7,); the parent stays, and bodies whose parent it is move along."""
         new, old = pose_vector(pose, f"pose of '{self.name}'"), self.pose
         if self._parent == WORLD:
             self._set_local(new)
@@ -100,21 +125,17 @@ class Frame:
         point = finite_vector(position, 3, f"position of '{self.name}'")
         self.set_pose(np.concatenate([point, self.pose[3:]]))
 
-    def move_to(self, target: Frame | PoseLike | str) -> None:
-        """Move to where another frame is, to what a name stands for, or to a world pose (7,)."""
-        if isinstance(target, str):
-            self.set_pose(se3_to_pose(self._places.placement(target)))
-        elif hasattr(target, "pose"):
-            self.set_pose(target.pose)
-        else:
-            self.set_pose(target)
+    def move_to(self, target: Posed | PoseLike | str) -> None:
+        """Move to where a body or another frame is, to the place of that name, or to a world pose (7,)."""
+        there = se3_to_pose(self._places.placement(target)) if isinstance(target, str) else target
+        self.set_pose(there if isinstance(there, Sequence | np.ndarray) else there.pose)
 
-    def set_parent(self, parent: str, keep_in_place: bool = True) -> None:
-        """Hang the frame on something else.
+    def set_parent(self, parent: str, keep_in_place: bool = False) -> None:
+        """Give the frame another parent.
 
         Args:
             parent: Name of the new parent.
-            keep_in_place: Stay where it is in the world; otherwise keep the pose relative to the parent.
+            keep_in_place: Stay where it is in the world; otherwise keep the pose relative to the parent, as a scene file would.
         """
         self._places.check_parent(self.name, parent)
         pose = self.pose

@@ -1,32 +1,17 @@
-"""What was done to a physics server while its world was built, so that it can be done again."""
+"""The calls that built a world, kept so that they can be made again."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import BuiltinFunctionType, ModuleType, SimpleNamespace
 from typing import Any
 
 from rlbench_pin.errors import RlbenchPinError
 
-_NOT_NOTED = (
-    "connect",
-    "disconnect",
-    "get",
-    "loadPlugin",
-    "performCollisionDetection",
-    "removeState",
-    "resetSimulation",
-    "restoreState",
-    "save",
-    "stepSimulation",
-)
-"""Beginnings of functions of pybullet that are no part of building a world."""
-
 
 @dataclass(frozen=True)
 class Change:
-    """One call that changed a physics server, and what it gave."""
+    """One call that changed a physics server, and what it returned."""
 
     function: Callable[..., Any]
     positional: tuple[Any, ...]
@@ -34,10 +19,10 @@ class Change:
     result: Any
 
     def repeat(self) -> None:
-        """Do it again.
+        """Make the call again.
 
         Raises:
-            RlbenchPinError: It failed, or gave something else this time.
+            RlbenchPinError: It failed, or returned something else this time.
         """
         name = self.function.__name__
         try:
@@ -53,33 +38,34 @@ class Change:
         )
 
 
-_open: dict[int, list[Change]] = {}
-"""Ledgers that are being written, by number of the physics server."""
+class Journal:
+    """Records calls, in order, until it is closed."""
 
+    def __init__(self) -> None:
+        self._changes: list[Change] = []
+        self._closed = False
 
-def noting(module: ModuleType) -> SimpleNamespace:
-    """Return what pybullet offers, where functions that change a world write into its ledger while that is open."""
-    contents = vars(module)
-    noted = (n for n, f in contents.items() if isinstance(f, BuiltinFunctionType) and not n.startswith(_NOT_NOTED))
-    return SimpleNamespace(**{**contents, **{name: _noting(contents[name]) for name in noted}})
+    @property
+    def changes(self) -> tuple[Change, ...]:
+        """The recorded calls, in order."""
+        return tuple(self._changes)
 
-
-def _noting(function: Callable[..., Any]) -> Callable[..., Any]:
-    def call(*positional: Any, **named: Any) -> Any:
+    def call(self, function: Callable[..., Any], *positional: Any, **named: Any) -> Any:
+        """Call a function and return its result; the call is recorded unless the journal is closed."""
         result = function(*positional, **named)
-        ledger = _open.get(named.get("physicsClientId", 0))
-        if ledger is not None:
-            ledger.append(Change(function, positional, named, result))
+        if not self._closed:
+            self._changes.append(Change(function, positional, named, result))
         return result
 
-    return call
+    def close(self) -> None:
+        """Record nothing from now on."""
+        self._closed = True
 
+    def repeat(self) -> None:
+        """Make all recorded calls again.
 
-def open_ledger(identifier: int) -> None:
-    """Begin to write down what is done to a physics server."""
-    _open[identifier] = []
-
-
-def close_ledger(identifier: int) -> tuple[Change, ...]:
-    """Stop writing and return what was written; nothing when no ledger is open."""
-    return tuple(_open.pop(identifier, ()))
+        Raises:
+            RlbenchPinError: One of them failed, or returned something else this time.
+        """
+        for change in self._changes:
+            change.repeat()

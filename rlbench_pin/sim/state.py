@@ -141,8 +141,8 @@ def build_again(world: World) -> None:
     origin.physics.take()
     _restore_physics(world, origin)
     world.robot.forget_measurements()
-    world.wardrobe.wear_again()
-    world.tuning.apply_again()
+    world.texture_overrides.apply_again()
+    world.dynamics_overrides.apply_again()
 
 
 def to_bytes(client: PhysicsClient) -> bytes:

@@ -9,29 +9,28 @@ from types import TracebackType
 import numpy as np
 import pinocchio as pin
 
-from rlbench_pin.errors import RlbenchPinError, UnknownName
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.scene.spec import ROOT, BodySpec, SceneSpec
-from rlbench_pin.sim import build, portable, state
+from rlbench_pin.sim import portable, state
 from rlbench_pin.sim.arm.gripper import SimGripper
 from rlbench_pin.sim.arm.robot import SimRobot
 from rlbench_pin.sim.bodies.body import Body
 from rlbench_pin.sim.bodies.joint import ObjectJoint
 from rlbench_pin.sim.capture import capture
+from rlbench_pin.sim.checks import whole_ratio
 from rlbench_pin.sim.client import bullet, open_client
-from rlbench_pin.sim.contacts import Contact, ContactReader
+from rlbench_pin.sim.contacts import Contact
+from rlbench_pin.sim.contents import Contents
+from rlbench_pin.sim.dynamics_overrides import DynamicsOverrides
 from rlbench_pin.sim.frame import Frame, Region
-from rlbench_pin.sim.places import PlaceTree
 from rlbench_pin.sim.render.camera import CameraView, Pictures
 from rlbench_pin.sim.render.egl import RendererName
-from rlbench_pin.sim.render.masks import MaskTable
 from rlbench_pin.sim.render.renderer import Renderer
 from rlbench_pin.sim.render.shadows import ShadowMap
-from rlbench_pin.sim.render.wardrobe import Wardrobe
+from rlbench_pin.sim.render.texture_overrides import TextureOverrides
 from rlbench_pin.sim.sensor import Sensor
 from rlbench_pin.sim.state import WorldState
-from rlbench_pin.sim.tuning import Tuning
 from rlbench_pin.spatial import PoseLike
 
 
@@ -52,8 +51,8 @@ class World:
         bodies: Bodies of the scene and those added at run time, by name.
         room: Table, floor and walls, by name.
         renderer: Takes the pictures; its `lighting` may be replaced.
-        wardrobe: Puts textures on things and takes them off.
-        tuning: Scales masses, friction, damping and gains, and takes it back.
+        texture_overrides: Textures over the things' own looks.
+        dynamics_overrides: Scaled masses, friction, damping and gains.
         on_step: Called after every tick.
         on_physics: Called before every physics step; may command the arm.
         client: The physics server, for modules of this folder only.
@@ -70,7 +69,7 @@ class World:
         renderer: RendererName = "cpu",
     ) -> None:
         self.spec, self.timestep, self.control_dt = spec, timestep, control_dt
-        self._substeps = _whole_ratio(control_dt, timestep)
+        self._substeps = whole_ratio(control_dt, timestep)
         self._ticks = 0
         self.on_step: list[Callable[[], None]] = []
         self.on_physics: list[Callable[[], None]] = []
@@ -81,43 +80,15 @@ class World:
         self._build(robot)
 
     def _build(self, robot: RobotDescription) -> None:
-        self._mask_table, self._contacts = MaskTable(), ContactReader(self.client)
-        self._places = PlaceTree(self.spec, self.body)
-        model = build.load_robot(self.client, robot)
-        self._arm = model
-        self._mask_table.add(robot.name, model)
-        self._contacts.add(robot.name, model)
-        self.room = build.load_room(self.client, self._places.carry)
-        for body in self.room.values():
-            self._register(body)
-        self._mask_table.begin_objects()
-        room_ids = {name: self._mask_table.first_id(body.model) for name, body in self.room.items()}
-        self.renderer = Renderer(self.client, self.room, room_ids, self._mask_table.table, hardware=self.client.hardware)
-        self.bodies: dict[str, Body] = {}
-        self._spawned: dict[str, BodySpec] = {}
-        for spec in self.spec.body:
-            self._load(spec)
-        for joint in self.spec.joint:
-            self.joint(joint.name).configure(joint)
-        self._springs = [j for body in self.bodies.values() for j in body.joints.values() if j.has_spring]
-        self._places.place_bodies()
-        self.robot = SimRobot(model, robot, self._contacts, self.timestep, self._substeps)
-        self.wardrobe = Wardrobe(self.renderer, model, self.bodies, self.room)
-        self.tuning = Tuning(self.robot)
+        self._contents = contents = Contents(self.client, self.spec, robot)
+        self.bodies, self.room, self._places = contents.bodies, contents.room, contents.places
+        self._springs = contents.joints_with_springs()
+        hardware = self.client.hardware
+        self.renderer = Renderer(self.client, self.room, contents.room_ids, contents.masks.table, hardware=hardware)
+        self.robot = SimRobot(contents.robot, robot, contents.contacts, self.timestep, self._substeps)
+        self.texture_overrides = TextureOverrides(self.renderer, contents.robot, self.bodies, self.room)
+        self.dynamics_overrides = DynamicsOverrides(self.robot)
         self.gripper = SimGripper(self.robot, self.body, lambda: tuple(self.bodies.values()))
-
-    def _load(self, spec: BodySpec) -> Body:
-        body = build.load_body(self.client, spec, self.spec.file, self._places.carry)
-        if body.joints:
-            build.share_island(self._arm, body)
-        self.bodies[spec.name] = body
-        self._places.hang(spec)
-        self._register(body)
-        return body
-
-    def _register(self, body: Body) -> None:
-        self._mask_table.add(body.name, body.model)
-        self._contacts.add(body.name, body.model)
 
     # Finding things --------------------------------------------------------------------------------------------------
 
@@ -127,18 +98,11 @@ class World:
         Raises:
             UnknownName: There is none of that name.
         """
-        body = self.bodies.get(name) or self.room.get(name)
-        if body is None:
-            raise UnknownName("body of this scene", name, (*self.bodies, *self.room))
-        return body
+        return self._contents.body(name)
 
     def joint(self, name: str) -> ObjectJoint:
         """Return the joint called `<body>/<joint>`."""
-        body, _, joint = name.partition("/")
-        if body not in self.bodies or joint not in self.bodies[body].joints:
-            known = [f"{b.name}/{j}" for b in self.bodies.values() for j in b.joints]
-            raise UnknownName("joint of this scene", name, known)
-        return self.bodies[body].joints[joint]
+        return self._contents.joint(name)
 
     def frame(self, name: str) -> Frame:
         """Return a frame, region, sensor or waypoint, or the root."""
@@ -169,7 +133,7 @@ class World:
     @property
     def masks(self) -> Mapping[int, str]:
         """Mask id -> name: robot and room below 61, task objects from 61 in the order of the scene file."""
-        return dict(self._mask_table.names)
+        return dict(self._contents.masks.names)
 
     # Time ------------------------------------------------------------------------------------------------------------
 
@@ -219,13 +183,7 @@ class World:
             name: Name that is not in use.
             spec: What to load and where; its own name is replaced by `name`.
         """
-        if name in self.bodies or name in self.room or self._places.knows(name):
-            raise RlbenchPinError(f"The name '{name}' is in use. Choose another for the new body.")
-        spec = spec.model_copy(update={"name": name})
-        body = self._load(spec)
-        self._spawned[name] = spec
-        self._places.place_body(name)
-        return body
+        return self._contents.add(name, spec)
 
     def remove_body(self, name: str) -> None:
         """Remove a body that `add_body` made.
@@ -233,44 +191,25 @@ class World:
         Raises:
             RlbenchPinError: The body belongs to the scene file.
         """
-        body = self.body(name)
-        if name not in self._spawned:
-            raise RlbenchPinError(f"'{name}' belongs to the scene file; only bodies made by add_body can be removed.")
-        if name in self.gripper.grasped:
+        if name in self.gripper.grasped and name in self._contents.spawned:
             self.gripper.release()
-        self._close_gap(name)
-        del self.bodies[name]
-        self._places.unhang(name)
-        self._mask_table.remove(body.model)
-        self._contacts.remove(body.model.uid)
-        bullet.removeBody(body.model.uid, physicsClientId=self.client.id)
-
-    def _close_gap(self, name: str) -> None:
-        """Forget a run-time body; the last one takes its place, as in PyBullet's own list, by whose order states are restored."""
-        names = list(self._spawned)
-        last = names.pop()
-        order = [last if n == name else n for n in names]
-        self._spawned = {n: self._spawned[n] for n in order}
+        self._contents.remove(name)
 
     @property
     def spawned(self) -> Mapping[str, BodySpec]:
         """Bodies added at run time, in order."""
-        return dict(self._spawned)
+        return self._contents.spawned
 
     # Asking ----------------------------------------------------------------------------------------------------------
 
     def contacts(self, body: str | None = None, other: str | None = None) -> tuple[Contact, ...]:
         """Return the contact points of the last physics step: all, those of one body, or those between two."""
-        return self._contacts.read(self._uid(body), self._uid(other))
+        first, second = (None if name is None else self._contents.model(name).uid for name in (body, other))
+        return self._contents.contacts.read(first, second)
 
     def max_penetration(self) -> float:
         """Return how deep the deepest contact is [m]; 0 when nothing overlaps."""
-        return self._contacts.deepest()
-
-    def _uid(self, name: str | None) -> int | None:
-        if name is None:
-            return None
-        return self.robot.model.uid if name == self.robot.description.name else self.body(name).model.uid
+        return self._contents.contacts.deepest()
 
     def snapshot(self) -> WorldSnapshot:
         """Return names, shapes, poses and joint values at this instant."""
@@ -356,10 +295,3 @@ class World:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None) -> None:
         self.close()
-
-
-def _whole_ratio(control_dt: float, timestep: float) -> int:
-    ratio = round(control_dt / timestep) if timestep > 0.0 else 0
-    if ratio < 1 or abs(ratio * timestep - control_dt) > 1e-9:
-        raise ValueError(f"A control tick of {control_dt} s is not a whole number of physics steps of {timestep} s.")
-    return ratio

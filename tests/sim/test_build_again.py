@@ -14,7 +14,6 @@ from rlbench_pin.errors import EnvironmentClosed, RlbenchPinError
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
 from rlbench_pin.sim import World, read_texture
 from rlbench_pin.sim.client import bullet
-from rlbench_pin.sim.journal import Change
 from rlbench_pin.tasks import task_class, task_scene
 from tests.sim.support import UPRIGHT, build, close_on_cube, cube, cube_scene, digest, furniture_scene, steps
 from tests.sim.test_state import clutter, go_on, wander
@@ -107,12 +106,12 @@ def test_textures_and_changed_physics_are_kept():
     with build(cube_scene()) as world:
         model = world.body("cube").model
         mass = bullet.getDynamicsInfo(model.uid, -1, physicsClientId=world.client.id)[0]
-        world.tuning.scale(model, mass=2.0)
-        world.wardrobe.dress_body("cube", read_texture(path), 4.0)
+        world.dynamics_overrides.scale(model, mass=2.0)
+        world.texture_overrides.set_body("cube", read_texture(path), 4.0)
         world.build_again()
         assert bullet.getDynamicsInfo(model.uid, -1, physicsClientId=world.client.id)[0] == pytest.approx(2.0 * mass)
         assert bullet.getVisualShapeData(model.uid, physicsClientId=world.client.id)[0][7] == (1.0, 1.0, 1.0, 1.0)
-        world.tuning.reset()
+        world.dynamics_overrides.clear()
         assert bullet.getDynamicsInfo(model.uid, -1, physicsClientId=world.client.id)[0] == pytest.approx(mass)
 
 
@@ -136,13 +135,17 @@ def test_a_file_that_changed_is_read_anew_by_the_next_world(tmp_path):
     assert heights[1] - heights[0] == pytest.approx(0.1, abs=0.01)
 
 
-def test_a_build_that_goes_otherwise_is_named(monkeypatch):
-    """When building gives something else than before, the error says what."""
+def test_a_call_that_returns_something_else_is_named():
+    """When building again gives something else than before, the error says which call, and the world is closed."""
+    counts = iter((99, 9))
+
+    def count_bodies(physicsClientId: int) -> int:
+        return next(counts)
+
     with build(cube_scene()) as world:
-        change = Change(bullet.getNumBodies, (), {"physicsClientId": world.client.id}, 99)
+        world.client.change(count_bodies)
         steps(world, 1)
-        monkeypatch.setattr(world.client, "_built", (*world.client._built, change))
-        with pytest.raises(RlbenchPinError, match="getNumBodies.* gave 9 instead of 99"):
+        with pytest.raises(RlbenchPinError, match="count_bodies.* gave 9 instead of 99"):
             world.build_again()
         with pytest.raises(EnvironmentClosed):
             world.step()

@@ -7,6 +7,7 @@ import pytest
 
 from rlbench_pin.errors import RlbenchPinError, UnknownName
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
+from rlbench_pin.sim import Posed
 from rlbench_pin.spatial import compose, pose_at, relative
 from tests.sim.support import UPRIGHT, build, cube_scene, furniture_scene, steps
 
@@ -64,21 +65,37 @@ def test_a_moved_body_takes_what_hangs_on_it():
 
 
 def test_frames_move_and_change_parents(world):
-    """`move_to` takes frames, names and poses; a new parent keeps the place or the relative pose."""
+    """`move_to` takes bodies, frames, names and poses; a new parent keeps the place or the relative pose."""
     spot = world.frame("corner")
     spot.move_to("chest/drawer_top_link")
     np.testing.assert_allclose(spot.pose, world.body("chest").link_pose("drawer_top_link"), atol=1e-12)
     spot.move_to(world.frame("knob"))
     np.testing.assert_allclose(spot.pose, world.frame("knob").pose, atol=1e-12)
+    spot.move_to(world.body("button"))
+    np.testing.assert_allclose(spot.pose, world.body("button").pose, atol=1e-12)
+    spot.move_to((0.1, 0.2, 0.9, *UPRIGHT))
+    np.testing.assert_allclose(spot.pose, [0.1, 0.2, 0.9, *UPRIGHT], atol=1e-12)
     spot.set_position([0.1, 0.2, 0.9])
     np.testing.assert_allclose(spot.position, [0.1, 0.2, 0.9])
     pose, local = spot.pose, spot.local
-    spot.set_parent("button")
+    spot.set_parent("button", keep_in_place=True)
     np.testing.assert_allclose(spot.pose, pose, atol=1e-9)
-    spot.set_parent("world", keep_in_place=False)
+    spot.set_parent("world")
     assert not np.allclose(spot.pose, pose)
     np.testing.assert_allclose(compose(world.body("button").pose, spot.pose), pose, atol=1e-9)
     assert local.shape == (7,)
+
+
+def test_bodies_and_frames_are_posed_alike(world):
+    """What handles a `Posed` moves a body and a frame with the same calls."""
+
+    def lift(thing: Posed) -> None:
+        thing.set_pose([*thing.position[:2], 1.2, *thing.quaternion])
+
+    body, frame = world.body("cube"), world.frame("corner")
+    lift(body)
+    lift(frame)
+    assert body.position[2] == pytest.approx(1.2) and frame.position[2] == pytest.approx(1.2)
 
 
 def test_impossible_parents_are_refused(world):

@@ -112,7 +112,7 @@ def test_everything_beside_the_physics_comes_back():
         steps(world, 2)
         saved, spot = world.save(), world.frame("spot").pose
         world.frame("spot").set_pose(world.frame("corner").pose)
-        world.frame("corner").set_parent("chest")
+        world.frame("corner").set_parent("chest", keep_in_place=True)
         world.body("cube").set_collides(False)
         world.body("cube").graspable = True
         world.body("button").set_color((0, 1, 0), "cap")

@@ -98,22 +98,22 @@ class Randomizer:
         world, look = self._runtime.world, self._runtime.observer.look
         for name, (path, repeats) in disguise.bodies.items():
             if name in world.bodies:
-                world.wardrobe.dress_body(name, read_texture(path), repeats)
+                world.texture_overrides.set_body(name, read_texture(path), repeats)
         for link, (path, repeats) in disguise.links.items():
-            world.wardrobe.dress_robot(link, read_texture(path), repeats)
+            world.texture_overrides.set_robot_link(link, read_texture(path), repeats)
         for name, path in disguise.room.items():
-            world.wardrobe.dress_room(name, read_texture(path))
+            world.texture_overrides.set_room_body(name, read_texture(path))
         look.lighting, look.offsets = disguise.lighting, dict(disguise.cameras)
         for name, (mass, friction, damping) in disguise.factors.items():
             if name in world.bodies or name in world.room:
-                world.tuning.scale(world.body(name).model, mass=mass, friction=friction, damping=damping)
-        world.tuning.scale_gains(disguise.gains)
+                world.dynamics_overrides.scale(world.body(name).model, mass=mass, friction=friction, damping=damping)
+        world.dynamics_overrides.scale_gains(disguise.gains)
 
     def take_off(self) -> None:
         """Bring back the scene as it was built; the disguise is remembered."""
         world, look = self._runtime.world, self._runtime.observer.look
-        world.wardrobe.undress()
-        world.tuning.reset()
+        world.texture_overrides.clear()
+        world.dynamics_overrides.clear()
         look.lighting, look.offsets = None, {}
 
     def draw(self, rng: np.random.Generator) -> Disguise:
@@ -126,7 +126,7 @@ class Randomizer:
         world = self._runtime.world
         robot = config.randomize_arm and config.should_randomize(self._runtime.description.name)
         bodies = [name for name in world.bodies if config.should_randomize(name)] if config.textures else []
-        links = world.wardrobe.robot_links if config.textures and robot else ()
+        links = world.texture_overrides.robot_links if config.textures and robot else ()
         room = [name for name in world.room if config.should_randomize(name)] if config.textures else []
         paths = iter(config.sample(len(bodies) + len(links) + len(room), rng))
         repeats = iter(rng.uniform(3.0, 10.0, len(bodies) + len(links)).tolist())

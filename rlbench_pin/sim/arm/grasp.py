@@ -59,7 +59,8 @@ class Attachments:
         """Fix a body to the hand at a given relative pose."""
         T_com = self._T_hand_com.inverse() * pose_to_se3(attachment.T_hand_body) * body.model.T_base_com
         frame = se3_to_pose(T_com).tolist()
-        constraint = bullet.createConstraint(
+        constraint = self._client.change(
+            bullet.createConstraint,
             self._robot.uid,
             self._hand,
             body.model.uid,
@@ -69,16 +70,15 @@ class Attachments:
             parentFramePosition=frame[:3],
             parentFrameOrientation=frame[3:],
             childFramePosition=[0.0, 0.0, 0.0],
-            physicsClientId=self._client.id,
         )
-        bullet.changeConstraint(constraint, maxForce=_FORCE, physicsClientId=self._client.id)
+        self._client.change(bullet.changeConstraint, constraint, maxForce=_FORCE)
         self._filter(body, touch=False)
         self._held[body.name] = (attachment, constraint, body)
 
     def detach(self, name: str) -> None:
         """Let a body go."""
         _, constraint, body = self._held.pop(name)
-        bullet.removeConstraint(constraint, physicsClientId=self._client.id)
+        self._client.change(bullet.removeConstraint, constraint)
         self._filter(body, touch=True)
 
     def restore_order(self, bodies: Iterable[Body]) -> None:
@@ -97,6 +97,4 @@ class Attachments:
         self._shuffled = True
         for mine in self._untouched:
             for theirs in body.model.links.values():
-                bullet.setCollisionFilterPair(
-                    self._robot.uid, body.model.uid, mine, theirs, int(touch), physicsClientId=self._client.id
-                )
+                self._client.change(bullet.setCollisionFilterPair, self._robot.uid, body.model.uid, mine, theirs, int(touch))

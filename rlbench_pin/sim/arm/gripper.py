@@ -63,24 +63,17 @@ class SimGripper:
         self._attachments.restore_order(bodies())
         self._couple()
         for link in description.finger_links:  # anchors keep a friction grip from creeping
-            bullet.changeDynamics(
-                self._model.uid,
-                self._model.link_index(link),
-                lateralFriction=_PAD_FRICTION,
-                frictionAnchor=1,
-                physicsClientId=self._client.id,
-            )
+            index = self._model.link_index(link)
+            self._client.change(bullet.changeDynamics, self._model.uid, index, lateralFriction=_PAD_FRICTION, frictionAnchor=1)
         self.hold()
         robot.on_reset = lambda fingers_too: self.hold() if fingers_too else None
 
     def _couple(self) -> None:
         """Make the fingers move alike, as the gear of a real hand does."""
         left, right = self._joints
-        gear = bullet.createConstraint(
-            self._model.uid, left, self._model.uid, right, bullet.JOINT_GEAR, [1, 0, 0], [0, 0, 0], [0, 0, 0],
-            physicsClientId=self._client.id,
-        )  # fmt: skip
-        bullet.changeConstraint(gear, gearRatio=-1, erp=0.2, maxForce=_GEAR_FORCE, physicsClientId=self._client.id)
+        uid, change = self._model.uid, self._client.change
+        gear = change(bullet.createConstraint, uid, left, uid, right, bullet.JOINT_GEAR, [1, 0, 0], [0, 0, 0], [0, 0, 0])
+        change(bullet.changeConstraint, gear, gearRatio=-1, erp=0.2, maxForce=_GEAR_FORCE)
 
     # Fingers ---------------------------------------------------------------------------------------------------------
 

@@ -82,7 +82,7 @@ class SimRobot:
 
     def _prepare_dynamics(self) -> None:
         for index in range(-1, len(self.model.links) - 1):
-            bullet.changeDynamics(self.model.uid, index, linearDamping=0.0, angularDamping=0.0, physicsClientId=self._client.id)
+            self._client.change(bullet.changeDynamics, self.model.uid, index, linearDamping=0.0, angularDamping=0.0)
 
     # Measuring -------------------------------------------------------------------------------------------------------
 
@@ -193,7 +193,7 @@ class SimRobot:
             )
         )
         for index, value in zip(self._joints, values.tolist(), strict=False):
-            bullet.resetJointState(self.model.uid, index, value, physicsClientId=self._client.id)
+            self._client.change(bullet.resetJointState, self.model.uid, index, value)
         self._control = ArmControl("position", positions, positions)
         self.forget_measurements()
         self.on_reset(fingers is not None)
@@ -201,7 +201,7 @@ class SimRobot:
     def set_joint_states(self, positions: FloatArray, velocities: FloatArray) -> None:
         """Put arm and fingers at positions and velocities (n + fingers,); motor commands stay."""
         for index, q, v in zip(self._joints, positions.tolist(), velocities.tolist(), strict=True):
-            bullet.resetJointState(self.model.uid, index, q, v, physicsClientId=self._client.id)
+            self._client.change(bullet.resetJointState, self.model.uid, index, q, v)
         self.forget_measurements()
 
     # Ticks -----------------------------------------------------------------------------------------------------------

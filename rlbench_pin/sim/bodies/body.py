@@ -15,7 +15,7 @@ from rlbench_pin.sim.client import bullet
 from rlbench_pin.spatial import FloatArray, PoseLike, compose, pose_to_se3, relative
 
 OnMove = Callable[[str, FloatArray, FloatArray], None]
-"""Told the name of a body and its old and new pose (7,)."""
+"""Called with the name of a body and its old and new pose (7,)."""
 Color = tuple[float, float, float, float]
 _STATIC = (2, -3)  # PyBullet's own collision group and mask of things that never move
 _DYNAMIC = (1, -1)
@@ -91,7 +91,7 @@ class Body:
     def set_velocity(self, velocity: Sequence[float] | FloatArray) -> None:
         """Set linear [m/s] and angular [rad/s] velocity (6,) of the base's centre of mass."""
         v = finite_vector(velocity, 6, f"velocity of '{self.name}'").tolist()
-        bullet.resetBaseVelocity(self.model.uid, v[:3], v[3:], physicsClientId=self.model.client.id)
+        self.model.client.change(bullet.resetBaseVelocity, self.model.uid, v[:3], v[3:])
 
     def link_pose(self, link: str) -> FloatArray:
         """Pose (7,) of the URDF frame of `link` in the world."""
@@ -128,7 +128,7 @@ class Body:
         low, high = self.bounds()
         return high - low
 
-    # Looks and contact -----------------------------------------------------------------------------------------------
+    # Appearance and contact ------------------------------------------------------------------------------------------
 
     @property
     def color(self) -> Color:
@@ -158,15 +158,13 @@ class Body:
         if self._colors.get(index) == color or index not in self._visuals:
             return
         self._colors[index] = color
-        bullet.changeVisualShape(self.model.uid, index, rgbaColor=color, physicsClientId=self.model.client.id)
+        self.model.client.change(bullet.changeVisualShape, self.model.uid, index, rgbaColor=color)
 
     def _unpaint(self, index: int) -> None:
         """Give the visuals of a link the colours of the URDF back."""
         del self._colors[index]
         for shape, color in enumerate(self._visuals[index]):
-            bullet.changeVisualShape(
-                self.model.uid, index, shapeIndex=shape, rgbaColor=color, physicsClientId=self.model.client.id
-            )
+            self.model.client.change(bullet.changeVisualShape, self.model.uid, index, shapeIndex=shape, rgbaColor=color)
 
     def repaint(self) -> None:
         """Show the colours that the body has, whatever was painted over it."""
@@ -179,7 +177,7 @@ class Body:
                 self._unpaint(index)
 
     @property
-    def seen_links(self) -> tuple[int, ...]:
+    def visual_links(self) -> tuple[int, ...]:
         """Numbers of the links that have visuals."""
         return tuple(sorted(self._visuals))
 
@@ -207,7 +205,7 @@ class Body:
         self._collides = collides
         for index in self.model.links.values():
             group, mask = (_STATIC if self.fixed and index == BASE else _DYNAMIC) if collides else (0, 0)
-            bullet.setCollisionFilterGroupMask(self.model.uid, index, group, mask, physicsClientId=self.model.client.id)
+            self.model.client.change(bullet.setCollisionFilterGroupMask, self.model.uid, index, group, mask)
 
     def joint(self, name: str) -> ObjectJoint:
         """Return the joint called `name`."""

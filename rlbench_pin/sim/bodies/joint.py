@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from rlbench_pin.scene.spec import JointSpec
 from rlbench_pin.sim.bodies.model import JointInfo, LoadedModel
 from rlbench_pin.sim.checks import finite_vector
@@ -31,9 +33,7 @@ class ObjectJoint:
         """Take start value, friction, damping, spring and lock from the scene file."""
         self.spec = spec
         if spec.damping is not None:
-            bullet.changeDynamics(
-                self._model.uid, self._info.index, jointDamping=spec.damping, physicsClientId=self._model.client.id
-            )
+            self._change(bullet.changeDynamics, jointDamping=spec.damping)
         self._reset(spec.position)
         self._locked_at = spec.position if spec.locked else None
         self._drive()
@@ -99,26 +99,25 @@ class ObjectJoint:
             self._drive()
 
     def _reset(self, position: float, velocity: float = 0.0) -> None:
-        bullet.resetJointState(
-            self._model.uid, self._info.index, position, targetVelocity=velocity, physicsClientId=self._model.client.id
-        )
+        self._change(bullet.resetJointState, position, targetVelocity=velocity)
+
+    def _change(self, function: Callable[..., None], *positional: float, **named: float) -> None:
+        self._model.client.change(function, self._model.uid, self._info.index, *positional, **named)
 
     def _drive(self) -> None:
         """Give PyBullet's motor the task that lock and friction ask for."""
-        where = {"bodyUniqueId": self._model.uid, "jointIndex": self._info.index, "physicsClientId": self._model.client.id}
         if self._locked_at is not None:
-            bullet.setJointMotorControl2(
+            self._change(
+                bullet.setJointMotorControl2,
                 controlMode=bullet.POSITION_CONTROL,
                 targetPosition=self._locked_at,
                 positionGain=_LOCK_GAIN,
                 velocityGain=1.0,
                 force=_LOCK_FORCE,
-                **where,
             )
         else:
-            bullet.setJointMotorControl2(
-                controlMode=bullet.VELOCITY_CONTROL, targetVelocity=0.0, force=self.spec.friction, **where
-            )
+            friction = self.spec.friction
+            self._change(bullet.setJointMotorControl2, controlMode=bullet.VELOCITY_CONTROL, targetVelocity=0.0, force=friction)
 
     # Spring ----------------------------------------------------------------------------------------------------------
 

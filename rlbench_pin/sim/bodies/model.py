@@ -73,7 +73,7 @@ class LoadedModel:
         """Put the base link frame at a pose (7,)."""
         T_world_com = pose_to_se3(pose) if self.com_at_base else pose_to_se3(pose) * self.T_base_com
         com = se3_to_pose(T_world_com).tolist()
-        bullet.resetBasePositionAndOrientation(self.uid, com[:3], com[3:], physicsClientId=self.client.id)
+        self.client.change(bullet.resetBasePositionAndOrientation, self.uid, com[:3], com[3:])
 
     def link_pose(self, link: str) -> FloatArray:
         """Pose (7,) of a link's URDF frame in the world."""

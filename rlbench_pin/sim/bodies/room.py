@@ -1,4 +1,4 @@
-"""Bodies of the room: PyBullet feels them, the backdrop draws them."""
+"""Bodies of the room: PyBullet collides with them, the backdrop draws them."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ class RoomBody(Body):
     """Table, floor, a wall or the ceiling; hidden from PyBullet's renderers.
 
     Attributes:
-        texture: Takes the place of its own textures and is put on its plain parts, or None.
+        texture: Replaces its own textures and covers its plain parts, or None.
     """
 
     texture: Texture | None = None
 
     def hide(self) -> RoomBody:
         """Make it invisible to PyBullet's renderers."""
-        bullet.changeVisualShape(self.model.uid, BASE, rgbaColor=_UNSEEN, physicsClientId=self.model.client.id)
+        self.model.client.change(bullet.changeVisualShape, self.model.uid, BASE, rgbaColor=_UNSEEN)
         return self
 
     def _paint(self, index: int, color: Color) -> None:
@@ -36,7 +36,7 @@ class RoomBody(Body):
     def _unpaint(self, index: int) -> None:
         del self._colors[index]
 
-    def looks(self) -> tuple[object, ...]:
+    def appearance(self) -> tuple[object, ...]:
         """All that its picture depends on, to compare."""
         place = bullet.getBasePositionAndOrientation(self.model.uid, physicsClientId=self.model.client.id)
         return (place, self._colors.get(BASE), self.texture)

@@ -20,8 +20,8 @@ from rlbench_pin.sim.client import PhysicsClient, bullet, captured_output
 from rlbench_pin.sim.render.backdrop import Backdrop, Painter
 from rlbench_pin.sim.render.camera import CameraView, Pictures, projection_matrix
 from rlbench_pin.sim.render.lighting import Lighting
+from rlbench_pin.sim.render.link_texture import LinkTexture, colors_of
 from rlbench_pin.sim.render.shadows import LightSpots, ShadowMap, light_view, spots_of
-from rlbench_pin.sim.render.skins import Skin, colors_of
 from rlbench_pin.sim.render.surfaces import normals_at, points_at
 
 _LINK_SHIFT = 24  # a segmentation value is body + (link + 1) << 24
@@ -70,7 +70,6 @@ class Renderer:
 
     Attributes:
         lighting: The lights; may be replaced at any time.
-        skins: (PyBullet's number of a body, of a link) -> texture on it.
     """
 
     def __init__(
@@ -84,9 +83,23 @@ class Renderer:
         self._client, self._room, self._room_ids, self._ids, self._hardware = client, room, room_ids, ids, hardware
         self._room_numbers = np.array(sorted(body.model.uid for body in room.values()), dtype=np.int32)
         self.lighting = Lighting()
-        self.skins: dict[tuple[int, int], Skin] = {}
+        self._link_textures: dict[tuple[int, int], LinkTexture] = {}
         self._painter: tuple[tuple[object, ...], Painter] | None = None
         self._backdrops: OrderedDict[tuple[object, ...], _KeptBackdrop | None] = OrderedDict()
+
+    def set_link_texture(self, body: int, link: int, texture: LinkTexture) -> None:
+        """Draw a texture over one link.
+
+        Args:
+            body: PyBullet's number of the body.
+            link: PyBullet's number of the link.
+            texture: What to draw.
+        """
+        self._link_textures[body, link] = texture
+
+    def clear_link_textures(self) -> None:
+        """Draw no textures over links."""
+        self._link_textures.clear()
 
     def shadow_map(self) -> ShadowMap:
         """Look from the key light, for all cameras that look at the present instant."""
@@ -117,7 +130,7 @@ class Renderer:
         if rgb:
             flat = room.lit.copy().ravel()
             flat[shot.pixels] = shot.colors
-            if full or self.skins:
+            if full or self._link_textures:
                 self._shade(flat, view, backdrop, shot, light if isinstance(light, ShadowMap) else None)
             image = np.ascontiguousarray(flat.view(np.uint8).reshape(height, width, 4)[..., :3])
         if depth:
@@ -150,7 +163,7 @@ class Renderer:
         return _Shot(pixels, packed, inverse.astype(np.float32), depth, segments[pixels])
 
     def _camera_image(self, view: CameraView, ambient: float, key: float) -> tuple[NDArray, NDArray, NDArray]:
-        """Colours, depth buffer and segments; OpenGL greets at every change of size."""
+        """Colours, depth buffer and segments; OpenGL prints a line at every change of size."""
         with captured_output() if self._hardware else nullcontext():
             return bullet.getCameraImage(
                 *view.size,
@@ -172,7 +185,7 @@ class Renderer:
     def _shade(
         self, image: NDArray[np.uint32], view: CameraView, backdrop: _KeptBackdrop, shot: _Shot, shadows: ShadowMap | None
     ) -> None:
-        """Add shadows, fill lights and skins to an image (h * w,)."""
+        """Add shadows, fill lights and textures to an image (h * w,)."""
         if shadows is not None and not shadows.is_empty:
             lit = shadows.lit(backdrop.spots(view, shadows.view))
             lit[shot.pixels] = 1.0
@@ -188,11 +201,11 @@ class Renderer:
         colors = _unpacked(shot.colors)
         if shadows is not None:
             colors *= self._light_factor(points, normals, shadows)
-        for (body, link), skin in self.skins.items():
+        for (body, link), texture in self._link_textures.items():
             chosen = np.flatnonzero(shot.segments == body + ((link + 1) << _LINK_SHIFT))
             if len(chosen):
                 size = shot.depth[chosen] / np.float32(-view.intrinsics()[0, 0])
-                colors[chosen] *= colors_of(skin, self._frame(body, link), points[chosen], normals[chosen], size)
+                colors[chosen] *= colors_of(texture, self._frame(body, link), points[chosen], normals[chosen], size)
         image[shot.pixels] = _packed(colors)
 
     def _light_factor(self, points: NDArray, normals: NDArray, shadows: ShadowMap) -> NDArray[np.float32]:
@@ -227,10 +240,10 @@ class Renderer:
 
     def _backdrop(self, view: CameraView) -> _KeptBackdrop:
         """The room as a camera sees it; kept from the second time on that the same is asked."""
-        looks = (self.lighting, *(body.looks() for body in self._room.values()))
-        if self._painter is None or self._painter[0] != looks:
+        appearance = (self.lighting, *(body.appearance() for body in self._room.values()))
+        if self._painter is None or self._painter[0] != appearance:
             panels = [panel for name, body in self._room.items() for panel in body.panels(self._room_ids[name])]
-            self._painter = looks, Painter(panels, self.lighting)
+            self._painter = appearance, Painter(panels, self.lighting)
             self._backdrops.clear()
         key = view.key
         kept = self._backdrops.get(key)

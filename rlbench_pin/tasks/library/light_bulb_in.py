@@ -33,7 +33,7 @@ class LightBulbIn(Task):
         for holder in self.holders:
             self.boundary.sample(holder, rng, min_distance=0.01)
         self.bulb = self.bulbs[goal]
-        self.world.frame("waypoint1").set_parent(self.bulb.name, keep_in_place=False)
+        self.world.frame("waypoint1").set_parent(self.bulb.name)
         self.in_socket = Detected(self.bulb, self.world.sensor("socket"))
         self.register_success_conditions([self.in_socket, NothingGrasped(self.gripper)])
         return [

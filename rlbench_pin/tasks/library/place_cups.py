@@ -39,6 +39,6 @@ class PlaceCups(Task):
 
     def _aim_at_next_mug(self, waypoint: Waypoint) -> None:
         """Go for the next mug, with the same grip, and for the next spoke."""
-        self.world.frame("waypoint1").set_parent(f"mug{self.next}", keep_in_place=False)
-        self.world.frame("waypoint4").set_parent(f"spoke{self.next}", keep_in_place=False)
+        self.world.frame("waypoint1").set_parent(f"mug{self.next}")
+        self.world.frame("waypoint4").set_parent(f"spoke{self.next}")
         self.next += 1

@@ -55,7 +55,7 @@ class PlaceShapeInShapeSorter(Task):
                 return
 
     def _aim_at_shape(self, waypoint: Waypoint | None = None) -> None:
-        self.world.frame("waypoint1").set_parent(f"grasp_{self.shape}", keep_in_place=False)
+        self.world.frame("waypoint1").set_parent(f"grasp_{self.shape}")
 
     def _aim_at_hole(self, waypoint: Waypoint | None = None) -> None:
-        self.world.frame("waypoint4").set_parent(f"drop_{self.shape}", keep_in_place=False)
+        self.world.frame("waypoint4").set_parent(f"drop_{self.shape}")

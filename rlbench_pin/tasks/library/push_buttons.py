@@ -52,7 +52,7 @@ class PushButtons(Task):
         return asked + [others[i] for i in rng.choice(len(others), 3 - self.count, replace=False)]
 
     def _aim_at_next_button(self, waypoint: Waypoint) -> None:
-        waypoint.frame.set_parent(f"button{self.pressed}", keep_in_place=False)
+        waypoint.frame.set_parent(f"button{self.pressed}")
 
     def _next_round(self) -> bool:
         self.pressed += 1

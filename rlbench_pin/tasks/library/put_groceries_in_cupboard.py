@@ -29,8 +29,8 @@ class PutGroceriesInCupboard(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         item = self.items[variation]
         self._scatter(item, rng)
-        self.world.frame("waypoint1").set_parent(f"grasp_{item}", keep_in_place=False)
-        self.world.frame("waypoint4").set_parent(f"stow_{item}", keep_in_place=False)
+        self.world.frame("waypoint1").set_parent(f"grasp_{item}")
+        self.world.frame("waypoint4").set_parent(f"stow_{item}")
         stowed = Detected(self.world.body(item), self.world.sensor("low_shelf"))
         self.register_success_conditions([stowed, NothingGrasped(self.gripper)])
         word = item.replace("_", " ")

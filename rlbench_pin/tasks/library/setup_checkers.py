@@ -46,8 +46,8 @@ class SetupCheckers(Task):
 
     def _aim_at_next_piece(self, waypoint: Waypoint | None = None) -> None:
         index = self.missing[self.placed]
-        self.world.frame("waypoint1").set_parent(f"piece{index}", keep_in_place=False)
-        self.world.frame("waypoint4").set_parent(f"square{index}", keep_in_place=False)
+        self.world.frame("waypoint1").set_parent(f"piece{index}")
+        self.world.frame("waypoint4").set_parent(f"square{index}")
 
     def _next_round(self) -> bool:
         self.placed += 1

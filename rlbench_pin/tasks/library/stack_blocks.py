@@ -50,7 +50,7 @@ class StackBlocks(Task):
         ]
 
     def _aim_at_next_block(self, waypoint: Waypoint) -> None:
-        self.world.frame("waypoint1").set_parent(f"block{self.placed}", keep_in_place=False)
+        self.world.frame("waypoint1").set_parent(f"block{self.placed}")
 
     def _rise_over_tower(self, waypoint: Waypoint) -> None:
         x, y, z = self.world.body("square").position

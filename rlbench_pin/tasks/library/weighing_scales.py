@@ -33,7 +33,7 @@ class WeighingScales(Task):
         self.boundary.clear()
         for body in self.peppers:
             self.boundary.sample(body, rng, min_distance=0.12)
-        self.world.frame("waypoint0").set_parent(pepper.name, keep_in_place=False)
+        self.world.frame("waypoint0").set_parent(pepper.name)
         weighed = Detected(self.world.frame("needle_end"), self.world.sensor("needle_zone"))
         self.register_success_conditions([NothingGrasped(self.gripper), weighed, Detected(pepper, self.world.sensor("tray"))])
         return [

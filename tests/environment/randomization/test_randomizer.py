@@ -156,7 +156,7 @@ def test_states_with_fewer_bodies_come_back():
         assert "stain7" not in task.world.bodies and task._randomizer.disguise is disguise
         for name in ("table", "sponge"):
             uid = task.world.body(name).model.uid
-            assert any(changed == uid for changed, _ in task.world.tuning._changed)
+            assert any(changed == uid for changed, _ in task.world.dynamics_overrides._changed)
 
 
 def test_mistakes_are_refused(tmp_path):

@@ -1,4 +1,4 @@
-"""Changing masses, friction, damping and gains, and taking the changes back exactly."""
+"""Scaled masses, friction, damping and gains, and the way back to the exact original values."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from rlbench_pin.sim.bodies.model import LoadedModel
 from rlbench_pin.sim.client import bullet
 
 
-class Tuning:
-    """Scales the physics of bodies.
+class DynamicsOverrides:
+    """Masses, friction, damping and gains that differ from those of the model files.
 
     Args:
         robot: The arm, whose motors can be made stiffer or softer.
@@ -39,8 +39,8 @@ class Tuning:
         """Multiply the position gain of the arm's motors."""
         self._robot.position_gain = POSITION_GAIN * factor
 
-    def reset(self) -> None:
-        """Take all changes back."""
+    def clear(self) -> None:
+        """Restore all original values."""
         self._robot.position_gain = POSITION_GAIN
         identifier = self._robot.model.client.id
         for (uid, link), original in self._originals.items():
@@ -49,7 +49,7 @@ class Tuning:
         self._changed.clear()
 
     def apply_again(self) -> None:
-        """Make the present changes in a physics server that was built again."""
+        """Apply the present overrides in a physics server that was built again."""
         for (uid, link), changed in self._changed.items():
             bullet.changeDynamics(uid, link, physicsClientId=self._robot.model.client.id, **changed)
 

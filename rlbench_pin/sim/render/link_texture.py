@@ -13,7 +13,7 @@ _OTHERS = np.array([[1, 2], [0, 2], [0, 1]])
 
 
 @dataclass(frozen=True, eq=False)
-class Skin:
+class LinkTexture:
     """A texture on one link."""
 
     texture: Texture
@@ -22,7 +22,7 @@ class Skin:
 
 
 def colors_of(
-    skin: Skin,
+    link_texture: LinkTexture,
     frame: NDArray[np.float32],
     points: NDArray[np.float32],
     normals: NDArray[np.float32],
@@ -31,7 +31,7 @@ def colors_of(
     """Colours (n, 3) in 0..1 of points on a link.
 
     Args:
-        skin: What is on it.
+        link_texture: The texture on it.
         frame: Placement (4, 4) of the link in the world.
         points: World points (n, 3) [m].
         normals: Unit normals (n, 3) in the world.
@@ -39,6 +39,7 @@ def colors_of(
     """
     rotation = frame[:3, :3]
     local, axis = (points - frame[:3, 3]) @ rotation, np.argmax(np.abs(normals @ rotation), axis=1)
-    plane = np.take_along_axis(local, _OTHERS[axis], axis=1) * np.float32(skin.repeats)
-    density = np.float32(skin.texture.size * skin.repeats)
-    return skin.texture.texels[skin.texture.indices(plane[:, 0], plane[:, 1], metres_per_pixel * density)]
+    plane = np.take_along_axis(local, _OTHERS[axis], axis=1) * np.float32(link_texture.repeats)
+    texture = link_texture.texture
+    density = np.float32(texture.size * link_texture.repeats)
+    return texture.texels[texture.indices(plane[:, 0], plane[:, 1], metres_per_pixel * density)]
