@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,6 +14,7 @@ from rlbench_pin.robot.geometry import Part, bounds, link_geometry, primitive
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import BodySnapshot
 from rlbench_pin.spatial import FloatArray, pose_to_se3
+from rlbench_pin.urdf import disabled_pairs
 
 Kind = Literal["arm", "hand", "held", "thing", "room"]
 
@@ -53,7 +53,7 @@ class CollisionGeometry:
         self._hand_joint = hand_frame.parentJoint
         self.model = pin.GeometryModel()
         self.owners: list[Owner] = []
-        self._excluded = _excluded_links(model)
+        self._excluded = disabled_pairs(model.description.srdf)
         self._add_robot()
         self._first_body = len(self.owners)
         for body in bodies:
@@ -170,9 +170,3 @@ def room_distance(body: BodySnapshot, point: FloatArray) -> float:
 def is_room(name: str) -> bool:
     """Say whether a body is part of the room: what stands there in every scene."""
     return name in ("table", "floor") or name.startswith("wall")
-
-
-def _excluded_links(model: RobotModel) -> set[frozenset[str]]:
-    """Return the pairs of links that the SRDF excludes."""
-    root = ET.parse(model.description.srdf).getroot()
-    return {frozenset((str(e.get("link1")), str(e.get("link2")))) for e in root.iterfind("disable_collisions")}
