@@ -126,7 +126,7 @@ class CollisionGeometry:
 
     def _add_body(self, body: BodySnapshot) -> None:
         held = body.name in self._held
-        kind: Kind = "held" if held else "room" if is_room(body.name) else "thing"
+        kind: Kind = "held" if held else "room" if body.in_room else "thing"
         joint = self._hand_joint if held else 0
         geometry = body_geometry(body)
         for link in body.link_names:
@@ -156,7 +156,7 @@ def body_geometry(body: BodySnapshot) -> Mapping[str, tuple[Part, ...]]:
     return {body.link_names[0]: tuple(primitive(shape) for shape in body.shapes)}
 
 
-def room_distance(body: BodySnapshot, point: FloatArray) -> float:
+def body_distance(body: BodySnapshot, point: FloatArray) -> float:
     """Return a lower bound of the distance between a body and a world point (3,), [m]."""
     geometry, least = body_geometry(body), np.inf
     for link, pose in zip(body.link_names, body.link_poses, strict=True):
@@ -165,8 +165,3 @@ def room_distance(body: BodySnapshot, point: FloatArray) -> float:
             local = pose_to_se3(pose).actInv(point)
             least = min(least, float(np.linalg.norm(np.maximum(0.0, np.maximum(box[0] - local, local - box[1])))))
     return least
-
-
-def is_room(name: str) -> bool:
-    """Say whether a body is part of the room: what stands there in every scene."""
-    return name in ("table", "floor") or name.startswith("wall")

@@ -7,10 +7,11 @@ from pathlib import Path
 
 from rlbench_pin.errors import AssetNotFound, SceneFileError, nearest_name
 from rlbench_pin.scene.model_files import resolve_asset
+from rlbench_pin.scene.snapshot import ROOM
 from rlbench_pin.scene.spec import ROOT, WORLD, BodySpec, Posed, SceneSpec, SensorSpec, WaypointSpec
 from rlbench_pin.urdf import Urdf, read_urdf
 
-RESERVED = frozenset({ROOT, WORLD, "table", "floor", "robot"})
+RESERVED = frozenset({ROOT, WORLD, "robot", *ROOM})
 """Names that the world itself gives away."""
 SENSOR_SIZES = {"box": ("x", "y", "z"), "cylinder": ("diameter", "length"), "sphere": ("diameter",)}
 
@@ -50,7 +51,7 @@ def _guess(name: str, known: Collection[str]) -> str:
 def _check_names(spec: SceneSpec) -> None:
     seen: dict[str, Posed] = {}
     for item in spec.posed():
-        if item.name in RESERVED or item.name.startswith("wall_"):
+        if item.name in RESERVED:
             raise _error(spec, item, "name", f"'{item.name}' is reserved for the room.", "Choose another name.")
         if item.name in seen:
             other = table_of(seen[item.name])
