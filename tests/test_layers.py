@@ -20,7 +20,7 @@ ROWS: tuple[tuple[str, ...], ...] = (
     ("tasks",),
     ("sim", "planning", "control"),
     ("robot", "scene", "datasets"),
-    ("errors", "spatial", "observation", "assets"),
+    ("errors", "spatial", "observation", "assets", "urdf"),
 )
 FLOOR = len(ROWS) - 1
 

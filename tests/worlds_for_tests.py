@@ -25,20 +25,27 @@ class Boxes:
         self.folder = folder
 
     def box(
-        self, name: str, size: Sequence[float], position: Sequence[float], *, fixed: bool = False, collides: bool = True
+        self,
+        name: str,
+        size: Sequence[float],
+        position: Sequence[float],
+        *,
+        fixed: bool = False,
+        collides: bool = True,
+        in_room: bool = False,
     ) -> BodySnapshot:
         """Return a box of a size (3,) with its centre at a world position (3,) [m]."""
         file = self.folder / f"{'x'.join(str(s) for s in size)}.urdf"
         geometry = f'<geometry><box size="{size[0]} {size[1]} {size[2]}"/></geometry>'
         file.write_text(f'<robot name="box"><link name="base"><collision>{geometry}</collision></link></robot>')
         pose = np.array([[*position, 0.0, 0.0, 0.0, 1.0]])
-        return BodySnapshot(name, file, ("base",), pose, collides=collides, fixed=fixed)
+        return BodySnapshot(name, file, ("base",), pose, collides=collides, fixed=fixed, in_room=in_room)
 
     def snapshot(
         self, *bodies: BodySnapshot, arm: np.ndarray = HOME, opening: float = 0.04, attached: tuple[str, ...] = ()
     ) -> WorldSnapshot:
         """Return a world with a table and bodies."""
-        table = self.box("table", (1.6, 1.5, 0.04), (0.15, 0.0, TABLE_TOP - 0.02), fixed=True)
+        table = self.box("table", (1.6, 1.5, 0.04), (0.15, 0.0, TABLE_TOP - 0.02), fixed=True, in_room=True)
         return WorldSnapshot((table, *bodies), np.array(arm), np.full(2, opening), attached)
 
     def screen(self) -> BodySnapshot:

@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from rlbench_pin.errors import StartInCollision
-from rlbench_pin.robot.collision_geometry import CollisionGeometry, Owner, is_room, room_distance
+from rlbench_pin.robot.collision_geometry import CollisionGeometry, Owner, body_distance
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import BodySnapshot, WorldSnapshot
 from rlbench_pin.spatial import FloatArray
@@ -153,7 +153,7 @@ class CollisionModel:
 
     def _is_beyond_reach(self, body: BodySnapshot) -> bool:
         """Say whether nothing the arm carries can get near a part of the room, such as a far wall."""
-        return is_room(body.name) and room_distance(body, self.model.base.translation) > ROOM_REACH
+        return body.in_room and body_distance(body, self.model.base.translation) > ROOM_REACH
 
     def _allow(self, names: Collection[str]) -> None:
         named = np.array([o.body in names and o.kind == "thing" for o in self._geometry.owners], dtype=bool)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,6 +14,7 @@ from rlbench_pin.robot.geometry import Part, bounds, link_geometry, primitive
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import BodySnapshot
 from rlbench_pin.spatial import FloatArray, pose_to_se3
+from rlbench_pin.urdf import disabled_pairs
 
 Kind = Literal["arm", "hand", "held", "thing", "room"]
 
@@ -53,7 +53,7 @@ class CollisionGeometry:
         self._hand_joint = hand_frame.parentJoint
         self.model = pin.GeometryModel()
         self.owners: list[Owner] = []
-        self._excluded = _excluded_links(model)
+        self._excluded = disabled_pairs(model.description.srdf)
         self._add_robot()
         self._first_body = len(self.owners)
         for body in bodies:
@@ -126,7 +126,7 @@ class CollisionGeometry:
 
     def _add_body(self, body: BodySnapshot) -> None:
         held = body.name in self._held
-        kind: Kind = "held" if held else "room" if is_room(body.name) else "thing"
+        kind: Kind = "held" if held else "room" if body.in_room else "thing"
         joint = self._hand_joint if held else 0
         geometry = body_geometry(body)
         for link in body.link_names:
@@ -156,7 +156,7 @@ def body_geometry(body: BodySnapshot) -> Mapping[str, tuple[Part, ...]]:
     return {body.link_names[0]: tuple(primitive(shape) for shape in body.shapes)}
 
 
-def room_distance(body: BodySnapshot, point: FloatArray) -> float:
+def body_distance(body: BodySnapshot, point: FloatArray) -> float:
     """Return a lower bound of the distance between a body and a world point (3,), [m]."""
     geometry, least = body_geometry(body), np.inf
     for link, pose in zip(body.link_names, body.link_poses, strict=True):
@@ -165,14 +165,3 @@ def room_distance(body: BodySnapshot, point: FloatArray) -> float:
             local = pose_to_se3(pose).actInv(point)
             least = min(least, float(np.linalg.norm(np.maximum(0.0, np.maximum(box[0] - local, local - box[1])))))
     return least
-
-
-def is_room(name: str) -> bool:
-    """Say whether a body is part of the room: what stands there in every scene."""
-    return name in ("table", "floor") or name.startswith("wall")
-
-
-def _excluded_links(model: RobotModel) -> set[frozenset[str]]:
-    """Return the pairs of links that the SRDF excludes."""
-    root = ET.parse(model.description.srdf).getroot()
-    return {frozenset((str(e.get("link1")), str(e.get("link2")))) for e in root.iterfind("disable_collisions")}

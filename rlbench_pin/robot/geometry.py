@@ -5,7 +5,6 @@ Meshes become their convex hulls, as PyBullet treats them. Mesh paths are relati
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -19,6 +18,7 @@ import pinocchio as pin
 from rlbench_pin.errors import AssetInvalid, AssetNotFound
 from rlbench_pin.scene.snapshot import Shape
 from rlbench_pin.spatial import FloatArray, PoseLike
+from rlbench_pin.urdf import UrdfOrigin, UrdfShape, read_urdf
 
 Part = tuple[coal.CollisionGeometry, pin.SE3]
 """A shape and its placement T_link_shape."""
@@ -53,7 +53,7 @@ def bounds(parts: Iterable[Part]) -> FloatArray:
 
 def visual_bounds(urdf: Path, link: str | None = None, scale: float = 1.0) -> FloatArray:
     """Return the box (2, 3) of a link's visuals in the link frame [m]; None is the base link."""
-    name = base_link(urdf) if link is None else link
+    name = read_urdf(urdf).base_link if link is None else link
     return bounds(visual_geometry(urdf, scale).get(name, ()))
 
 
@@ -124,11 +124,11 @@ def to_transform(placement: pin.SE3) -> coal.Transform3s:
     return coal.Transform3s(placement.rotation, placement.translation)
 
 
-def base_link(urdf: Path) -> str:
-    """Return the name of the link that is no joint's child."""
-    root = _parse(urdf)
-    children = {child.get("link") for child in root.iterfind("joint/child")}
-    return next(str(link.get("name")) for link in root.iterfind("link") if link.get("name") not in children)
+def to_placement(origin: UrdfOrigin | None, scale: float = 1.0) -> pin.SE3:
+    """Return T_link_shape of an origin in a URDF file, lengths multiplied by `scale`."""
+    if origin is None:
+        return pin.SE3.Identity()
+    return pin.SE3(pin.rpy.rpyToMatrix(np.array(origin.rpy)), scale * np.array(origin.xyz))
 
 
 def box_corners(box: FloatArray, pose: PoseLike) -> FloatArray:
@@ -141,52 +141,23 @@ def box_corners(box: FloatArray, pose: PoseLike) -> FloatArray:
 # Reading ----------------------------------------------------------------------------------------------------------
 
 
-@cache
-def _parse(urdf: Path) -> ET.Element:
-    if not urdf.is_file():
-        raise AssetNotFound(urdf, "the collision model")
-    try:
-        return ET.parse(urdf).getroot()
-    except ET.ParseError as error:
-        raise AssetInvalid(urdf, str(error)) from error
-
-
-def _read(urdf: Path, scale: float, kind: Literal["collision", "visual"]) -> Mapping[str, tuple[Part, ...]]:
+def _read(urdf: Path, scale: float, role: Literal["collision", "visual"]) -> Mapping[str, tuple[Part, ...]]:
     result: dict[str, tuple[Part, ...]] = {}
-    for link in _parse(urdf).iterfind("link"):
-        parts = tuple((_shape(urdf, element, scale), _origin(element, scale)) for element in link.iterfind(kind))
-        if parts:
-            result[str(link.get("name"))] = parts
+    for link in read_urdf(urdf, "the collision model").links:
+        shapes = link.collisions if role == "collision" else link.visuals
+        if shapes:
+            result[link.name] = tuple((_solid(urdf, shape, scale), to_placement(shape.origin, scale)) for shape in shapes)
     return MappingProxyType(result)
 
 
-def _numbers(text: str | None, default: str) -> FloatArray:
-    return np.array([float(word) for word in (text or default).split()])
-
-
-def _origin(element: ET.Element, scale: float) -> pin.SE3:
-    origin = element.find("origin")
-    if origin is None:
-        return pin.SE3.Identity()
-    rotation = pin.rpy.rpyToMatrix(_numbers(origin.get("rpy"), "0 0 0"))
-    return pin.SE3(rotation, scale * _numbers(origin.get("xyz"), "0 0 0"))
-
-
-def _shape(urdf: Path, element: ET.Element, scale: float) -> coal.CollisionGeometry:
-    geometry = element.find("geometry")
-    shape = geometry[0] if geometry is not None and len(geometry) else None
-    if shape is None:
-        raise AssetInvalid(urdf, f"a <{element.tag}> has no geometry")
-    if shape.tag == "box":
-        return coal.Box(*(scale * _numbers(shape.get("size"), "")))
-    if shape.tag == "sphere":
-        return coal.Sphere(scale * float(shape.get("radius", 0)))
-    if shape.tag in ("cylinder", "capsule"):
-        build = coal.Cylinder if shape.tag == "cylinder" else coal.Capsule
-        return build(scale * float(shape.get("radius", 0)), scale * float(shape.get("length", 0)))
-    if shape.tag == "mesh":
-        return _hull(urdf, urdf.parent / str(shape.get("filename")), scale * _numbers(shape.get("scale"), "1 1 1"))
-    raise AssetInvalid(urdf, f"geometry '{shape.tag}' is not one of box, sphere, cylinder, capsule, mesh")
+def _solid(urdf: Path, shape: UrdfShape, scale: float) -> coal.CollisionGeometry:
+    if shape.mesh is not None:
+        return _hull(urdf, shape.mesh, scale * np.array(shape.size))
+    build = {"box": coal.Box, "sphere": coal.Sphere, "cylinder": coal.Cylinder, "capsule": coal.Capsule}.get(shape.kind)
+    if build is None:
+        found = f"geometry '{shape.kind}'" if shape.kind else "an element without geometry"
+        raise AssetInvalid(urdf, f"{found} is not one of box, sphere, cylinder, capsule, mesh")
+    return build(*(scale * number for number in shape.size))
 
 
 def _hull(urdf: Path, mesh: Path, scale: FloatArray) -> coal.Convex:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 
+from rlbench_pin.robot.geometry import to_placement
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import NO_FILE, BodySnapshot, WorldSnapshot
 from rlbench_pin.spatial import FloatArray, pose_to_se3
+from rlbench_pin.urdf import read_urdf
 
 
 def payload_inertia(model: RobotModel, snapshot: WorldSnapshot) -> pin.Inertia:
@@ -40,26 +41,14 @@ def _body_inertia(body: BodySnapshot) -> pin.Inertia:
 def _link_inertias(urdf: Path) -> dict[str, pin.Inertia]:
     """Return the inertia of each link in its link frame; links without a mass are left out."""
     found: dict[str, pin.Inertia] = {}
-    for link in ET.parse(urdf).getroot().iterfind("link"):
-        mass = link.find("inertial/mass")
-        if mass is None or float(mass.get("value", 0)) <= 0.0:
-            continue
-        inertia = pin.Inertia(float(mass.get("value", 0)), np.zeros(3), _tensor(link.find("inertial/inertia")))
-        found[str(link.get("name"))] = _placement(link.find("inertial/origin")).act(inertia)
+    for link in read_urdf(urdf).links:
+        if link.inertial is not None and link.inertial.mass > 0.0:
+            inertia = pin.Inertia(link.inertial.mass, np.zeros(3), _tensor(link.inertial.inertia))
+            found[link.name] = to_placement(link.inertial.origin).act(inertia)
     return found
 
 
-def _tensor(element: ET.Element | None) -> FloatArray:
-    tensor = np.zeros((3, 3))
-    for i, a in enumerate("xyz"):
-        for j, b in enumerate("xyz"):
-            key = f"i{min(a, b)}{max(a, b)}"
-            tensor[i, j] = 0.0 if element is None else float(element.get(key, 0))
-    return tensor
-
-
-def _placement(origin: ET.Element | None) -> pin.SE3:
-    if origin is None:
-        return pin.SE3.Identity()
-    rpy, xyz = ([float(word) for word in origin.get(key, "0 0 0").split()] for key in ("rpy", "xyz"))
-    return pin.SE3(pin.rpy.rpyToMatrix(*rpy), np.array(xyz))
+def _tensor(moments: tuple[float, ...]) -> FloatArray:
+    """Return the symmetric matrix (3, 3) of ixx, ixy, ixz, iyy, iyz, izz."""
+    xx, xy, xz, yy, yz, zz = moments
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

@@ -6,10 +6,12 @@ from collections.abc import Collection
 from pathlib import Path
 
 from rlbench_pin.errors import AssetNotFound, SceneFileError, nearest_name
-from rlbench_pin.scene.model_files import UrdfNames, resolve_asset, urdf_names
+from rlbench_pin.scene.model_files import resolve_asset
+from rlbench_pin.scene.snapshot import ROOM
 from rlbench_pin.scene.spec import ROOT, WORLD, BodySpec, Posed, SceneSpec, SensorSpec, WaypointSpec
+from rlbench_pin.urdf import Urdf, read_urdf
 
-RESERVED = frozenset({ROOT, WORLD, "table", "floor", "robot"})
+RESERVED = frozenset({ROOT, WORLD, "robot", *ROOM})
 """Names that the world itself gives away."""
 SENSOR_SIZES = {"box": ("x", "y", "z"), "cylinder": ("diameter", "length"), "sphere": ("diameter",)}
 
@@ -49,7 +51,7 @@ def _guess(name: str, known: Collection[str]) -> str:
 def _check_names(spec: SceneSpec) -> None:
     seen: dict[str, Posed] = {}
     for item in spec.posed():
-        if item.name in RESERVED or item.name.startswith("wall_"):
+        if item.name in RESERVED:
             raise _error(spec, item, "name", f"'{item.name}' is reserved for the room.", "Choose another name.")
         if item.name in seen:
             other = table_of(seen[item.name])
@@ -57,19 +59,19 @@ def _check_names(spec: SceneSpec) -> None:
         seen[item.name] = item
 
 
-def _check_assets(spec: SceneSpec, body: BodySpec) -> UrdfNames:
+def _check_assets(spec: SceneSpec, body: BodySpec) -> Urdf:
     path = resolve_asset(spec, body.asset)
     needed_by = f"body '{body.name}' of {Path(spec.file).name}"
     if not path.is_file():
         raise AssetNotFound(body.asset, needed_by)
-    names = urdf_names(path)
-    for file in names.files:
+    urdf = read_urdf(path, needed_by)
+    for file in (*urdf.meshes, *urdf.textures):
         if not file.is_file():
             raise AssetNotFound(file, f"{body.asset}, {needed_by}")
-    return names
+    return urdf
 
 
-def _check_parents(spec: SceneSpec, models: dict[str, UrdfNames]) -> None:
+def _check_parents(spec: SceneSpec, models: dict[str, Urdf]) -> None:
     names = {item.name for item in spec.posed()} | {ROOT, WORLD}
     for item in spec.posed():
         owner, _, link = item.parent.partition("/")
@@ -79,8 +81,9 @@ def _check_parents(spec: SceneSpec, models: dict[str, UrdfNames]) -> None:
             continue
         if owner not in models:
             raise _error(spec, item, "parent", f"'{owner}' is not a body, so it has no link '{link}'.")
-        if link not in models[owner].links:
-            raise _error(spec, item, "parent", f"body '{owner}' has no link '{link}'.", _guess(link, models[owner].links))
+        links = models[owner].link_names
+        if link not in links:
+            raise _error(spec, item, "parent", f"body '{owner}' has no link '{link}'.", _guess(link, links))
 
 
 def _check_cycles(spec: SceneSpec) -> None:
@@ -94,20 +97,21 @@ def _check_cycles(spec: SceneSpec) -> None:
             chain.append(parent)
 
 
-def _check_joints(spec: SceneSpec, models: dict[str, UrdfNames]) -> None:
+def _check_joints(spec: SceneSpec, models: dict[str, Urdf]) -> None:
     seen: set[str] = set()
     for joint in spec.joint:
         where = f"[[joint]] '{joint.name}'"
         body, _, name = joint.name.partition("/")
         if body not in models:
             raise SceneFileError(spec.file, where, f"there is no body '{body}'.", _guess(body, models))
-        if name not in models[body].joints:
-            hint = _guess(name, models[body].joints)
+        limits = models[body].joint_limits
+        if name not in limits:
+            hint = _guess(name, limits)
             raise SceneFileError(spec.file, where, f"body '{body}' has no movable joint '{name}'.", hint)
         if joint.name in seen:
             raise SceneFileError(spec.file, where, "it is described twice.")
         seen.add(joint.name)
-        lower, upper = models[body].joints[name]
+        lower, upper = limits[name]
         if not lower - 1e-9 <= joint.position <= upper + 1e-9:
             raise SceneFileError(spec.file, f"{where}, key 'position'", f"{joint.position} is outside [{lower}, {upper}].")
 

@@ -12,6 +12,8 @@ from rlbench_pin.spatial import FloatArray
 
 NO_FILE = Path()
 """Model file of a body that brings its own shapes."""
+ROOM = ("table", "floor", "wall_front", "wall_back", "wall_left", "wall_right", "ceiling")
+"""Names of the bodies that every world has, in mask order; no body of a scene may be called so."""
 
 
 @dataclass(frozen=True)
@@ -39,11 +41,13 @@ class BodySnapshot:
     fixed: bool = False
     shapes: tuple[Shape, ...] = ()
     """Shapes of the only link, instead of those of a model file."""
+    in_room: bool = False
+    """Whether it belongs to the room: it stays solid when touching is allowed, and is left out where the arm cannot reach."""
 
     @property
     def layout(self) -> tuple[object, ...]:
         """What decides about the shapes, wherever they are: equal for bodies that differ in poses only."""
-        return self.name, self.urdf, self.scale, self.link_names, self.shapes
+        return self.name, self.urdf, self.scale, self.link_names, self.shapes, self.in_room
 
 
 @dataclass(frozen=True, eq=False)

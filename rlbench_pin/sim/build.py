@@ -9,15 +9,13 @@ import numpy as np
 from rlbench_pin.assets import asset_path
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.scene.model_files import resolve_asset
+from rlbench_pin.scene.snapshot import ROOM
 from rlbench_pin.scene.spec import BodySpec
 from rlbench_pin.sim.bodies.body import Body, OnMove
 from rlbench_pin.sim.bodies.model import LoadedModel, inspect
 from rlbench_pin.sim.bodies.room import RoomBody
 from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.spatial import IDENTITY
-
-ROOM = ("table", "floor", "wall_front", "wall_back", "wall_left", "wall_right", "ceiling")
-"""Bodies that every world has, in mask order; their files lie in world coordinates."""
 
 
 def load_robot(client: PhysicsClient, description: RobotDescription) -> LoadedModel:
@@ -27,7 +25,7 @@ def load_robot(client: PhysicsClient, description: RobotDescription) -> LoadedMo
 
 
 def load_room(client: PhysicsClient, on_move: OnMove) -> dict[str, RoomBody]:
-    """Load table, floor, walls and ceiling."""
+    """Load table, floor, walls and ceiling; their files are in world coordinates."""
     return {name: _room_body(client, name, on_move) for name in ROOM}
 
 

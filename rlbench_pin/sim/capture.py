@@ -12,20 +12,22 @@ from rlbench_pin.sim.arm.robot import SimRobot
 from rlbench_pin.sim.bodies.body import Body
 
 
-def capture(bodies: Iterable[Body], robot: SimRobot, gripper: SimGripper) -> WorldSnapshot:
+def capture(room: Iterable[Body], bodies: Iterable[Body], robot: SimRobot, gripper: SimGripper) -> WorldSnapshot:
     """Return names, model files, link poses and joint values as they are now.
 
     Args:
-        bodies: Everything but the robot; bodies without collision geometry are left out.
+        room: Table, floor and walls; like `bodies`, those without collision geometry are left out.
+        bodies: Everything else but the robot.
         robot: Its arm and fingers.
         gripper: What it holds.
     """
-    seen = (capture_body(body) for body in bodies)
+    seen = [capture_body(body, in_room=True) for body in room] + [capture_body(body) for body in bodies]
     return WorldSnapshot(tuple(b for b in seen if b.link_names), robot.joint_positions, robot.fingers, gripper.grasped)
 
 
-def capture_body(body: Body) -> BodySnapshot:
+def capture_body(body: Body, in_room: bool = False) -> BodySnapshot:
     """Return where the colliding links of one body are now."""
     links = body.model.collision_links()
     poses = np.array([body.link_pose(link) for link in links]).reshape(-1, 7)
-    return BodySnapshot(body.name, body.model.urdf, links, poses, body.model.scale, body.collides, body.fixed)
+    model = body.model
+    return BodySnapshot(body.name, model.urdf, links, poses, model.scale, body.collides, body.fixed, in_room=in_room)

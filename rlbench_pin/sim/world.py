@@ -213,7 +213,7 @@ class World:
 
     def snapshot(self) -> WorldSnapshot:
         """Return names, shapes, poses and joint values at this instant."""
-        return capture((*self.room.values(), *self.bodies.values()), self.robot, self.gripper)
+        return capture(self.room.values(), self.bodies.values(), self.robot, self.gripper)
 
     def render(
         self,

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rlbench_pin.scene.model_files import resolve_asset, urdf_names
+from rlbench_pin.scene.model_files import resolve_asset
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.urdf import read_urdf
 
 if TYPE_CHECKING:
     from rlbench_pin.sim import World
@@ -25,7 +26,7 @@ class LowDimState:
         self._joints = sorted(
             f"{body.name}/{joint}"
             for body in world.spec.body
-            for joint in urdf_names(resolve_asset(world.spec, body.asset)).joints
+            for joint in read_urdf(resolve_asset(world.spec, body.asset)).joint_limits
         )
 
     @property

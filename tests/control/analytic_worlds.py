@@ -16,15 +16,15 @@ TOP_DOWN = (1.0, 0.0, 0.0, 0.0)
 """Quaternion of a hand that points down."""
 
 
-def box(name: str, size: Sequence[float], position: Sequence[float], yaw: float = 0.0) -> BodySnapshot:
+def box(name: str, size: Sequence[float], position: Sequence[float], yaw: float = 0.0, in_room: bool = False) -> BodySnapshot:
     """Return a box of a size (3,) with its centre at a world position (3,) [m]."""
     shape = Shape("box", tuple(size))
-    return BodySnapshot(name, NO_FILE, ("base",), pose_at(position, yaw=yaw)[None], fixed=True, shapes=(shape,))
+    return BodySnapshot(name, NO_FILE, ("base",), pose_at(position, yaw=yaw)[None], fixed=True, shapes=(shape,), in_room=in_room)
 
 
 def table() -> BodySnapshot:
     """Return the table."""
-    return box("table", (1.6, 1.5, 0.04), (0.15, 0.0, TABLE_TOP - 0.02))
+    return box("table", (1.6, 1.5, 0.04), (0.15, 0.0, TABLE_TOP - 0.02), in_room=True)
 
 
 def cluttered(model: RobotModel, boxes: int = 10, seed: int = 0) -> WorldSnapshot:

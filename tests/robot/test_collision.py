@@ -150,6 +150,17 @@ def test_a_start_deep_in_the_table_is_refused(collision: CollisionModel, boxes: 
     assert all(b == "table" for _, b in caught.value.pairs)
 
 
+@pytest.mark.parametrize("in_room", [True, False])
+def test_only_the_snapshot_says_what_the_room_is(
+    collision: CollisionModel, boxes: Boxes, model: RobotModel, tip: np.ndarray, in_room: bool
+) -> None:
+    """A body called `wall` may be touched when that is allowed, unless it belongs to the room."""
+    collision.update(boxes.snapshot(boxes.box("wall", (0.2, 0.2, 0.05), tip, in_room=in_room)))
+    assert collision.in_collision(HOME)
+    collision.allow(("wall",))
+    assert collision.in_collision(HOME) == in_room
+
+
 def test_a_held_body_is_carried_along(collision: CollisionModel, boxes: Boxes, model: RobotModel, tip: np.ndarray) -> None:
     """What the hand holds collides with the world where the hand carries it, and not with the hand."""
     stick = boxes.box("stick", (0.02, 0.02, 0.3), tip - [0.0, 0.0, 0.1])

@@ -13,6 +13,7 @@ def test_snapshot_of_furniture():
     with build(furniture_scene()) as world:
         snapshot = world.snapshot()
         assert [b.name for b in snapshot.bodies] == ["table", "floor", "button", "chest", "cube"]
+        assert [b.name for b in snapshot.bodies if b.in_room] == ["table", "floor"]
         chest = snapshot.body("chest")
         assert chest.link_names[0] == "chest" and "drawer_top_link" in chest.link_names
         row = chest.link_names.index("drawer_top_link")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from operator import add
 from struct import Struct
@@ -13,6 +12,7 @@ import placo
 from rlbench_pin.errors import RobotModelError
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.urdf import kinematic_urdf
 
 BASE = 7
 """PlaCo puts a pose (7,) of the base in front of the joints in q."""
@@ -30,7 +30,9 @@ class PlacoArm:
             RobotModelError: PlaCo orders the joints differently, or its kinematics disagree with Pinocchio's.
         """
         self.size = model.size
-        self.robot = placo.RobotWrapper(model.description.urdf.name, int(placo.Flags.ignore_collisions), _bare_urdf(model))
+        urdf = model.description.urdf
+        text = kinematic_urdf(urdf, fixed=model.description.gripper_joints)
+        self.robot = placo.RobotWrapper(urdf.name, int(placo.Flags.ignore_collisions), text)
         self.solver = placo.KinematicsSolver(self.robot)
         self.solver.mask_fbase(True)
         self.robot.set_T_world_fbase(model.base.homogeneous)
@@ -70,15 +72,3 @@ class PlacoArm:
             raise RobotModelError(
                 f"PlaCo and Pinocchio put '{model.description.tip_frame}' of '{model.description.name}' in two places."
             )
-
-
-def _bare_urdf(model: RobotModel) -> str:
-    """Return the arm's URDF without geometry, the fingers fixed at zero: they carry no frame that control needs."""
-    root = ET.parse(model.description.urdf).getroot()
-    for link in root.iterfind("link"):
-        for geometry in [*link.iterfind("visual"), *link.iterfind("collision")]:
-            link.remove(geometry)
-    for joint in root.iterfind("joint"):
-        if joint.get("name") in model.description.gripper_joints:
-            joint.set("type", "fixed")
-    return ET.tostring(root, encoding="unicode")

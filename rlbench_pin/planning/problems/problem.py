@@ -14,8 +14,8 @@ from rlbench_pin.robot.catalogue import robot_description
 from rlbench_pin.robot.collision_geometry import body_geometry
 from rlbench_pin.robot.geometry import as_shape
 from rlbench_pin.robot.model import RobotModel
-from rlbench_pin.scene.snapshot import NO_FILE, BodySnapshot, Shape, WorldSnapshot
-from rlbench_pin.spatial import FloatArray
+from rlbench_pin.scene.snapshot import NO_FILE, ROOM, BodySnapshot, Shape, WorldSnapshot
+from rlbench_pin.spatial import IDENTITY, FloatArray, PoseLike
 
 FORMAT = 1
 
@@ -48,10 +48,12 @@ class PlanningProblem:
 
 
 def solid_body(
-    name: str, shapes: Sequence[Shape], pose: Sequence[float] = (0, 0, 0, 0, 0, 0, 1), *, fixed: bool = True
+    name: str, shapes: Sequence[Shape], pose: PoseLike = IDENTITY, *, fixed: bool = True, in_room: bool | None = None
 ) -> BodySnapshot:
-    """Return a body made of shapes, at a pose (7,)."""
-    return BodySnapshot(name, NO_FILE, ("base",), np.array([pose], dtype=float), fixed=fixed, shapes=tuple(shapes))
+    """Return a body made of shapes, at a pose (7,); without `in_room`, one that is called like a body of the room is one."""
+    room = name in ROOM if in_room is None else in_room
+    poses = np.array([pose], dtype=float)
+    return BodySnapshot(name, NO_FILE, ("base",), poses, fixed=fixed, shapes=tuple(shapes), in_room=room)
 
 
 def self_contained(world: WorldSnapshot) -> WorldSnapshot:
@@ -65,7 +67,8 @@ def self_contained(world: WorldSnapshot) -> WorldSnapshot:
         for link, pose in zip(body.link_names, body.link_poses, strict=True):
             if link in geometry:
                 name = body.name if len(body.link_names) == 1 else f"{body.name}/{link}"
-                bodies.append(solid_body(name, [as_shape(part) for part in geometry[link]], pose, fixed=body.fixed))
+                shapes = [as_shape(part) for part in geometry[link]]
+                bodies.append(solid_body(name, shapes, pose, fixed=body.fixed, in_room=body.in_room))
                 attached += [name] if body.name in world.attached else []
     return WorldSnapshot(tuple(bodies), world.arm, world.fingers, tuple(attached))
 
@@ -92,6 +95,7 @@ def write_problem(problem: PlanningProblem, path: Path) -> None:
                 "name": body.name,
                 "pose": body.link_poses[0].tolist(),
                 "fixed": body.fixed,
+                "in_room": body.in_room,
                 "shapes": [asdict(shape) for shape in body.shapes],
             }
             for body in world.bodies
@@ -121,7 +125,7 @@ def read_problem(path: Path) -> PlanningProblem:
 
 def _problem(content: Mapping[str, object]) -> PlanningProblem:
     bodies = tuple(
-        solid_body(b["name"], [_shape(s) for s in b["shapes"]], b["pose"], fixed=bool(b["fixed"]))
+        solid_body(b["name"], [_shape(s) for s in b["shapes"]], b["pose"], fixed=bool(b["fixed"]), in_room=b.get("in_room"))
         for b in content["bodies"]  # type: ignore[attr-defined]
     )
     world = WorldSnapshot(bodies, np.array(content["start"]), np.array(content["fingers"]), tuple(content["attached"]))  # type: ignore[arg-type]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -11,6 +10,7 @@ import numpy as np
 
 from rlbench_pin.errors import AssetInvalid
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.urdf import read_urdf
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,14 +34,14 @@ def read_quads(urdf: Path) -> tuple[Quad, ...]:
     """Return the rectangles of a body with one link, whose meshes are made of pairs of triangles.
 
     Raises:
-        AssetInvalid: Two consecutive triangles of a mesh are not the halves of a parallelogram.
+        AssetInvalid: A visual is not a mesh, or two consecutive triangles of a mesh are not the halves of a parallelogram.
     """
     quads: list[Quad] = []
-    for visual in ET.parse(urdf).getroot().iter("visual"):
-        mesh, color = visual.find("geometry/mesh"), visual.find("material/color")
-        assert mesh is not None
-        rgba = (1.0, 1.0, 1.0, 1.0) if color is None else tuple(float(c) for c in color.get("rgba", "1 1 1 1").split())
-        quads += _mesh_quads(urdf, urdf.parent / mesh.get("filename", ""), (rgba[0], rgba[1], rgba[2]))
+    for visual in (visual for link in read_urdf(urdf).links for visual in link.visuals):
+        if visual.mesh is None:
+            raise AssetInvalid(urdf, "a visual is not a mesh; the room is made of meshes")
+        red, green, blue = (visual.color or (1.0, 1.0, 1.0))[:3]
+        quads += _mesh_quads(urdf, visual.mesh, (red, green, blue))
     return tuple(quads)
 
 

@@ -70,11 +70,23 @@ def test_a_world_survives_its_file(model: RobotModel, boxes: Boxes, tmp_path: Pa
     write_problem(back, tmp_path / "b.json")
     assert (tmp_path / "a.json").read_bytes() == (tmp_path / "b.json").read_bytes()
     assert back.world.attached == ("cube",)
+    assert [body.name for body in back.world.bodies if body.in_room] == ["table"]
     first, second = CollisionModel(model), CollisionModel(model)
     first.update(world)
     second.update(back.world)
     for q in np.random.default_rng(0).uniform(model.limits.lower, model.limits.upper, (200, 7)):
         assert first.colliding_pairs(q) == second.colliding_pairs(q)
+
+
+def test_files_without_the_room_are_still_read(boxes: Boxes, tmp_path: Path) -> None:
+    """In files of earlier versions, bodies belong to the room by their names."""
+    file = tmp_path / "old.json"
+    write_problem(PlanningProblem("old", boxes.snapshot(*boxes.cubes(1)), goal=HOME), file)
+    content = json.loads(file.read_text())
+    for body in content["bodies"]:
+        del body["in_room"]
+    file.write_text(json.dumps(content))
+    assert [body.in_room for body in read_problem(file).world.bodies] == [True, False]
 
 
 def test_model_files_become_shapes(boxes: Boxes) -> None:

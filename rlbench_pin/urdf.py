@@ -1,0 +1,265 @@
+"""URDF and SRDF files as frozen records of plain numbers; each file is read once.
+
+Units are those of URDF: metres, radians, kilograms. No mesh is opened and no model is built.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from rlbench_pin.errors import AssetInvalid, AssetNotFound
+
+Vector = tuple[float, float, float]
+ZERO: Vector = (0.0, 0.0, 0.0)
+UNBOUNDED = (float("-inf"), float("inf"))
+"""Limits of a joint that has none."""
+_INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+@dataclass(frozen=True)
+class UrdfOrigin:
+    """A placement in the frame of a link or joint."""
+
+    xyz: Vector = ZERO
+    """[m]."""
+    rpy: Vector = ZERO
+    """Rotation Rz(yaw) Ry(pitch) Rx(roll), [rad]."""
+
+
+@dataclass(frozen=True)
+class UrdfShape:
+    """One visual or collision element of a link."""
+
+    kind: str
+    """`box`, `sphere`, `cylinder`, `capsule` or `mesh`; empty when the element has no geometry."""
+    size: tuple[float, ...]
+    """box: x, y, z; sphere: radius; cylinder, capsule: radius, length [m]; mesh: factor along each axis."""
+    mesh: Path | None
+    """File of a mesh."""
+    origin: UrdfOrigin | None
+    """Placement in the link frame; None where the file has none."""
+    color: tuple[float, ...] | None
+    """Red, green, blue, opacity from 0 to 1 of its own material."""
+
+
+@dataclass(frozen=True)
+class UrdfInertial:
+    """Mass distribution of a link."""
+
+    mass: float
+    """[kg]."""
+    origin: UrdfOrigin | None
+    """Placement of the inertial frame in the link frame; None where the file has none."""
+    inertia: tuple[float, ...]
+    """ixx, ixy, ixz, iyy, iyz, izz in the inertial frame [kg m^2]."""
+
+
+@dataclass(frozen=True)
+class UrdfLink:
+    """One rigid part."""
+
+    name: str
+    visuals: tuple[UrdfShape, ...]
+    collisions: tuple[UrdfShape, ...]
+    inertial: UrdfInertial | None
+
+
+@dataclass(frozen=True)
+class UrdfJoint:
+    """One connection of two links."""
+
+    name: str
+    kind: str
+    """`fixed`, `revolute`, `continuous`, `prismatic`, ..."""
+    parent: str
+    child: str
+    limits: tuple[float, float]
+    """Smallest and largest position [rad] or [m]."""
+
+
+@dataclass(frozen=True)
+class Urdf:
+    """What one URDF file says."""
+
+    path: Path
+    links: tuple[UrdfLink, ...]
+    """In file order."""
+    joints: tuple[UrdfJoint, ...]
+    """In file order."""
+    meshes: tuple[Path, ...]
+    """Mesh files that it names, in file order, each once."""
+    textures: tuple[Path, ...]
+    """Picture files that its materials name."""
+
+    @property
+    def link_names(self) -> tuple[str, ...]:
+        """Names of the links, in file order."""
+        return tuple(link.name for link in self.links)
+
+    @property
+    def base_link(self) -> str:
+        """Name of the first link that is no joint's child.
+
+        Raises:
+            AssetInvalid: There is none.
+        """
+        children = {joint.child for joint in self.joints}
+        for link in self.links:
+            if link.name not in children:
+                return link.name
+        raise AssetInvalid(self.path, "every link is a joint's child")
+
+    @property
+    def joint_limits(self) -> dict[str, tuple[float, float]]:
+        """Movable joint -> smallest and largest position [rad] or [m]."""
+        return {joint.name: joint.limits for joint in self.joints if joint.kind != "fixed"}
+
+
+def read_urdf(path: Path, needed_by: str = "a model") -> Urdf:
+    """Return what a URDF file says; it is read again only after it was written again.
+
+    Args:
+        path: The file.
+        needed_by: Who asks, for the error message.
+
+    Raises:
+        AssetNotFound: The file does not exist.
+        AssetInvalid: The file is not XML, or a number or a name in it is missing or wrong.
+    """
+    return _read_urdf(path, _time_of(path, needed_by))
+
+
+def disabled_pairs(srdf: Path) -> frozenset[frozenset[str]]:
+    """Return the pairs of links whose collisions an SRDF file disables.
+
+    Raises:
+        AssetNotFound: The file does not exist.
+        AssetInvalid: The file is not XML.
+    """
+    return _disabled_pairs(srdf, _time_of(srdf, "a robot"))
+
+
+def kinematic_urdf(path: Path, fixed: Collection[str] = ()) -> str:
+    """Return the text of a URDF file without visual and collision elements, with the joints named in `fixed` fixed at zero.
+
+    Raises:
+        AssetNotFound: The file does not exist.
+        AssetInvalid: The file is not XML.
+    """
+    _time_of(path, "a model")
+    root = _parse(path)
+    for link in root.iterfind("link"):
+        for shape in [*link.iterfind("visual"), *link.iterfind("collision")]:
+            link.remove(shape)
+    for joint in root.iterfind("joint"):
+        if joint.get("name") in fixed:
+            joint.set("type", "fixed")
+    return ET.tostring(root, encoding="unicode")
+
+
+# Reading ----------------------------------------------------------------------------------------------------------
+
+
+def _time_of(path: Path, needed_by: str) -> int:
+    """Return when a file was written [ns]."""
+    if not path.is_file():
+        raise AssetNotFound(path, needed_by)
+    return path.stat().st_mtime_ns
+
+
+def _parse(path: Path) -> ET.Element:
+    try:
+        return ET.parse(path).getroot()
+    except ET.ParseError as error:
+        raise AssetInvalid(path, f"it is not valid XML ({error})") from error
+
+
+@lru_cache(maxsize=512)
+def _disabled_pairs(srdf: Path, written: int) -> frozenset[frozenset[str]]:
+    pairs = _parse(srdf).iterfind("disable_collisions")
+    return frozenset(frozenset((pair.get("link1", ""), pair.get("link2", ""))) for pair in pairs)
+
+
+@lru_cache(maxsize=512)
+def _read_urdf(path: Path, written: int) -> Urdf:
+    root = _parse(path)
+    try:
+        links = tuple(_link(path, element) for element in root.iterfind("link"))
+        joints = tuple(_joint(element) for element in root.iterfind("joint"))
+    except ValueError as error:
+        raise AssetInvalid(path, str(error)) from error
+    meshes, textures = (tuple(dict.fromkeys(_file(path, e) for e in root.iter(tag))) for tag in ("mesh", "texture"))
+    return Urdf(path, links, joints, meshes, textures)
+
+
+def _file(path: Path, element: ET.Element) -> Path:
+    name = element.get("filename", "")
+    if not name:
+        raise AssetInvalid(path, f"a <{element.tag}> has no filename")
+    return path.parent / name
+
+
+def _numbers(element: ET.Element, key: str, default: str) -> tuple[float, ...]:
+    return tuple(float(word) for word in element.get(key, default).split())
+
+
+def _vector(element: ET.Element, key: str, default: str = "0 0 0") -> Vector:
+    numbers = _numbers(element, key, default)
+    if len(numbers) != 3:
+        raise ValueError(f"'{key}' of a <{element.tag}> has 3 numbers, not {len(numbers)}")
+    return numbers[0], numbers[1], numbers[2]
+
+
+def _origin(element: ET.Element) -> UrdfOrigin | None:
+    origin = element.find("origin")
+    return None if origin is None else UrdfOrigin(_vector(origin, "xyz"), _vector(origin, "rpy"))
+
+
+def _link(path: Path, link: ET.Element) -> UrdfLink:
+    visuals, collisions = (tuple(_shape(path, e) for e in link.iterfind(role)) for role in ("visual", "collision"))
+    return UrdfLink(link.get("name", ""), visuals, collisions, _inertial(link))
+
+
+def _shape(path: Path, element: ET.Element) -> UrdfShape:
+    geometry, color = element.find("geometry"), element.find("material/color")
+    shape = geometry[0] if geometry is not None and len(geometry) else None
+    rgba = None if color is None else _numbers(color, "rgba", "1 1 1 1")
+    if shape is None:
+        return UrdfShape("", (), None, _origin(element), rgba)
+    mesh = _file(path, shape) if shape.tag == "mesh" else None
+    return UrdfShape(shape.tag, _size(shape), mesh, _origin(element), rgba)
+
+
+def _size(shape: ET.Element) -> tuple[float, ...]:
+    """Return what `UrdfShape.size` says; empty for a shape that is not known."""
+    if shape.tag == "box":
+        return _vector(shape, "size", "")
+    if shape.tag == "mesh":
+        return _vector(shape, "scale", "1 1 1")
+    radius, length = float(shape.get("radius", 0)), float(shape.get("length", 0))
+    return {"sphere": (radius,), "cylinder": (radius, length), "capsule": (radius, length)}.get(shape.tag, ())
+
+
+def _inertial(link: ET.Element) -> UrdfInertial | None:
+    inertial = link.find("inertial")
+    if inertial is None:
+        return None
+    mass, inertia = inertial.find("mass"), inertial.find("inertia")
+    moments = tuple(0.0 if inertia is None else float(inertia.get(key, 0)) for key in _INERTIA)
+    return UrdfInertial(0.0 if mass is None else float(mass.get("value", 0)), _origin(inertial), moments)
+
+
+def _joint(joint: ET.Element) -> UrdfJoint:
+    limit, kind, limits = joint.find("limit"), joint.get("type", ""), UNBOUNDED
+    if limit is not None and kind != "continuous":
+        limits = float(limit.get("lower", "0")), float(limit.get("upper", "0"))
+    return UrdfJoint(joint.get("name", ""), kind, _link_of(joint, "parent"), _link_of(joint, "child"), limits)
+
+
+def _link_of(joint: ET.Element, end: str) -> str:
+    element = joint.find(end)
+    return "" if element is None else element.get("link", "")
