@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from rlbench_pin.environment.actions.action_mode import ActionMode
-from rlbench_pin.environment.actions.gripper import GripperMode
 from rlbench_pin.environment.observations.cameras import camera_view
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import camera_misc
@@ -111,9 +110,6 @@ class Environment:
         if self._model is not None:
             raise AlreadyLaunched("The environment is launched already. Call `shutdown()` first.")
         self._model = RobotModel(robot_description(self._robot_setup))
-        gripper_mode = getattr(self._action_mode, "gripper_action_mode", None)
-        if isinstance(gripper_mode, GripperMode):
-            gripper_mode.environment_attaches = self._attach_grasped_objects
 
     def shutdown(self) -> None:
         """Free the world; safe to call repeatedly."""
@@ -167,7 +163,7 @@ class Environment:
             task = chosen(world)
             task.init_task()
             planner = MotionPlanner(model, self._planner_config)
-            return Runtime(world, task, model.description, model, planner, self._obs_config)
+            return Runtime(world, task, model.description, model, planner, self._obs_config, self._attach_grasped_objects)
         except BaseException:
             world.close()
             raise
