@@ -16,7 +16,7 @@ from rlbench_pin.environment.randomization.config import (
     DynamicsRandomizationConfig,
     RandomizeEvery,
     VisualRandomizationConfig,
-    check_randomisation,
+    check_randomization,
 )
 from rlbench_pin.environment.randomization.randomizer import Randomizer
 from rlbench_pin.environment.runtime import Runtime
@@ -42,10 +42,10 @@ class Environment:
         headless: Accepted for compatibility; nothing is ever shown on a screen.
         static_positions: Leave tasks where their scene files put them.
         robot_setup: Name of the arm, in any case.
-        randomize_every: When to randomise, with one of the randomisation settings.
-        frequency: Randomise every n-th event.
-        visual_randomization_config: Visual randomisation.
-        dynamics_randomization_config: Dynamics randomisation.
+        randomize_every: When to randomize, with one of the randomization settings.
+        frequency: Randomize every n-th event.
+        visual_randomization_config: Visual randomization.
+        dynamics_randomization_config: Dynamics randomization.
         attach_grasped_objects: Fix grasped bodies to the hand, unless the gripper mode says otherwise.
         shaped_rewards: Return the tasks' own rewards.
         arm_max_velocity: Cap on planned joint speeds [rad/s].
@@ -82,7 +82,7 @@ class Environment:
             raise DatasetError(f"The dataset root '{dataset_root}' does not exist. Create it, or pass dataset_root=''.")
         if robot_setup.lower() not in SUPPORTED_ROBOTS:
             raise UnknownRobot(robot_setup)
-        check_randomisation(randomize_every, frequency, visual_randomization_config, dynamics_randomization_config)
+        check_randomization(randomize_every, frequency, visual_randomization_config, dynamics_randomization_config)
         self._action_mode, self._dataset_root = action_mode, str(dataset_root)
         self._obs_config = ObservationConfig() if obs_config is None else obs_config
         self._obs_config.check()

@@ -15,8 +15,8 @@ class EpisodeRandom:
     placement: np.random.Generator
     planning: np.random.Generator
     noise: np.random.Generator
-    look: np.random.Generator
-    """Domain randomisation."""
+    randomization: np.random.Generator
+    """Domain randomization."""
 
     @classmethod
     def from_seed(cls, seed: int, attempt: int = 0) -> EpisodeRandom:

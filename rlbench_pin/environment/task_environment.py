@@ -13,7 +13,8 @@ from rlbench_pin.environment.actions.action_mode import ActionMode
 from rlbench_pin.environment.demonstrate import DemoOutcome, DemoPlayer, try_play
 from rlbench_pin.environment.episode_seeds import EpisodeRandom
 from rlbench_pin.environment.observations.config import ObservationConfig
-from rlbench_pin.environment.randomization.randomizer import Disguise, Randomizer
+from rlbench_pin.environment.randomization.randomizer import Randomizer
+from rlbench_pin.environment.randomization.sample import RandomizationSample
 from rlbench_pin.environment.reset import start_episode
 from rlbench_pin.environment.runtime import Runtime, RuntimeState
 from rlbench_pin.environment.stored import read_stored_demos
@@ -36,8 +37,8 @@ class EnvironmentState:
     runtime: RuntimeState
     instructions: tuple[str, ...]
     seed: int
-    disguise: Disguise | None = None
-    """What domain randomisation has made of the scene."""
+    randomization: RandomizationSample | None = None
+    """What domain randomization has made of the scene."""
 
 
 class TaskEnvironment:
@@ -173,10 +174,10 @@ class TaskEnvironment:
         if variation == ALL_VARIATIONS:
             variation = int(random.variation.integers(self.variation_count()))
         if self._randomizer is not None:
-            self._randomizer.take_off()
+            self._randomizer.remove()
         start = start_episode(self._runtime, variation, random, static=self._static_positions)
         if self._randomizer is not None:
-            self._randomizer.begin_episode(variation, random.look)
+            self._randomizer.begin_episode(variation, random.randomization)
         self._instructions, self._reset_attempts, self._seed = start.instructions, start.attempts, seed
         self._reset_called = True
 
@@ -218,16 +219,16 @@ class TaskEnvironment:
     def get_state(self) -> EnvironmentState:
         """Return the present moment; valid while this environment lives."""
         self._need_reset("get_state")
-        disguise = None if self._randomizer is None else self._randomizer.disguise
-        return EnvironmentState(self._runtime.save(), self._instructions, self._seed, disguise)
+        randomization = None if self._randomizer is None else self._randomizer.current
+        return EnvironmentState(self._runtime.save(), self._instructions, self._seed, randomization)
 
     def set_state(self, state: EnvironmentState) -> Observation:
         """Go back to a moment from `get_state` and observe it."""
         if self._randomizer is not None:
-            self._randomizer.take_off()
+            self._randomizer.remove()
         self._runtime.restore(state.runtime)
         if self._randomizer is not None:
-            self._randomizer.put_on(state.disguise)
+            self._randomizer.apply(state.randomization)
         self._instructions, self._seed, self._reset_called = state.instructions, state.seed, True
         return self.get_observation()
 
