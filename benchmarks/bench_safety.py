@@ -94,7 +94,7 @@ class TimedArm(SafeArm):
 
     def alone(self, runtime: Runtime) -> list[float]:
         """Filter the states again, and nothing else; return the processor time of each [s]."""
-        guard: SafetyFilter = self._filter_for(runtime)
+        guard: SafetyFilter = runtime.bound(self).filter
         seconds = []
         for state in self.states:
             began = time.process_time()

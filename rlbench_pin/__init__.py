@@ -1,16 +1,16 @@
 """Robot manipulation tasks with planned demonstrations, on Pinocchio and PyBullet.
 
 The names below are all that most programs need. They are looked up when first used, so that importing the package
-starts nothing and reads nothing. Where gymnasium is used, it makes the ids `rlbench_pin/<task>-state-v0` and `-vision-v0` known.
+starts nothing and reads nothing. Where gymnasium is installed, the ids `rlbench_pin/<task>-state-v0` and `-vision-v0` are
+registered with it.
 """
 
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import logging
 from typing import TYPE_CHECKING
-
-from rlbench_pin.gym.ids import announce
 
 if TYPE_CHECKING:
     from rlbench_pin.environment import (
@@ -60,7 +60,8 @@ _HOMES = {
 }
 
 logging.getLogger(__name__).addHandler(logging.NullHandler())
-announce()
+if importlib.util.find_spec("gymnasium") is not None:
+    importlib.import_module("rlbench_pin.gym")  # registers the ids
 
 
 def __getattr__(name: str) -> object:

@@ -51,14 +51,14 @@ def _sheet(frames: list[Observation], rows: list[str], title: str, subtitle: str
 
 
 def looks() -> Image.Image:
-    """One episode without shadows, with default looks, and randomised twice."""
-    frames, rows = [], ["opengl", "opengl3", "randomised", "randomised"]
+    """One episode without shadows, with default looks, and randomized twice."""
+    frames, rows = [], ["opengl", "opengl3", "randomized", "randomized"]
     for row, seed in zip(rows, (3, 3, 3, 4)):
         config = ObservationConfig()
         for camera in config.cameras().values():
             camera.image_size = (SIZE, SIZE)
             camera.render_mode = "opengl" if row == "opengl" else "opengl3"
-        random = row == "randomised"
+        random = row == "randomized"
         with Environment(
             MoveArmThenGripper(JointPosition(), Discrete()),
             obs_config=config,

@@ -9,7 +9,7 @@ import pytest
 
 import rlbench_pin
 
-HEAVY = ("pybullet", "pinocchio", "coal", "placo", "ompl", "toppra", "osqp", "h5py", "av", "numpy", "tyro", "scipy")
+HEAVY = ("pybullet", "pinocchio", "coal", "placo", "ompl", "toppra", "osqp", "h5py", "av", "tyro", "scipy")
 
 
 def _run(code: str) -> subprocess.CompletedProcess[str]:

@@ -21,7 +21,7 @@ from rlbench_pin.checking.records import Part, Trial
 from rlbench_pin.checking.report import TaskReport, summarise
 from rlbench_pin.checking.trials import Item
 from rlbench_pin.cli.progress import CheckBar
-from rlbench_pin.environment.task_environment import library_versions
+from rlbench_pin.environment.versions import library_versions
 from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.tasks import find_task, task_class, task_names
 

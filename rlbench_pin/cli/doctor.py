@@ -16,7 +16,7 @@ import numpy as np
 from rlbench_pin.datasets import VideoWriter
 from rlbench_pin.environment.observations.camera_config import CameraConfig
 from rlbench_pin.environment.observations.cameras import camera_view
-from rlbench_pin.environment.task_environment import library_versions
+from rlbench_pin.environment.versions import library_versions
 from rlbench_pin.errors import CameraError, RlbenchPinError
 from rlbench_pin.robot.catalogue import robot_description
 from rlbench_pin.scene.spec import SceneSpec

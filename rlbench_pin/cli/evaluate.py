@@ -11,7 +11,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.environment.task_environment import library_versions
+from rlbench_pin.environment.versions import library_versions
 from rlbench_pin.evaluation.controller_summary import ControllerSummary, summarise, table
 from rlbench_pin.evaluation.controller_trials import LegTrial, chosen_controllers, follow_demo
 from rlbench_pin.tasks import find_task

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from rlbench_pin.environment.actions.action_mode import ActionMode
-from rlbench_pin.environment.actions.gripper import GripperMode
 from rlbench_pin.environment.observations.cameras import camera_view
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import camera_misc
@@ -17,16 +16,16 @@ from rlbench_pin.environment.randomization.config import (
     DynamicsRandomizationConfig,
     RandomizeEvery,
     VisualRandomizationConfig,
-    check_randomisation,
+    check_randomization,
 )
 from rlbench_pin.environment.randomization.randomizer import Randomizer
 from rlbench_pin.environment.runtime import Runtime
-from rlbench_pin.environment.stored import read_stored_demos, read_stored_descriptions
+from rlbench_pin.environment.stored import StoredSelection, read_stored_demos, read_stored_descriptions
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DatasetError, EnvironmentClosed, TaskEnvironmentError, UnknownName
 from rlbench_pin.observation import CAMERAS, Demo
 from rlbench_pin.planning.planner import MotionPlanner, PlannerConfig
-from rlbench_pin.robot.catalogue import SUPPORTED_ROBOTS, robot_description
+from rlbench_pin.robot.catalogue import robot_description
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import RENDERERS, RendererName, World
@@ -43,10 +42,10 @@ class Environment:
         headless: Accepted for compatibility; nothing is ever shown on a screen.
         static_positions: Leave tasks where their scene files put them.
         robot_setup: Name of the arm, in any case.
-        randomize_every: When to randomise, with one of the randomisation settings.
-        frequency: Randomise every n-th event.
-        visual_randomization_config: Visual randomisation.
-        dynamics_randomization_config: Dynamics randomisation.
+        randomize_every: When to randomize, with one of the randomization settings.
+        frequency: Randomize every n-th event.
+        visual_randomization_config: Visual randomization.
+        dynamics_randomization_config: Dynamics randomization.
         attach_grasped_objects: Fix grasped bodies to the hand, unless the gripper mode says otherwise.
         shaped_rewards: Return the tasks' own rewards.
         arm_max_velocity: Cap on planned joint speeds [rad/s].
@@ -81,9 +80,7 @@ class Environment:
     ) -> None:
         if dataset_root and not Path(dataset_root).is_dir():
             raise DatasetError(f"The dataset root '{dataset_root}' does not exist. Create it, or pass dataset_root=''.")
-        if robot_setup.lower() not in SUPPORTED_ROBOTS:
-            raise UnknownRobot(robot_setup)
-        check_randomisation(randomize_every, frequency, visual_randomization_config, dynamics_randomization_config)
+        check_randomization(randomize_every, frequency, visual_randomization_config, dynamics_randomization_config)
         self._action_mode, self._dataset_root = action_mode, str(dataset_root)
         self._obs_config = ObservationConfig() if obs_config is None else obs_config
         self._obs_config.check()
@@ -92,8 +89,8 @@ class Environment:
         if renderer not in RENDERERS:
             raise UnknownName("renderer", str(renderer), RENDERERS)
         self._renderer = renderer
-        self._headless, self._static_positions, self._shaped_rewards = headless, static_positions, shaped_rewards
-        self._robot_setup = robot_setup.lower()
+        self._static_positions, self._shaped_rewards = static_positions, shaped_rewards
+        self._robot = robot_description(robot_setup)
         self._attach_grasped_objects = attach_grasped_objects
         self._planner_config = PlannerConfig(max_velocity=arm_max_velocity, max_acceleration=arm_max_acceleration)
         self._seeds = np.random.default_rng(seed)
@@ -110,10 +107,7 @@ class Environment:
         """
         if self._model is not None:
             raise AlreadyLaunched("The environment is launched already. Call `shutdown()` first.")
-        self._model = RobotModel(robot_description(self._robot_setup))
-        gripper_mode = getattr(self._action_mode, "gripper_action_mode", None)
-        if isinstance(gripper_mode, GripperMode):
-            gripper_mode.environment_attaches = self._attach_grasped_objects
+        self._model = RobotModel(self._robot)
 
     def shutdown(self) -> None:
         """Free the world; safe to call repeatedly."""
@@ -167,7 +161,7 @@ class Environment:
             task = chosen(world)
             task.init_task()
             planner = MotionPlanner(model, self._planner_config)
-            return Runtime(world, task, model.description, model, planner, self._obs_config)
+            return Runtime(world, task, model.description, model, planner, self._obs_config, self._attach_grasped_objects)
         except BaseException:
             world.close()
             raise
@@ -187,17 +181,9 @@ class Environment:
             DatasetError: There is no dataset root, or it lacks what was asked for.
             UnknownName: No task has this name.
         """
-        return read_stored_demos(
-            self._dataset_root,
-            task_class(task_name).get_name(),
-            amount,
-            variation_number,
-            self._obs_config,
-            image_paths=image_paths,
-            random_selection=random_selection,
-            from_episode_number=from_episode_number,
-            rng=self._seeds,
-        )
+        wanted = StoredSelection(amount, variation_number, image_paths, random_selection, from_episode_number)
+        name = task_class(task_name).get_name()
+        return read_stored_demos(self._dataset_root, name, wanted, self._obs_config, self._seeds)
 
     def get_task_descriptions_with_episode(self, task_name: str, episode_number: int) -> list[str]:
         """Return the sentences of a stored episode, counted through all variations.
@@ -230,15 +216,14 @@ class Environment:
 
     def get_scene_data(self) -> dict[str, dict[str, Any] | None]:
         """Return intrinsics, extrinsics and clipping planes of each camera at the home posture, None where it is switched off."""
-        description = robot_description(self._robot_setup)
-        with World(SceneSpec(format=1), description) as world:
+        with World(SceneSpec(format=1), self._robot) as world:
             return {f"{name}_camera": self._camera_data(name, world) for name in CAMERAS}
 
     def _camera_data(self, name: str, world: World) -> dict[str, Any] | None:
-        config = getattr(self._obs_config, f"{name}_camera")
+        config = self._obs_config.camera(name)
         if not config.is_used:
             return None
-        misc = camera_misc(name, camera_view(name, config, world, robot_description(self._robot_setup)))
+        misc = camera_misc(name, camera_view(name, config, world, self._robot))
         return {
             "intrinsics": misc[f"{name}_camera_intrinsics"],
             "extrinsics": misc[f"{name}_camera_extrinsics"],
@@ -253,10 +238,3 @@ class AlreadyLaunched(TaskEnvironmentError, RuntimeError):
 
 class NoTask(EnvironmentClosed):
     """Something was asked that only a loaded task can answer."""
-
-
-class UnknownRobot(UnknownName, ValueError):
-    """No arm has this name."""
-
-    def __init__(self, name: str) -> None:
-        super().__init__("robot", name, tuple(SUPPORTED_ROBOTS))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -20,8 +20,18 @@ from rlbench_pin.sim import World
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Task
 
-WORKSPACE = np.array([[-0.274, -0.655, 0.752], [0.774, 0.655, 1.752]])
+TIP_WORKSPACE = np.array([[-0.274, -0.655, 0.752], [0.774, 0.655, 1.752]])
 """Lowest and highest corner of the box that tip targets must lie in [m]."""
+
+BoundT = TypeVar("BoundT", covariant=True)
+
+
+class Bindable(Protocol[BoundT]):
+    """Something that keeps data of its own for every runtime, such as an action mode its solver."""
+
+    def bind(self, runtime: Runtime) -> BoundT:
+        """Make the data for one runtime."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -45,6 +55,7 @@ class Runtime:
         task: The task that is running.
         model: Analytic model of the arm.
         planner: Motion planner over `model`.
+        attach_grasped_objects: Whether closing the hand fixes grasped bodies to it, unless the gripper mode says otherwise.
     """
 
     def __init__(
@@ -55,15 +66,25 @@ class Runtime:
         model: RobotModel,
         planner: MotionPlanner,
         config: ObservationConfig,
+        attach_grasped_objects: bool = True,
     ) -> None:
         self.world, self.task, self.description, self.model, self.planner = world, task, robot, model, planner
         self.robot, self.gripper = world.robot, world.gripper
         self.observer = Observer(world, model, config)
+        self.attach_grasped_objects = attach_grasped_objects
         self.variation = 0
         self.planning_rng = np.random.default_rng(0)
         self.noise_rng = np.random.default_rng(0)
         self._callbacks: list[Callable[[], None]] = []
         self._command_filter: Callable[[Runtime], None] | None = None
+        self._bound: dict[int, tuple[object, Any]] = {}
+
+    def bound(self, mode: Bindable[BoundT]) -> BoundT:
+        """Return what `mode` keeps for this runtime; it is bound when first asked for."""
+        if id(mode) not in self._bound:
+            self._bound[id(mode)] = (mode, mode.bind(self))  # with the mode, so that no other gets its id
+        bound: BoundT = self._bound[id(mode)][1]
+        return bound
 
     def register_step_callback(self, callback: Callable[[], None]) -> None:
         """Call `callback` after every control tick."""
@@ -117,7 +138,7 @@ class Runtime:
     def check_target_in_workspace(self, position: FloatArray) -> None:
         """Raise InvalidActionError when `position` (3,) [m] is not strictly inside the workspace box."""
         for axis, letter in enumerate("xyz"):
-            low, high = WORKSPACE[:, axis]
+            low, high = TIP_WORKSPACE[:, axis]
             if not low < position[axis] < high:
                 raise InvalidActionError(
                     f"The target has {letter} = {position[axis]:.4f} m, outside the workspace: "

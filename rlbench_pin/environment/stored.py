@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -15,19 +16,26 @@ from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import Demo
 
 
+@dataclass(frozen=True)
+class StoredSelection:
+    """Which stored demonstrations of a task are wanted."""
+
+    amount: int
+    """How many; -1 is all."""
+    variation: int
+    """Of which variation; -1 is any."""
+    image_paths: bool
+    """Leave pictures unread."""
+    random_selection: bool
+    """Pick at random."""
+    from_episode_number: int
+    """First episode when not picked at random."""
+
+
 def read_stored_demos(
-    dataset_root: str,
-    task_name: str,
-    amount: int,
-    variation: int,
-    config: ObservationConfig,
-    *,
-    image_paths: bool,
-    random_selection: bool,
-    from_episode_number: int,
-    rng: np.random.Generator,
+    dataset_root: str, task_name: str, wanted: StoredSelection, config: ObservationConfig, rng: np.random.Generator
 ) -> list[Demo]:
-    """Read `amount` stored demonstrations of one task and variation (-1: all of either).
+    """Read stored demonstrations of one task.
 
     The root may hold our episode files or RLBench-style folders. With `image_paths`, picture fields hold the path of a PNG file
     in the latter, and in the former a text that `datasets.read_picture` turns into the picture.
@@ -40,20 +48,18 @@ def read_stored_demos(
             "No dataset root was given, so there are no stored demonstrations. "
             "Pass `Environment(dataset_root=...)`, or ask for `live_demos=True`."
         )
-    fields = wanted_fields(config)
+    fields, first = wanted_fields(config), wanted.from_episode_number
     if _holds_folders(Path(dataset_root), task_name):
-        first = None if random_selection else from_episode_number
         demos = folder_demos(
-            dataset_root, task_name, amount, variation,
-            image_paths=image_paths, from_episode_number=first, rng=rng, fields=fields,
+            dataset_root, task_name, wanted.amount, wanted.variation, image_paths=wanted.image_paths,
+            from_episode_number=None if wanted.random_selection else first, rng=rng, fields=fields,
         )  # fmt: skip
     else:
         demos = stored_demos(
-            dataset_root, task_name, amount, variation,
-            image_paths=image_paths, random_selection=random_selection, from_episode_number=from_episode_number,
-            rng=rng, fields=fields,
+            dataset_root, task_name, wanted.amount, wanted.variation, image_paths=wanted.image_paths,
+            random_selection=wanted.random_selection, from_episode_number=first, rng=rng, fields=fields,
         )  # fmt: skip
-    if not image_paths:
+    if not wanted.image_paths:
         for demo in demos:
             for observation in demo:
                 fit(observation, config)

@@ -3,41 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rlbench_pin.environment import demos
 from rlbench_pin.environment.actions.action_mode import ActionMode
-from rlbench_pin.environment.demonstrate import DemoOutcome, DemoPlayer, try_play
-from rlbench_pin.environment.episode_seeds import EpisodeRandom
+from rlbench_pin.environment.demonstrate import DemoOutcome
+from rlbench_pin.environment.episode import EnvironmentState, EpisodeOrigin
+from rlbench_pin.environment.episode_seeds import EpisodeRandom, checked_seed, demo_seeds
 from rlbench_pin.environment.observations.config import ObservationConfig
-from rlbench_pin.environment.randomization.randomizer import Disguise, Randomizer
+from rlbench_pin.environment.randomization.randomizer import Randomizer
 from rlbench_pin.environment.reset import start_episode
-from rlbench_pin.environment.runtime import Runtime, RuntimeState
-from rlbench_pin.environment.stored import read_stored_demos
-from rlbench_pin.errors import DemoError, NotReset, TaskEnvironmentError
+from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.environment.stored import StoredSelection, read_stored_demos
+from rlbench_pin.errors import NotReset, TaskEnvironmentError
 from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.sim import World
 from rlbench_pin.tasks import Task
 
-if TYPE_CHECKING:
-    from rlbench_pin.sim import World
-
 MAX_DEMO_ATTEMPTS = 10
+"""Tries per live demonstration."""
 ALL_VARIATIONS = -1
-_LIBRARIES = ("rlbench_pin", "pin", "coal", "pybullet", "ompl", "toppra", "placo", "osqp", "numpy")
-
-
-@dataclass(frozen=True)
-class EnvironmentState:
-    """A moment of an episode, to go back to."""
-
-    runtime: RuntimeState
-    instructions: tuple[str, ...]
-    seed: int
-    disguise: Disguise | None = None
-    """What domain randomisation has made of the scene."""
+"""The variation that stands for one drawn for each episode."""
 
 
 class TaskEnvironment:
@@ -70,12 +57,8 @@ class TaskEnvironment:
         self._static_positions, self._shaped_rewards = static_positions, shaped_rewards
         self._randomizer = randomizer
         runtime.world.end_building()
-        self._variation_number = 0
-        self._instructions: tuple[str, ...] = ()
-        self._seed = 0
-        self._reset_attempts = 0
-        self._reset_called = False
-        self._succeeded = False
+        self._variation_number, self._succeeded = 0, False
+        self._episode: EpisodeOrigin | None = None
 
     # What it is -------------------------------------------------------------------------------------------------
 
@@ -101,8 +84,8 @@ class TaskEnvironment:
 
     @property
     def seed(self) -> int:
-        """Seed of the present episode."""
-        return self._seed
+        """Seed of the present episode; 0 before the first reset."""
+        return 0 if self._episode is None else self._episode.seed
 
     @property
     def succeeded(self) -> bool:
@@ -137,8 +120,7 @@ class TaskEnvironment:
 
     def get_task_descriptions(self) -> list[str]:
         """Return the instructions of the present episode."""
-        self._need_reset("get_task_descriptions")
-        return list(self._instructions)
+        return list(self._started("get_task_descriptions").instructions)
 
     # The loop ---------------------------------------------------------------------------------------------------
 
@@ -162,23 +144,23 @@ class TaskEnvironment:
             return self.reset_to_demo(demo)
         if variation is not None:
             self.set_variation(variation)
-        seed = int(self._seeds.integers(2**31)) if seed is None else _checked_seed(seed)
+        seed = int(self._seeds.integers(2**31)) if seed is None else checked_seed(seed)
         self._start(seed, 0)
-        return list(self._instructions), self.get_observation()
+        return self.get_task_descriptions(), self.get_observation()
 
-    def _start(self, seed: int, attempt: int) -> None:
-        self._reset_called = self._succeeded = False
+    def _start(self, seed: int, attempt: int) -> EpisodeOrigin:
+        self._episode, self._succeeded = None, False
         random = EpisodeRandom.from_seed(seed, attempt)
         variation = self._variation_number
         if variation == ALL_VARIATIONS:
             variation = int(random.variation.integers(self.variation_count()))
         if self._randomizer is not None:
-            self._randomizer.take_off()
+            self._randomizer.remove()
         start = start_episode(self._runtime, variation, random, static=self._static_positions)
         if self._randomizer is not None:
-            self._randomizer.begin_episode(variation, random.look)
-        self._instructions, self._reset_attempts, self._seed = start.instructions, start.attempts, seed
-        self._reset_called = True
+            self._randomizer.begin_episode(variation, random.randomization)
+        self._episode = EpisodeOrigin(seed, attempt, start.attempts, start.instructions)
+        return self._episode
 
     def step(self, action: object) -> tuple[Observation, float, bool]:
         """Run one action.
@@ -190,7 +172,7 @@ class TaskEnvironment:
             NotReset: Before the first reset.
             InvalidActionError: The action was refused; the world is as it was.
         """
-        self._need_reset("step")
+        self._started("step")
         self._action_mode.action(self._runtime, action)
         success, terminate = self.task.success()
         self._succeeded = bool(success)
@@ -212,23 +194,23 @@ class TaskEnvironment:
 
     def get_observation(self) -> Observation:
         """Observe without stepping."""
-        self._need_reset("get_observation")
+        self._started("get_observation")
         return self._runtime.get_observation()
 
     def get_state(self) -> EnvironmentState:
         """Return the present moment; valid while this environment lives."""
-        self._need_reset("get_state")
-        disguise = None if self._randomizer is None else self._randomizer.disguise
-        return EnvironmentState(self._runtime.save(), self._instructions, self._seed, disguise)
+        episode = self._started("get_state")
+        randomization = None if self._randomizer is None else self._randomizer.current
+        return EnvironmentState(self._runtime.save(), episode, randomization)
 
     def set_state(self, state: EnvironmentState) -> Observation:
         """Go back to a moment from `get_state` and observe it."""
         if self._randomizer is not None:
-            self._randomizer.take_off()
+            self._randomizer.remove()
         self._runtime.restore(state.runtime)
         if self._randomizer is not None:
-            self._randomizer.put_on(state.disguise)
-        self._instructions, self._seed, self._reset_called = state.instructions, state.seed, True
+            self._randomizer.apply(state.randomization)
+        self._episode = state.episode
         return self.get_observation()
 
     # Demonstrations ---------------------------------------------------------------------------------------------
@@ -262,30 +244,14 @@ class TaskEnvironment:
             DatasetError: Stored demonstrations are missing or broken.
         """
         if not live_demos:
-            return read_stored_demos(
-                self._dataset_root,
-                self.get_name(),
-                amount,
-                self._variation_number,
-                self._obs_config,
-                image_paths=image_paths,
-                random_selection=random_selection,
-                from_episode_number=from_episode_number,
-                rng=self._seeds,
-            )
-        if amount < 1:
-            raise TaskEnvironmentError(f"Live demonstrations need an amount of at least 1, not {amount}.")
-        seeds = self._seeds.integers(2**31, size=amount) if seed is None else range(_checked_seed(seed), seed + amount)
-        return [self._live_demo(int(s), max_attempts, callable_each_step) for s in seeds]
-
-    def _live_demo(self, seed: int, max_attempts: int, on_frame: Callable[[Observation], None] | None) -> Demo:
-        causes: list[str] = []
-        for attempt in range(max_attempts):
-            outcome = self.try_demo(seed=seed, attempt=attempt, on_frame=on_frame)
-            if outcome.demo is not None:
-                return outcome.demo
-            causes.append(outcome.cause)
-        raise LiveDemoFailed(self.get_name(), seed, causes, self.task)
+            wanted = StoredSelection(amount, self._variation_number, image_paths, random_selection, from_episode_number)
+            return read_stored_demos(self._dataset_root, self.get_name(), wanted, self._obs_config, self._seeds)
+        return demos.live_demos(
+            lambda s, attempt: self.try_demo(seed=s, attempt=attempt, on_frame=callable_each_step),
+            self.task,
+            demo_seeds(amount, seed, self._seeds),
+            max_attempts,
+        )
 
     def try_demo(
         self,
@@ -307,29 +273,9 @@ class TaskEnvironment:
         """
         if variation is not None:
             self.set_variation(variation)
-        self._start(_checked_seed(seed), attempt)
-        state = self.world.arrays(exact=False)
-        began = self.world.time
-        player = DemoPlayer(
-            self._runtime, record=record, record_gripper=self._obs_config.record_gripper_closing, on_frame=on_frame
-        )
-        cause, leg = try_play(player)
-        demo = None if cause else self._as_demo(player.frames, seed, attempt, state)
-        duration = self.world.time - began
-        return DemoOutcome(not cause, cause, leg, demo, player.planning_time, duration, tuple(player.legs))
-
-    def _as_demo(self, frames: list[Observation], seed: int, attempt: int, state: dict[str, np.ndarray]) -> Demo:
-        return Demo(
-            frames,
-            random_seed=seed,
-            num_reset_attempts=self._reset_attempts,
-            variation_number=self._runtime.variation,
-            instructions=self._instructions,
-            state=state,
-            versions=library_versions(),
-            attempt=attempt,
-            task_name=self.get_name(),
-        )
+        episode = self._start(checked_seed(seed), attempt)
+        gripper = self._obs_config.record_gripper_closing
+        return demos.play_demo(self._runtime, episode, record=record, record_gripper=gripper, on_frame=on_frame)
 
     def reset_to_demo(self, demo: Demo) -> tuple[list[str], Observation]:
         """Start as a demonstration did: its seed sets up the task, its snapshot the very state.
@@ -337,55 +283,13 @@ class TaskEnvironment:
         Raises:
             TaskEnvironmentError: The demonstration is of another task or carries no seed.
         """
-        if demo.task_name and demo.task_name != self.get_name():
-            raise TaskEnvironmentError(f"The demonstration shows '{demo.task_name}', this is '{self.get_name()}'.")
-        if demo.random_seed is None:
-            raise TaskEnvironmentError("The demonstration carries no seed, so its start cannot be restored. Record it anew.")
+        seed = demos.check_start(demo, self.get_name())
         self.set_variation(demo.variation_number)
-        self._start(demo.random_seed, demo.attempt)
-        if demo.state is not None and not _same_arrays(self.world.arrays(exact=False), demo.state):
-            self.world.set_arrays(demo.state)
-            self.task.reset_conditions()
-        return list(self._instructions), self.get_observation()
+        self._start(seed, demo.attempt)
+        demos.restore_start(self._runtime, demo)
+        return self.get_task_descriptions(), self.get_observation()
 
-    def _need_reset(self, call: str) -> None:
-        if not self._reset_called:
+    def _started(self, call: str) -> EpisodeOrigin:
+        if self._episode is None:
             raise NotReset(call)
-
-
-class LiveDemoFailed(DemoError, RuntimeError):
-    """A live demonstration failed at every attempt; carries why."""
-
-    def __init__(self, task_name: str, seed: int, causes: list[str], task: object) -> None:
-        self.seed, self.causes = seed, tuple(causes)
-        text = "; ".join(f"attempt {i}: {cause}" for i, cause in enumerate(causes))
-        super().__init__(
-            f"Task '{task_name}' could not be demonstrated from seed {seed} in {len(causes)} attempts ({text}). "
-            f"`rlbench-pin check {task_name}` shows how often that happens.",
-            task,
-        )
-
-
-def library_versions() -> dict[str, str]:
-    """Return name -> version of this package and the libraries that shape a demonstration."""
-    return {name: _version(name) for name in _LIBRARIES}
-
-
-def _version(name: str) -> str:
-    try:
-        return version(name.replace("_", "-"))
-    except Exception:  # a source tree without metadata
-        return "unknown"
-
-
-def _checked_seed(seed: Any) -> int:
-    if not isinstance(seed, int | np.integer) or seed < 0:
-        raise TaskEnvironmentError(f"A seed is a whole number >= 0, not {seed!r}.")
-    return int(seed)
-
-
-def _same_arrays(a: dict[str, np.ndarray], b: dict[str, np.ndarray]) -> bool:
-    return a.keys() == b.keys() and all(np.array_equal(a[k], b[k]) for k in a)
-
-
-__all__ = ["ALL_VARIATIONS", "EnvironmentState", "LiveDemoFailed", "TaskEnvironment", "library_versions"]
+        return self._episode

@@ -1,1 +1,52 @@
-"""Every task as a gymnasium environment; importing this package registers the ids."""
+"""Every task as a gymnasium environment; importing this package registers the ids.
+
+The environments themselves are looked up when first used, so that registering stays light.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
+from rlbench_pin.gym.ids import MAX_EPISODE_STEPS, gym_id, register_ids
+
+if TYPE_CHECKING:
+    from rlbench_pin.gym.environment import GymnasiumEnv
+    from rlbench_pin.gym.lerobot import LeRobotEnv, make_env
+    from rlbench_pin.gym.vector import LazyAsyncVectorEnv
+    from rlbench_pin.gym.window import WindowMissing
+
+__all__ = [
+    "MAX_EPISODE_STEPS",
+    "GymnasiumEnv",
+    "LazyAsyncVectorEnv",
+    "LeRobotEnv",
+    "WindowMissing",
+    "gym_id",
+    "make_env",
+    "register_ids",
+]
+
+_HOMES = {
+    "GymnasiumEnv": "environment",
+    "LazyAsyncVectorEnv": "vector",
+    "LeRobotEnv": "lerobot",
+    "WindowMissing": "window",
+    "make_env": "lerobot",
+}
+
+register_ids()
+
+
+def __getattr__(name: str) -> object:
+    """Import the home of a public name when the name is first asked for."""
+    if name not in _HOMES:
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+    value: object = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """List the public names, loaded or not."""
+    return sorted({*globals(), *__all__})

@@ -84,18 +84,9 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         cameras: Sequence[str] = CAMERAS,
     ) -> None:
         EzPickle.__init__(
-            self,
-            task,
-            observation_mode,
-            render_mode,
-            action_mode,
-            variation=variation,
-            shaped_rewards=shaped_rewards,
-            invalid_action=invalid_action,
-            image_size=image_size,
-            renderer=renderer,
-            cameras=cameras,
-        )
+            self, task, observation_mode, render_mode, action_mode, variation=variation, shaped_rewards=shaped_rewards,
+            invalid_action=invalid_action, image_size=image_size, renderer=renderer, cameras=cameras,
+        )  # fmt: skip
         _check_choice("observation mode", observation_mode, OBSERVATION_MODES)
         _check_choice("handling of invalid actions", invalid_action, INVALID_ACTIONS)
         if render_mode is not None:
@@ -106,23 +97,23 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         self._invalid_action, self._shaped_rewards = invalid_action, shaped_rewards
         seen = tuple(cameras) if observation_mode == "vision" else ()
         size = (int(image_size[0]), int(image_size[1]))
-        self._environment = Environment(
-            _own_copy(action_mode),
-            obs_config=observation_settings(seen, size),
-            shaped_rewards=shaped_rewards,
-            renderer=renderer,
-        )
+        mode, settings = _own_copy(action_mode), observation_settings(seen, size)
+        self._environment = Environment(mode, obs_config=settings, shaped_rewards=shaped_rewards, renderer=renderer)
         try:
-            self._task = self._environment.get_task(task)
-            self._task.set_variation(variation)
-            self._variation = variation
-            self._spec = self._task.action_mode.action_spec(self._task.runtime)
-            self.action_space = action_space(self._spec)
-            self._dict_space = observation_space(self._task, seen, size)
-            self.observation_space = self._dict_space  # type: ignore[assignment]
+            self._load(task, variation, seen, size)
         except BaseException:
             self.close()
             raise
+
+    def _load(self, task: str | type[Task], variation: int, seen: tuple[str, ...], size: tuple[int, int]) -> None:
+        """Load the task and span the spaces."""
+        self._task = self._environment.get_task(task)
+        self._task.set_variation(variation)
+        self._variation = variation
+        self._spec = self._task.action_mode.action_spec(self._task.runtime)
+        self.action_space = action_space(self._spec)
+        self._dict_space = observation_space(self._task, seen, size)
+        self.observation_space = self._dict_space  # type: ignore[assignment]
 
     @property
     def task_environment(self) -> TaskEnvironment:
@@ -224,9 +215,9 @@ def _own_copy(mode: ActionMode | None) -> ActionMode:
         return JointPositionActionMode()
     try:
         return deepcopy(mode)
-    except RuntimeError as error:  # solvers of C++ that have run
+    except RuntimeError as error:  # a mode of the user's own that holds a solver of C++
         raise TaskEnvironmentError(
-            f"This {type(mode).__name__} has run in another environment and cannot be copied. Pass a new one."
+            f"This {type(mode).__name__} cannot be copied: {error}. Pass a new one to each environment."
         ) from error
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import gymnasium
 import numpy as np
@@ -37,6 +37,20 @@ AUTORESET = AutoresetMode.SAME_STEP
 """Releases of LeRobot up to 0.4 look for success in `final_info` alone, which there is in this mode only."""
 
 Spaces = tuple[gymnasium.Space[Any], gymnasium.Space[Any]]
+
+
+@runtime_checkable
+class NamesTasks(Protocol):
+    """Settings of LeRobot that name tasks."""
+
+    task: str | None
+
+
+@runtime_checkable
+class LimitsEpisodes(Protocol):
+    """Settings of LeRobot that say how long an episode may be."""
+
+    episode_length: int | None
 
 
 class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
@@ -78,17 +92,9 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
         like: Spaces | None = None,
     ) -> None:
         EzPickle.__init__(
-            self,
-            task,
-            max_episode_steps=max_episode_steps,
-            variation=variation,
-            cameras=cameras,
-            image_size=image_size,
-            render_mode=render_mode,
-            action_mode=action_mode,
-            renderer=renderer,
-            like=like,
-        )
+            self, task, max_episode_steps=max_episode_steps, variation=variation, cameras=cameras, image_size=image_size,
+            render_mode=render_mode, action_mode=action_mode, renderer=renderer, like=like,
+        )  # fmt: skip
         if max_episode_steps < 1:
             raise TaskEnvironmentError(f"An episode has at least one step, not max_episode_steps={max_episode_steps}.")
         self._make = partial(
@@ -130,14 +136,14 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
         wanted = {name: value for name, value in (options or {}).items() if name != NEW_ROLLOUT}
         observation, info = self.world.reset(seed=seed, options=wanted)
         self._steps, self.task_description = 0, info["text_descriptions"][0]
-        return self._translated(observation), self._told(info)
+        return self._translated(observation), self._with_task(info)
 
     def step(self, action: np.ndarray) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
         """Run one action; the episode is cut off after the last step that it may have."""
         observation, reward, terminated, _, info = self.world.step(action)
         self._steps += 1
         truncated = not terminated and self._steps >= self._max_episode_steps
-        return self._translated(observation), reward, terminated, truncated, self._told(info)
+        return self._translated(observation), reward, terminated, truncated, self._with_task(info)
 
     def _translated(self, observation: GymObservation) -> dict[str, Any]:
         return {
@@ -145,7 +151,7 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
             "agent_pos": np.concatenate([observation["joint_positions"], observation["gripper_open"]]),
         }
 
-    def _told(self, info: dict[str, Any]) -> dict[str, Any]:
+    def _with_task(self, info: dict[str, Any]) -> dict[str, Any]:
         return {**info, "task": self.task}
 
     def render(self) -> Any:
@@ -167,7 +173,7 @@ def make_env(
     Args:
         n_envs: Environments in each vector environment.
         use_async_envs: A process for each of them, spawned when first used, instead of all in this process.
-        cfg: LeRobot's environment settings; of these `task`, names separated by commas, and `episode_length` are heeded.
+        cfg: LeRobot's environment settings; of these `task`, names separated by commas, and `episode_length` are used.
         tasks: Names of tasks; otherwise those of `cfg`, of the environment variable `RLBENCH_PIN_TASKS`, or all.
         settings: Further arguments of `LeRobotEnv`.
 
@@ -178,9 +184,8 @@ def make_env(
     if n_envs < 1:
         raise TaskEnvironmentError(f"A vector environment has at least one environment, not n_envs={n_envs}.")
     names = tuple(task_class(name).get_name() for name in (tasks or _wanted_tasks(cfg)))
-    length = getattr(cfg, "episode_length", None)
-    if length is not None:
-        settings.setdefault("max_episode_steps", int(length))
+    if isinstance(cfg, LimitsEpisodes) and cfg.episode_length is not None:
+        settings.setdefault("max_episode_steps", int(cfg.episode_length))
     probe = LeRobotEnv(names[0], **settings)
     probe.close()
     settings["like"] = (probe.observation_space, probe.action_space)
@@ -191,5 +196,5 @@ def make_env(
 
 
 def _wanted_tasks(cfg: Any) -> tuple[str, ...]:
-    asked = getattr(cfg, "task", None) or os.environ.get(TASKS_VARIABLE, "")
+    asked = (cfg.task if isinstance(cfg, NamesTasks) else None) or os.environ.get(TASKS_VARIABLE, "")
     return tuple(name.strip() for name in str(asked).split(",") if name.strip()) or task_names()

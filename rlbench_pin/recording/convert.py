@@ -14,11 +14,12 @@ import numpy as np
 import pinocchio as pin
 
 from rlbench_pin.control.differential_ik import DifferentialIK, DifferentialIKConfig
-from rlbench_pin.environment.actions.action_mode import ActionMode, JointPositionActionMode
+from rlbench_pin.environment.actions.action_mode import ActionMode
 from rlbench_pin.environment.actions.arm_mode import RelativeFrame
 from rlbench_pin.environment.actions.gripper import GripperJointPosition
 from rlbench_pin.environment.actions.joint import JointPosition, JointTorque, JointVelocity
 from rlbench_pin.environment.actions.pose import ERJointViaIK, PoseMode
+from rlbench_pin.environment.actions.safe_arm import unwrapped
 from rlbench_pin.environment.actions.twist import EndEffectorVelocity
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError, InvalidActionError
@@ -63,7 +64,7 @@ def convert_demo(demo: Demo, action_mode: ActionMode, model: RobotModel, dt: flo
     """
     moments = demo_moments(demo)
     finger = finger_conversion(action_mode, model)
-    mode = getattr(action_mode.arm_action_mode, "mode", action_mode.arm_action_mode)
+    mode = unwrapped(action_mode.arm_action_mode)
     return [np.append(arm, finger(m)) for arm, m in zip(_arm_actions(mode, moments, model, dt), moments, strict=True)]
 
 
@@ -152,8 +153,9 @@ def finger_conversion(action_mode: ActionMode, model: RobotModel) -> Callable[[M
     Raises:
         InvalidActionError: The mode moves fingers by differences.
     """
-    if isinstance(action_mode.gripper_action_mode, GripperJointPosition) or isinstance(action_mode, JointPositionActionMode):
-        if not getattr(action_mode.gripper_action_mode, "absolute_mode", True):
+    gripper = action_mode.gripper_action_mode
+    if isinstance(gripper, GripperJointPosition):
+        if not gripper.absolute_mode:
             raise InvalidActionError("A demonstration says where the fingers go, not by how much; use absolute finger positions.")
         return lambda m: m.amount * model.description.gripper_open
     return lambda m: m.amount
@@ -180,7 +182,7 @@ def verify(task: TaskEnvironment, demo: Demo, actions: Sequence[FloatArray]) -> 
 
 def _rest(task: TaskEnvironment, last: FloatArray) -> FloatArray:
     """Return the action that waits: the last one where it names a place, otherwise no motion with the same hand."""
-    mode = getattr(task.action_mode.arm_action_mode, "mode", task.action_mode.arm_action_mode)
+    mode = unwrapped(task.action_mode.arm_action_mode)
     if isinstance(mode, JointTorque) or (isinstance(mode, JointPosition) and mode.absolute_mode):
         return last
     if isinstance(mode, PoseMode):

@@ -22,6 +22,7 @@ import numpy as np
 from rlbench_pin.environment.actions.arm_mode import RelativeFrame
 from rlbench_pin.environment.actions.joint import JointPosition, JointTorque, JointVelocity
 from rlbench_pin.environment.actions.pose import ERJointViaIK, PoseMode
+from rlbench_pin.environment.actions.safe_arm import unwrapped
 from rlbench_pin.environment.actions.twist import EndEffectorVelocity
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.task_environment import TaskEnvironment
@@ -67,7 +68,7 @@ def convert_by_playing(task: TaskEnvironment, demo: Demo) -> list[FloatArray]:
 def _player(task: TaskEnvironment) -> Play:
     """Return what works out the actions of the loop's arm mode."""
     runtime = task.runtime
-    mode = getattr(task.action_mode.arm_action_mode, "mode", task.action_mode.arm_action_mode)
+    mode = unwrapped(task.action_mode.arm_action_mode)
     model, dt = runtime.model, runtime.world.control_dt
     if isinstance(mode, JointPosition):
         return lambda m, end: m.target if mode.absolute_mode else m.target - m.q

@@ -1,4 +1,4 @@
-"""Small pictures for the room and for domain randomisation, drawn by formulas."""
+"""Small pictures for the room and for domain randomization, drawn by formulas."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def _write(folder: Path, images: dict[str, NDArray[np.uint8]]) -> None:
         (folder / f"{name}.png").write_bytes(png_bytes(image))
 
 
-# Domain randomisation ------------------------------------------------------------------------------------------------
+# Domain randomization ------------------------------------------------------------------------------------------------
 
 
 def _blend(a: tuple[float, ...], b: tuple[float, ...], share: FloatArray) -> NDArray[np.uint8]:
@@ -137,5 +137,5 @@ def _bricks(x: FloatArray, y: FloatArray) -> FloatArray:
 
 
 def write_texture_set(assets: Path) -> None:
-    """Write the patterns for domain randomisation below `assets`."""
+    """Write the patterns for domain randomization below `assets`."""
     _write(assets / SET, texture_set())

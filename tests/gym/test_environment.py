@@ -347,14 +347,24 @@ def test_bad_arguments_are_typed_errors(arguments: dict[str, Any], says: str) ->
         GymnasiumEnv(**arguments)
 
 
-def test_a_mode_that_has_run_elsewhere_is_refused() -> None:
-    """Solvers cannot be copied once they have run; the message asks for a new mode."""
+def test_a_mode_that_has_run_elsewhere_is_taken() -> None:
+    """An action mode holds settings only, so that one which has run can be given to another environment."""
     mode = MoveArmThenGripper(EndEffectorVelocity(), Discrete())
     with GymnasiumEnv("reach_target", action_mode=mode) as env:
-        env.reset(seed=0)
-        env.step(np.zeros(7))
-        with pytest.raises(TaskEnvironmentError, match="Pass a new one"):
-            GymnasiumEnv("reach_target", action_mode=env.task_environment.action_mode)
+        first = episode(env, 3)
+        with GymnasiumEnv("reach_target", action_mode=env.task_environment.action_mode) as other:
+            assert data_equivalence(first, episode(other, 3), exact=True)
+
+
+def test_a_mode_that_cannot_be_copied_is_refused() -> None:
+    """A mode of one's own that holds what cannot be copied, such as a solver of C++; the message asks for a new mode."""
+
+    class Own(JointVelocity):
+        def __deepcopy__(self, memo: dict[int, Any]) -> Any:
+            raise RuntimeError("no copies")
+
+    with pytest.raises(TaskEnvironmentError, match="no copies. Pass a new one"):
+        GymnasiumEnv("reach_target", action_mode=MoveArmThenGripper(Own(), Discrete()))
 
 
 # Life -----------------------------------------------------------------------------------------------------------------

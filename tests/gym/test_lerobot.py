@@ -128,7 +128,7 @@ def test_nothing_is_built_before_it_is_used_and_closing_frees() -> None:
 
 
 def test_tasks_come_from_settings_or_the_environment_variable(monkeypatch: pytest.MonkeyPatch) -> None:
-    """`cfg.task` and `cfg.episode_length` are heeded, and without them the environment variable."""
+    """`cfg.task` and `cfg.episode_length` are used, and without them the environment variable."""
     cfg = SimpleNamespace(task="push_button, open_drawer", episode_length=7)
     suite = make_env(cfg=cfg, **SMALL)["rlbench_pin"]
     assert [task_names()[i] for i in suite] == ["push_button", "open_drawer"]

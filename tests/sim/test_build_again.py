@@ -101,7 +101,7 @@ def test_saved_states_stay_good():
 
 
 def test_textures_and_changed_physics_are_kept():
-    """Domain randomisation outlasts the physics server it was made in, and can still be taken back."""
+    """Domain randomization outlasts the physics server it was made in, and can still be taken back."""
     (path,) = VisualRandomizationConfig().sample(1, np.random.default_rng(0))
     with build(cube_scene()) as world:
         model = world.body("cube").model

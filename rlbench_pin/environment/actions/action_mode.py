@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from rlbench_pin.environment.actions.arm_mode import ArmActionMode, as_action
+from rlbench_pin.environment.actions.arm_mode import ArmActionMode
 from rlbench_pin.environment.actions.gripper import GripperActionMode, GripperJointPosition
 from rlbench_pin.environment.actions.joint import JointPosition
+from rlbench_pin.environment.actions.mode import ChecksValues, SpecifiedMode, as_action, execute
 from rlbench_pin.environment.actions.specification import ActionSpec
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.spatial import FloatArray
@@ -13,8 +14,10 @@ DELTA_LIMIT = 0.1
 """Largest joint difference of `JointPositionActionMode` [rad]."""
 
 
-class ActionMode:
+class ActionMode(SpecifiedMode):
     """An arm mode and a gripper mode; subclasses say how they share one array.
+
+    One object may serve several environments: what belongs to one of them is kept by its runtime.
 
     Args:
         arm_action_mode: What the first numbers do.
@@ -28,27 +31,28 @@ class ActionMode:
         """Run one action to its end."""
         raise NotImplementedError
 
-    def action_spec(self, runtime: Runtime) -> ActionSpec:
-        """Return what the numbers mean: the arm's, then the gripper's."""
+    def make_spec(self, runtime: Runtime) -> ActionSpec:
+        """Work out what the numbers mean: the arm's, then the gripper's."""
         return self.arm_action_mode.action_spec(runtime).joined(self.gripper_action_mode.action_spec(runtime))
 
     def action_shape(self, runtime: Runtime) -> int:
         """Return how many numbers an action has."""
         return self.arm_action_mode.action_shape(runtime)[0] + self.gripper_action_mode.action_shape(runtime)[0]
 
-    def action_bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
-        """Return lowest and highest values, each of shape (n,)."""
-        spec = self.action_spec(runtime)
-        return spec.low.copy(), spec.high.copy()
-
     def split(self, runtime: Runtime, action: object) -> tuple[FloatArray, FloatArray]:
-        """Return the arm's and the gripper's numbers, checked, so that a refused action changes nothing."""
+        """Check an action, so that a refused one changes nothing, and return the arm's and the gripper's numbers.
+
+        Raises:
+            InvalidActionError: The shape is wrong, a number is not finite, or the arm or gripper mode refuses its numbers.
+        """
         values = as_action(action, self.action_shape(runtime), type(self).__name__)
         size = self.arm_action_mode.action_shape(runtime)[0]
-        check = getattr(self.gripper_action_mode, "check", None)
-        if check is not None:
-            check(runtime, values[size:])
-        return values[:size], values[size:]
+        arm, gripper = values[:size], values[size:]
+        return _checked(self.arm_action_mode, runtime, arm), _checked(self.gripper_action_mode, runtime, gripper)
+
+
+def _checked(mode: object, runtime: Runtime, values: FloatArray) -> FloatArray:
+    return mode.check(runtime, values) if isinstance(mode, ChecksValues) else values
 
 
 class MoveArmThenGripper(ActionMode):
@@ -57,8 +61,8 @@ class MoveArmThenGripper(ActionMode):
     def action(self, runtime: Runtime, action: object) -> None:
         """Move the arm, then the gripper."""
         arm, gripper = self.split(runtime, action)
-        self.arm_action_mode.action(runtime, arm)
-        self.gripper_action_mode.action(runtime, gripper)
+        execute(self.arm_action_mode, runtime, arm)
+        execute(self.gripper_action_mode, runtime, gripper)
 
 
 class JointPositionActionMode(ActionMode):
@@ -68,9 +72,9 @@ class JointPositionActionMode(ActionMode):
         self._arm, self._gripper = JointPosition(absolute_mode=False), GripperJointPosition()
         super().__init__(self._arm, self._gripper)
 
-    def action_spec(self, runtime: Runtime) -> ActionSpec:
+    def make_spec(self, runtime: Runtime) -> ActionSpec:
         """As both modes say, with joint differences of at most 0.1 rad, in one tick."""
-        spec = super().action_spec(runtime)
+        spec = super().make_spec(runtime)
         low, high = spec.low.copy(), spec.high.copy()
         low[:-1], high[:-1] = -DELTA_LIMIT, DELTA_LIMIT
         return ActionSpec(spec.names, spec.units, low, high, spec.frame, 1)
@@ -79,7 +83,7 @@ class JointPositionActionMode(ActionMode):
         """Command both, step once, hold both."""
         arm, gripper = self.split(runtime, action)
         self._arm.command(runtime, arm)
-        self._gripper.command(runtime, gripper)
+        move = self._gripper.command(runtime, gripper)
         runtime.step()
         self._arm.after(runtime)
-        self._gripper.after(runtime)
+        self._gripper.after(runtime, move)

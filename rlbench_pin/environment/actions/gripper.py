@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
-from rlbench_pin.environment.actions.arm_mode import SpecifiedMode
+from rlbench_pin.environment.actions.mode import ActionPart, PartMode
 from rlbench_pin.environment.actions.specification import ActionSpec
 from rlbench_pin.environment.motion import hold_or_release, move_gripper
 from rlbench_pin.environment.runtime import Runtime
@@ -19,27 +20,11 @@ GRIP_SPEED = 0.04
 """Finger speed of closing on something, the one of demonstrations [m/s]: fast fingers knock light things away."""
 
 
-class GripperActionMode(Protocol):
+class GripperActionMode(ActionPart, Protocol):
     """Turns numbers into finger motion."""
 
-    def action(self, runtime: Runtime, action: FloatArray) -> None:
-        """Run one action to its end."""
-        ...
 
-    def action_shape(self, runtime: Runtime) -> tuple[int]:
-        """Return the shape of an action."""
-        ...
-
-    def action_bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
-        """Return lowest and highest values of an action."""
-        ...
-
-    def action_spec(self, runtime: Runtime) -> ActionSpec:
-        """Return what the numbers mean."""
-        ...
-
-
-class GripperMode(SpecifiedMode):
+class GripperMode(PartMode):
     """What gripper modes share.
 
     Args:
@@ -49,31 +34,28 @@ class GripperMode(SpecifiedMode):
 
     def __init__(self, attach_grasped_objects: bool | None = None, detach_before_open: bool = True) -> None:
         self.attach_grasped_objects, self.detach_before_open = attach_grasped_objects, detach_before_open
-        self.environment_attaches = True
 
-    @property
-    def attaches(self) -> bool:
+    def attaches(self, runtime: Runtime) -> bool:
         """Whether bodies are fixed to the hand."""
-        return self.environment_attaches if self.attach_grasped_objects is None else self.attach_grasped_objects
+        return runtime.attach_grasped_objects if self.attach_grasped_objects is None else self.attach_grasped_objects
 
 
 class Discrete(GripperMode):
     """One number: above 0.5 opens the hand, otherwise closes it. Does nothing when the hand is already as asked."""
 
-    def action_spec(self, runtime: Runtime) -> ActionSpec:
+    def make_spec(self, runtime: Runtime) -> ActionSpec:
         """From 0, closed, to 1, open."""
         return ActionSpec(("gripper",), ("1",), np.zeros(1), np.ones(1), "joint", None)
 
-    def check(self, runtime: Runtime, action: object) -> FloatArray:
-        """Return the number, or raise InvalidActionError."""
-        values = super().check(runtime, action)
+    def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
+        """Return the number, or raise InvalidActionError when it does not lie between 0 and 1."""
         if not 0.0 <= values[0] <= 1.0:
             raise InvalidActionError(f"The gripper action is {values[0]}; it must lie between 0 (closed) and 1 (open).")
         return values
 
-    def action(self, runtime: Runtime, action: FloatArray) -> None:
+    def execute(self, runtime: Runtime, values: FloatArray) -> None:
         """Open or close when that changes something."""
-        wants_open = bool(self.check(runtime, action)[0] > 0.5)
+        wants_open = bool(values[0] > 0.5)
         if wants_open == runtime.gripper.is_open:
             return
         move_gripper(
@@ -81,9 +63,19 @@ class Discrete(GripperMode):
             1.0 if wants_open else 0.0,
             release=wants_open,
             speed=GRIP_SPEED if not wants_open and runtime.gripper.closes_on_something() else FINGER_SPEED,
-            attach=self.attaches,
+            attach=self.attaches(runtime),
             detach_before_open=self.detach_before_open,
         )
+
+
+@dataclass(frozen=True)
+class FingerMove:
+    """A finger motion of one tick."""
+
+    target: float
+    """Where the fingers were told to be [m]."""
+    opens: bool
+    """Whether that is farther open than they were."""
 
 
 class GripperJointPosition(GripperMode):
@@ -101,32 +93,32 @@ class GripperJointPosition(GripperMode):
         super().__init__(attach_grasped_objects, detach_before_open)
         self.absolute_mode = absolute_mode
 
-    def action_spec(self, runtime: Runtime) -> ActionSpec:
+    def make_spec(self, runtime: Runtime) -> ActionSpec:
         """From 0, shut, to the range of a finger; differences span it both ways."""
         high = np.array([runtime.description.gripper_open])
         return ActionSpec(("finger",), ("m",), np.zeros(1) if self.absolute_mode else -high, high, "joint", 1)
 
-    def command(self, runtime: Runtime, values: FloatArray) -> None:
-        """Tell the finger motors, without stepping; opening lets go."""
+    def command(self, runtime: Runtime, values: FloatArray) -> FingerMove:
+        """Command the finger motors, without stepping; opening lets go."""
         here, reach = runtime.robot.fingers, runtime.description.gripper_open
         target = float(np.clip(values[0] if self.absolute_mode else here.mean() + values[0], 0.0, reach))
-        self._opens = target > here.mean() + 1e-4
-        if self._opens and self.detach_before_open:
+        opens = bool(target > here.mean() + 1e-4)
+        if opens and self.detach_before_open:
             runtime.gripper.release()
-        if not runtime.gripper.grasped or self._opens:
+        if not runtime.gripper.grasped or opens:
             runtime.gripper.set_target(target / reach, FINGER_SPEED)
-        self._wanted = target
+        return FingerMove(target, opens)
 
-    def after(self, runtime: Runtime) -> None:
+    def after(self, runtime: Runtime, move: FingerMove) -> None:
         """Attach what stopped the fingers, or let go; then hold."""
-        stalled = runtime.robot.fingers.mean() > self._wanted + 1e-3 and not runtime.gripper.moving
-        hold_or_release(runtime, release=self._opens, attach=self.attaches and stalled)
+        stalled = runtime.robot.fingers.mean() > move.target + 1e-3 and not runtime.gripper.moving
+        hold_or_release(runtime, release=move.opens, attach=self.attaches(runtime) and stalled)
         runtime.gripper.hold()
 
-    def action(self, runtime: Runtime, action: FloatArray) -> None:
+    def execute(self, runtime: Runtime, values: FloatArray) -> None:
         """Command, step once, hold."""
-        self.command(runtime, self.check(runtime, action))
+        move = self.command(runtime, values)
         if runtime.robot.mode == "torque":
             runtime.hold()
         runtime.step()
-        self.after(runtime)
+        self.after(runtime, move)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench_pin.environment.actions.arm_mode import SpecifiedMode
+from rlbench_pin.environment.actions.mode import PartMode
 from rlbench_pin.environment.actions.specification import ActionSpec
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.spatial import FloatArray
 
 
-class JointMode(SpecifiedMode):
+class JointMode(PartMode):
     """What modes with one number per arm joint share.
 
     Args:
@@ -27,21 +27,21 @@ class JointMode(SpecifiedMode):
         raise NotImplementedError
 
     def command(self, runtime: Runtime, values: FloatArray) -> None:
-        """Tell the motors, without stepping."""
+        """Command the motors, without stepping."""
         raise NotImplementedError
 
     def after(self, runtime: Runtime) -> None:
         """Leave the arm at rest after the tick."""
 
-    def action_spec(self, runtime: Runtime) -> ActionSpec:
+    def make_spec(self, runtime: Runtime) -> ActionSpec:
         """One number per arm joint."""
         names = runtime.description.arm_joints
         low, high = self.bounds(runtime)
         return ActionSpec(names, (self.unit,) * len(names), low, high, "joint", 1)
 
-    def action(self, runtime: Runtime, action: FloatArray) -> None:
+    def execute(self, runtime: Runtime, values: FloatArray) -> None:
         """Command, step once, come to rest."""
-        self.command(runtime, self.check(runtime, action))
+        self.command(runtime, values)
         runtime.step()
         self.after(runtime)
 

@@ -9,14 +9,14 @@ import numpy as np
 from rlbench_pin.environment.actions.arm_mode import (
     FrameChoice,
     RelativeFrame,
-    SpecifiedMode,
     as_frame,
     assert_unit_quaternion,
     calculate_delta_pose,
 )
+from rlbench_pin.environment.actions.mode import PartMode
 from rlbench_pin.environment.actions.specification import POSE_NAMES, POSE_UNITS, ActionSpec
 from rlbench_pin.environment.motion import follow
-from rlbench_pin.environment.runtime import WORKSPACE, Runtime
+from rlbench_pin.environment.runtime import TIP_WORKSPACE, Runtime
 from rlbench_pin.errors import InvalidActionError, PlanningError
 from rlbench_pin.planning.kinematics.ik import solve_ik
 from rlbench_pin.planning.kinematics.pinned_ik import solve_pinned_ik
@@ -30,7 +30,7 @@ IK_TICKS = 200
 """Ticks after which it ends in any case."""
 
 
-class PoseMode(SpecifiedMode):
+class PoseMode(PartMode):
     """What modes share whose numbers begin with a tip pose (7,).
 
     Args:
@@ -49,10 +49,10 @@ class PoseMode(SpecifiedMode):
         """Whether the pose is a delta."""
         return not self.absolute_mode or self.frame is RelativeFrame.EE
 
-    def action_spec(self, runtime: Runtime) -> ActionSpec:
+    def make_spec(self, runtime: Runtime) -> ActionSpec:
         """Position and quaternion; positions span the workspace."""
-        extent = WORKSPACE[1] - WORKSPACE[0]
-        low, high = (-extent, extent) if self.is_relative else (WORKSPACE[0], WORKSPACE[1])
+        extent = TIP_WORKSPACE[1] - TIP_WORKSPACE[0]
+        low, high = (-extent, extent) if self.is_relative else (TIP_WORKSPACE[0], TIP_WORKSPACE[1])
         frame = "end effector" if self.frame is RelativeFrame.EE else "world"
         ones = np.ones(4)
         return ActionSpec(POSE_NAMES, POSE_UNITS, np.concatenate([low, -ones]), np.concatenate([high, ones]), frame, None)
@@ -66,9 +66,9 @@ class PoseMode(SpecifiedMode):
 class EndEffectorPoseViaPlanning(PoseMode):
     """Plan a timed, smooth motion to the pose and run it to its end, or until the task is done."""
 
-    def action(self, runtime: Runtime, action: FloatArray) -> None:
+    def execute(self, runtime: Runtime, values: FloatArray) -> None:
         """Plan and execute."""
-        target = self.target(runtime, self.check(runtime, action))
+        target = self.target(runtime, values)
         runtime.check_target_in_workspace(target[:3])
         runtime.refresh_planner()
         try:
@@ -87,9 +87,9 @@ class EndEffectorPoseViaPlanning(PoseMode):
 class EndEffectorPoseViaIK(PoseMode):
     """Solve inverse kinematics near the present posture and drive the joints there."""
 
-    def action(self, runtime: Runtime, action: FloatArray) -> None:
+    def execute(self, runtime: Runtime, values: FloatArray) -> None:
         """Solve and move until the joints arrive or stall."""
-        target = self.target(runtime, self.check(runtime, action))
+        target = self.target(runtime, values)
         q = runtime.robot.joint_positions
         try:
             goal = solve_ik(runtime.model, target, q, runtime.planning_rng, starts=1)[0]
@@ -126,7 +126,7 @@ class ERJointViaIK(PoseMode):
         if delta_angle and self.commanded_joints not in ((0,), (6,)):
             raise NotImplementedError("delta_angle is offered for one commanded joint, 0 or 6.")
 
-    def action_spec(self, runtime: Runtime) -> ActionSpec:
+    def make_spec(self, runtime: Runtime) -> ActionSpec:
         """The pose, then the pinned angles."""
         joints = list(self.commanded_joints)
         limits = runtime.model.limits
@@ -135,11 +135,10 @@ class ERJointViaIK(PoseMode):
         if not self.absolute_mode:
             low, high = low - high, high - low
         angles = ActionSpec(names, ("rad",) * len(joints), low, high, "joint", None)
-        return super().action_spec(runtime).joined(angles)
+        return super().make_spec(runtime).joined(angles)
 
-    def action(self, runtime: Runtime, action: FloatArray) -> None:
+    def execute(self, runtime: Runtime, values: FloatArray) -> None:
         """Solve with the pinned joints and move there, at most 50 ticks."""
-        values = self.check(runtime, action)
         target = self.target(runtime, values[:7])
         q = runtime.robot.joint_positions
         joints = list(self.commanded_joints)

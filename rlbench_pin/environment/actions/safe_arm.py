@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from rlbench_pin.control.braking import CARRIERS
 from rlbench_pin.control.safety_filter import FilterCounts, SafeCommand, SafetyConfig, SafetyFilter
 from rlbench_pin.environment.actions.arm_mode import ArmActionMode
+from rlbench_pin.environment.actions.mode import BoundMode, ChecksValues, PartMode, execute
 from rlbench_pin.environment.actions.specification import ActionSpec
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.scene.snapshot import WorldSnapshot
@@ -22,7 +23,22 @@ LOADED_SHARE = 0.65
 """Share of the acceleration limit that is used of joints that carry the arm: braking a fall takes torque for gravity, too."""
 
 
-class SafeArm:
+@dataclass
+class Guard(BoundMode):
+    """The safety filter of one runtime."""
+
+    filter: SafetyFilter = field(kw_only=True)
+    seen: WorldSnapshot | None = None
+    """The world as the filter knows it."""
+
+    def look_at(self, snapshot: WorldSnapshot) -> None:
+        """Give the filter the world, when something but the arm has moved."""
+        if self.seen is None or not _same_surroundings(snapshot, self.seen):
+            self.filter.distances.update(snapshot)
+            self.seen = snapshot
+
+
+class SafeArm(PartMode):
     """Runs another arm mode, each control tick of which passes the safety filter first.
 
     The filter looks at the joint velocity that the motors were told to bring about in the next tick, and replaces it when a
@@ -33,19 +49,24 @@ class SafeArm:
         config: Margins and gains; the control tick is the world's, and motors reach velocities when their torque lets them.
 
     Attributes:
-        last: The filter's last command; None before the first.
+        counts: How often and why the filter intervened, in all environments that this object serves.
+        last: The filter's last command, in whichever of them; None before the first.
     """
 
     def __init__(self, mode: ArmActionMode, config: SafetyConfig | None = None) -> None:
         self.mode, self.config = mode, config or SafetyConfig(limit_margin=LIMIT_MARGIN)
+        self.counts = FilterCounts()
         self.last: SafeCommand | None = None
-        self._filter: SafetyFilter | None = None
-        self._world: WorldSnapshot | None = None
 
-    @property
-    def counts(self) -> FilterCounts:
-        """How often and why the filter intervened."""
-        return FilterCounts() if self._filter is None else self._filter.counts
+    def bind(self, runtime: Runtime) -> Guard:
+        """Make the filter of this arm and tick."""
+        limits = runtime.model.limits
+        shares = np.where(np.arange(len(limits.acceleration)) < CARRIERS, LOADED_SHARE, SHARE)
+        reduced = replace(limits, velocity=SHARE * limits.velocity, acceleration=shares * limits.acceleration)
+        config = replace(self.config, dt=runtime.world.control_dt, hold="any")
+        safety_filter = SafetyFilter(runtime.model, config, limits=reduced)
+        safety_filter.counts = self.counts
+        return Guard(filter=safety_filter)
 
     def action_shape(self, runtime: Runtime) -> tuple[int]:
         """Return the shape of an action of the inner mode."""
@@ -59,37 +80,30 @@ class SafeArm:
         """Return what the inner mode's numbers mean."""
         return self.mode.action_spec(runtime)
 
-    def action(self, runtime: Runtime, action: FloatArray) -> None:
-        """Run the inner action with every tick filtered."""
-        self._look_at(runtime)
-        with runtime.filtering(self._command):
-            self.mode.action(runtime, action)
+    def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
+        """Return `values`, shape (n,), or raise InvalidActionError when the inner mode refuses them."""
+        return self.mode.check(runtime, values) if isinstance(self.mode, ChecksValues) else values
 
-    def _look_at(self, runtime: Runtime) -> None:
-        """Tell the filter the world, when something but the arm has moved."""
-        guard, snapshot = self._filter_for(runtime), runtime.world.snapshot()
-        if self._world is None or not _same_surroundings(snapshot, self._world):
-            guard.distances.update(snapshot)
-            self._world = snapshot
+    def execute(self, runtime: Runtime, values: FloatArray) -> None:
+        """Run the inner action with every tick filtered."""
+        runtime.bound(self).look_at(runtime.world.snapshot())
+        with runtime.filtering(self._command):
+            execute(self.mode, runtime, values)
 
     def _command(self, runtime: Runtime) -> None:
         """Replace the motors' command of the coming tick by a safe one where needed."""
         robot = runtime.robot
         q, v = robot.joint_positions, robot.joint_velocities
-        self.last = self._filter_for(runtime).filter(q, v, wanted_velocity(runtime, q, v))
+        self.last = runtime.bound(self).filter.filter(q, v, wanted_velocity(runtime, q, v))
         if self.last.intervened:
             robot.set_velocity_targets(self.last.velocity)
 
-    def _filter_for(self, runtime: Runtime) -> SafetyFilter:
-        if self._filter is None or self._filter.model is not runtime.model:
-            limits = runtime.model.limits
-            shares = np.where(np.arange(len(limits.acceleration)) < CARRIERS, LOADED_SHARE, SHARE)
-            reduced = replace(limits, velocity=SHARE * limits.velocity, acceleration=shares * limits.acceleration)
-            self._filter = SafetyFilter(
-                runtime.model, replace(self.config, dt=runtime.world.control_dt, hold="any"), limits=reduced
-            )
-            self._world = None
-        return self._filter
+
+def unwrapped(mode: ArmActionMode) -> ArmActionMode:
+    """Return the arm mode itself, without the safety filters in front of it."""
+    while isinstance(mode, SafeArm):
+        mode = mode.mode
+    return mode
 
 
 def _same_surroundings(a: WorldSnapshot, b: WorldSnapshot) -> bool:

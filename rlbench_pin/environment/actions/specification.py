@@ -21,7 +21,9 @@ class ActionSpec:
     names: tuple[str, ...]
     units: tuple[str, ...]
     low: FloatArray
+    """Lowest values, shape (n,), read-only."""
     high: FloatArray
+    """Highest values, shape (n,), read-only."""
     frame: str
     """Axes that Cartesian numbers are expressed in, or `joint`."""
     ticks: int | None
@@ -32,6 +34,10 @@ class ActionSpec:
             raise ValueError(
                 f"{len(self.names)} names, {len(self.units)} units and {len(self.low)} bounds do not belong together"
             )
+        for name in ("low", "high"):
+            bound = np.array(getattr(self, name), dtype=float)
+            bound.setflags(write=False)
+            object.__setattr__(self, name, bound)
 
     @property
     def size(self) -> int:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 
 from rlbench_pin.control.differential_ik import DifferentialIK, DifferentialIKConfig
-from rlbench_pin.environment.actions.arm_mode import FrameChoice, RelativeFrame, SpecifiedMode, as_frame
+from rlbench_pin.environment.actions.arm_mode import FrameChoice, RelativeFrame, as_frame
+from rlbench_pin.environment.actions.mode import BoundMode, PartMode
 from rlbench_pin.environment.actions.specification import TWIST_NAMES, TWIST_UNITS, ActionSpec
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.spatial import FloatArray
@@ -16,7 +18,14 @@ LINEAR_SPEED, ANGULAR_SPEED = 1.7, 2.5
 """Largest tip speeds that an action may ask for [m/s], [rad/s]; the arm's data sheet."""
 
 
-class EndEffectorVelocity(SpecifiedMode):
+@dataclass
+class BoundVelocity(BoundMode):
+    """A tip velocity mode in one runtime."""
+
+    solver: DifferentialIK = field(kw_only=True)
+
+
+class EndEffectorVelocity(PartMode):
     """Tip velocity `[linear, angular]` (6,) for one tick, or a change of the present one; then the arm stops.
 
     Args:
@@ -26,26 +35,22 @@ class EndEffectorVelocity(SpecifiedMode):
 
     def __init__(self, absolute_mode: bool = True, frame: FrameChoice = RelativeFrame.WORLD) -> None:
         self.absolute_mode, self.frame = absolute_mode, as_frame(frame)
-        self._solver: DifferentialIK | None = None
 
-    def action_spec(self, runtime: Runtime) -> ActionSpec:
+    def bind(self, runtime: Runtime) -> BoundVelocity:
+        """Make the solver of this arm and tick."""
+        return BoundVelocity(solver=DifferentialIK(runtime.model, DifferentialIKConfig(dt=runtime.world.control_dt)))
+
+    def make_spec(self, runtime: Runtime) -> ActionSpec:
         """Linear, then angular velocity."""
         high = np.array([LINEAR_SPEED] * 3 + [ANGULAR_SPEED] * 3)
         return ActionSpec(TWIST_NAMES, TWIST_UNITS, -high, high, "end effector" if self.frame is RelativeFrame.EE else "world", 1)
 
-    def action(self, runtime: Runtime, action: FloatArray) -> None:
+    def execute(self, runtime: Runtime, values: FloatArray) -> None:
         """Solve for joint velocities and move for one tick."""
-        twist = self.check(runtime, action)
         axes: Literal["tip", "world"] = "tip" if self.frame is RelativeFrame.EE else "world"
         q, v = runtime.robot.joint_positions, runtime.robot.joint_velocities
         if not self.absolute_mode:
-            twist += runtime.model.jacobian(q, axes) @ v
-        runtime.robot.set_velocity_targets(self._solver_for(runtime).velocity_for_twist(q, v, twist, axes))
+            values = values + runtime.model.jacobian(q, axes) @ v
+        runtime.robot.set_velocity_targets(runtime.bound(self).solver.velocity_for_twist(q, v, values, axes))
         runtime.step()
         runtime.robot.set_velocity_targets(np.zeros(runtime.model.size))
-
-    def _solver_for(self, runtime: Runtime) -> DifferentialIK:
-        """Return the solver of this arm, made on first use."""
-        if self._solver is None or self._solver.model is not runtime.model:
-            self._solver = DifferentialIK(runtime.model, DifferentialIKConfig(dt=runtime.world.control_dt))
-        return self._solver

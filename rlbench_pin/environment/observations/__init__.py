@@ -1,1 +1,21 @@
 """What observations contain: settings, cameras, noise, and how a world becomes an observation."""
+
+from rlbench_pin.environment.observations.camera_config import CameraConfig
+from rlbench_pin.environment.observations.cameras import camera_view
+from rlbench_pin.environment.observations.config import ObservationConfig
+from rlbench_pin.environment.observations.extra_cameras import ExtraCamera
+from rlbench_pin.environment.observations.model_based import ModelObservationConfig
+from rlbench_pin.environment.observations.noise import GaussianNoise, Identity, NoiseModel
+from rlbench_pin.environment.observations.observe import Observer
+
+__all__ = [
+    "CameraConfig",
+    "ExtraCamera",
+    "GaussianNoise",
+    "Identity",
+    "ModelObservationConfig",
+    "NoiseModel",
+    "ObservationConfig",
+    "Observer",
+    "camera_view",
+]

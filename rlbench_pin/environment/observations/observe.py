@@ -20,7 +20,7 @@ from rlbench_pin.tasks import Task
 
 @dataclass
 class Look:
-    """How pictures differ from the settings; domain randomisation changes it."""
+    """How pictures differ from the settings; domain randomization changes it."""
 
     lighting: Lighting | None = None
     """Takes the place of the lights of the settings."""

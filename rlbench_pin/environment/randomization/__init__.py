@@ -1,1 +1,25 @@
-"""Domain randomization: what may change, when, and the change itself."""
+"""Domain randomization of looks and dynamics: settings, samples, and the events that bring new ones."""
+
+from rlbench_pin.environment.randomization.config import (
+    DynamicsRandomizationConfig,
+    NoTextureFolder,
+    NoTextures,
+    RandomizationConfig,
+    RandomizationMisused,
+    RandomizeEvery,
+    VisualRandomizationConfig,
+)
+from rlbench_pin.environment.randomization.randomizer import Randomizer
+from rlbench_pin.environment.randomization.sample import RandomizationSample
+
+__all__ = [
+    "DynamicsRandomizationConfig",
+    "NoTextureFolder",
+    "NoTextures",
+    "RandomizationConfig",
+    "RandomizationMisused",
+    "RandomizationSample",
+    "RandomizeEvery",
+    "Randomizer",
+    "VisualRandomizationConfig",
+]

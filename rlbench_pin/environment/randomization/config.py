@@ -1,4 +1,4 @@
-"""Domain randomisation: when it happens and what may change."""
+"""Domain randomization: when it happens and what may change."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class RandomizeEvery(Enum):
     """Each control tick."""
 
 
-class RandomisationMisused(TaskEnvironmentError, ValueError):
-    """Randomisation was switched on in a way that makes no sense."""
+class RandomizationMisused(TaskEnvironmentError, ValueError):
+    """Randomization was switched on in a way that makes no sense."""
 
 
 class NoTextureFolder(CameraError, NotADirectoryError):
@@ -134,18 +134,18 @@ class DynamicsRandomizationConfig(RandomizationConfig):
         for name in ("mass", "friction", "damping", "gains"):
             low, high = getattr(self, name)
             if not 0.0 < low <= high < np.inf:
-                raise RandomisationMisused(f"The factors of {name} must be 0 < lowest <= highest, not ({low}, {high}).")
+                raise RandomizationMisused(f"The factors of {name} must be 0 < lowest <= highest, not ({low}, {high}).")
 
 
-def check_randomisation(every: RandomizeEvery | None, frequency: int, visual: object | None, dynamics: object | None) -> None:
-    """Raise unless the randomisation arguments make sense together."""
+def check_randomization(every: RandomizeEvery | None, frequency: int, visual: object | None, dynamics: object | None) -> None:
+    """Raise unless the randomization arguments make sense together."""
     if every is not None and visual is None and dynamics is None:
-        raise RandomisationMisused("randomize_every was given without a randomisation config. Pass a visual or a dynamics one.")
+        raise RandomizationMisused("randomize_every was given without a randomization config. Pass a visual or a dynamics one.")
     if every is None and (visual is not None or dynamics is not None):
-        raise RandomisationMisused("A randomisation config was given without randomize_every. Pass RandomizeEvery.EPISODE.")
+        raise RandomizationMisused("A randomization config was given without randomize_every. Pass RandomizeEvery.EPISODE.")
     if visual is not None and not isinstance(visual, VisualRandomizationConfig):
-        raise RandomisationMisused(f"visual_randomization_config must be a VisualRandomizationConfig, not {visual!r}.")
+        raise RandomizationMisused(f"visual_randomization_config must be a VisualRandomizationConfig, not {visual!r}.")
     if dynamics is not None and not isinstance(dynamics, DynamicsRandomizationConfig):
-        raise RandomisationMisused(f"dynamics_randomization_config must be a DynamicsRandomizationConfig, not {dynamics!r}.")
+        raise RandomizationMisused(f"dynamics_randomization_config must be a DynamicsRandomizationConfig, not {dynamics!r}.")
     if frequency < 1:
-        raise RandomisationMisused(f"frequency counts events and is at least 1, not {frequency}.")
+        raise RandomizationMisused(f"frequency counts events and is at least 1, not {frequency}.")

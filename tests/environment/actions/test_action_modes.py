@@ -16,7 +16,7 @@ from rlbench_pin.environment import (
     TaskEnvironment,
 )
 from rlbench_pin.environment.actions.arm_mode import ArmActionMode, calculate_delta_pose
-from rlbench_pin.environment.runtime import WORKSPACE
+from rlbench_pin.environment.runtime import TIP_WORKSPACE
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.spatial import pose_at, rotation_distance
 from tests.environment.conftest import low_dim
@@ -119,7 +119,7 @@ def test_targets_outside_each_face_of_the_workspace_are_refused(axis: int, side:
     task = episode(EndEffectorPoseViaPlanning())
     before = task.get_observation().get_low_dim_data()
     target = DOWN.copy()
-    target[axis] = WORKSPACE[side, axis]
+    target[axis] = TIP_WORKSPACE[side, axis]
     with pytest.raises(InvalidActionError, match=f"{'xyz'[axis]} must lie between"):
         task.step(np.append(target, 1.0))
     assert np.array_equal(task.get_observation().get_low_dim_data(), before)

@@ -1,4 +1,4 @@
-"""Domain randomisation: when, what, the same again from the same seed, and gone when it is over."""
+"""Domain randomization: when, what, the same again from the same seed, and gone when it is over."""
 
 from __future__ import annotations
 
@@ -96,11 +96,11 @@ def test_the_arm_can_be_left_alone():
         with environment(RandomizeEvery.EPISODE, VisualRandomizationConfig(randomize_arm=randomize_arm)) as env:
             task = env.get_task("reach_target")
             task.reset(seed=0)
-            assert bool(task._randomizer.disguise.links) == randomize_arm
+            assert bool(task._randomizer.current.links) == randomize_arm
 
 
-def test_after_randomisation_everything_is_as_before():
-    """Episodes with looks and dynamics randomised leave nothing behind: pictures and physics have the same bytes afterwards."""
+def test_after_randomization_everything_is_as_before():
+    """Episodes with looks and dynamics randomized leave nothing behind: pictures and physics have the same bytes afterwards."""
 
     def run(task) -> bytes:
         task.reset(seed=7, variation=0)
@@ -114,7 +114,7 @@ def test_after_randomisation_everything_is_as_before():
     with environment(RandomizeEvery.EPISODE, config, DynamicsRandomizationConfig()) as env:
         task = env.get_task("pick_and_lift")
         assert run(task) != expected
-        task._randomizer.take_off()
+        task._randomizer.remove()
         task._randomizer = None
         assert run(task) == expected
 
@@ -125,9 +125,9 @@ def test_dynamics_change_motion_and_stay_within_bounds():
     with environment(RandomizeEvery.EPISODE, dynamics=config) as env:
         task = env.get_task("pick_and_lift")
         task.reset(seed=0)
-        disguise = task._randomizer.disguise
-        assert all(0.5 <= mass <= 2.0 for mass, _, _ in disguise.factors.values())
-        assert 0.3 <= disguise.gains <= 0.4 and task.world.robot.position_gain == 0.2 * disguise.gains
+        sample = task._randomizer.current
+        assert all(0.5 <= mass <= 2.0 for mass, _, _ in sample.factors.values())
+        assert 0.3 <= sample.gains <= 0.4 and task.world.robot.position_gain == 0.2 * sample.gains
 
 
 def test_states_keep_their_look():
@@ -141,19 +141,19 @@ def test_states_keep_their_look():
 
 
 def test_states_with_fewer_bodies_come_back():
-    """A state comes back in which a body of the disguise is gone already, as stains are that were wiped off."""
+    """A state comes back in which a body of the sample is gone already, as stains are that were wiped off."""
     with environment(RandomizeEvery.EPISODE, VisualRandomizationConfig(), DynamicsRandomizationConfig()) as env:
         task = env.get_task("wipe_desk")
         task.reset(seed=0)
-        full, disguise = task.get_state(), task._randomizer.disguise
-        assert "stain7" in disguise.factors and "table" in disguise.factors
+        full, sample = task.get_state(), task._randomizer.current
+        assert "stain7" in sample.factors and "table" in sample.factors
         task._runtime.task.stains.remove("stain7")
         task.world.remove_body("stain7")
         state = task.get_state()
         task.set_state(full)
         assert "stain7" in task.world.bodies
         task.set_state(state)
-        assert "stain7" not in task.world.bodies and task._randomizer.disguise is disguise
+        assert "stain7" not in task.world.bodies and task._randomizer.current is sample
         for name in ("table", "sponge"):
             uid = task.world.body(name).model.uid
             assert any(changed == uid for changed, _ in task.world.dynamics_overrides._changed)
@@ -195,8 +195,8 @@ def test_ten_environments_do_not_disturb_each_other():
 
 
 @pytest.mark.slow
-def test_two_hundred_randomised_episodes_need_no_more_memory():
-    """All cameras, visual randomisation: memory grows by less than 3 % after the first 40 episodes, and no frame is black."""
+def test_two_hundred_randomized_episodes_need_no_more_memory():
+    """All cameras, visual randomization: memory grows by less than 3 % after the first 40 episodes, and no frame is black."""
     env = environment(RandomizeEvery.EPISODE, VisualRandomizationConfig(camera_shift=0.01))
     with env:
         for name in CAMERAS:

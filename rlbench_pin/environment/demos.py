@@ -1,0 +1,116 @@
+"""Live demonstrations: one try, tries until one succeeds, and what becomes a `Demo`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from rlbench_pin.environment.demonstrate import DemoOutcome, DemoPlayer, try_play
+from rlbench_pin.environment.episode import EpisodeOrigin
+from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.environment.versions import library_versions
+from rlbench_pin.errors import DemoError, TaskEnvironmentError
+from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.tasks import Task
+
+
+class LiveDemoFailed(DemoError, RuntimeError):
+    """A live demonstration failed at every attempt; carries why."""
+
+    def __init__(self, task_name: str, seed: int, causes: list[str], task: object) -> None:
+        self.seed, self.causes = seed, tuple(causes)
+        text = "; ".join(f"attempt {i}: {cause}" for i, cause in enumerate(causes))
+        super().__init__(
+            f"Task '{task_name}' could not be demonstrated from seed {seed} in {len(causes)} attempts ({text}). "
+            f"`rlbench-pin check {task_name}` shows how often that happens.",
+            task,
+        )
+
+
+def play_demo(
+    runtime: Runtime,
+    origin: EpisodeOrigin,
+    *,
+    record: bool,
+    record_gripper: bool,
+    on_frame: Callable[[Observation], None] | None,
+) -> DemoOutcome:
+    """Play the demonstration of the episode that has just started, whatever comes of it.
+
+    Args:
+        runtime: The running scene, at the start of the episode.
+        origin: Where the episode came from.
+        record: Keep observations; False only measures.
+        record_gripper: Keep those of finger motions, too.
+        on_frame: Called with every recorded observation.
+    """
+    state, began = runtime.world.arrays(exact=False), runtime.world.time
+    player = DemoPlayer(runtime, record=record, record_gripper=record_gripper, on_frame=on_frame)
+    cause, leg = try_play(player)
+    demo = None if cause else _as_demo(runtime, origin, player.frames, state)
+    duration = runtime.world.time - began
+    return DemoOutcome(not cause, cause, leg, demo, player.planning_time, duration, tuple(player.legs))
+
+
+def _as_demo(runtime: Runtime, origin: EpisodeOrigin, frames: list[Observation], state: dict[str, np.ndarray]) -> Demo:
+    return Demo(
+        frames,
+        random_seed=origin.seed,
+        num_reset_attempts=origin.reset_attempts,
+        variation_number=runtime.variation,
+        instructions=origin.instructions,
+        state=state,
+        versions=library_versions(),
+        attempt=origin.attempt,
+        task_name=runtime.task.get_name(),
+    )
+
+
+def live_demos(play: Callable[[int, int], DemoOutcome], task: Task, seeds: Iterable[int], max_attempts: int) -> list[Demo]:
+    """Return a demonstration for each seed.
+
+    Args:
+        play: Plays one try of a seed, given the seed and the number of the try.
+        task: The task that is shown.
+        seeds: Seeds of the episodes.
+        max_attempts: Tries per seed.
+
+    Raises:
+        LiveDemoFailed: A seed failed at every try.
+    """
+    return [_live_demo(play, task, seed, max_attempts) for seed in seeds]
+
+
+def _live_demo(play: Callable[[int, int], DemoOutcome], task: Task, seed: int, max_attempts: int) -> Demo:
+    causes: list[str] = []
+    for attempt in range(max_attempts):
+        outcome = play(seed, attempt)
+        if outcome.demo is not None:
+            return outcome.demo
+        causes.append(outcome.cause)
+    raise LiveDemoFailed(task.get_name(), seed, causes, task)
+
+
+def check_start(demo: Demo, task_name: str) -> int:
+    """Return the seed of a demonstration.
+
+    Raises:
+        TaskEnvironmentError: It is of another task than `task_name`, or carries no seed.
+    """
+    if demo.task_name and demo.task_name != task_name:
+        raise TaskEnvironmentError(f"The demonstration shows '{demo.task_name}', this is '{task_name}'.")
+    if demo.random_seed is None:
+        raise TaskEnvironmentError("The demonstration carries no seed, so its start cannot be restored. Record it anew.")
+    return demo.random_seed
+
+
+def restore_start(runtime: Runtime, demo: Demo) -> None:
+    """Bring the world to the very state that a demonstration started from, where its seed alone did not."""
+    if demo.state is not None and not _same_arrays(runtime.world.arrays(exact=False), demo.state):
+        runtime.world.set_arrays(demo.state)
+        runtime.task.reset_conditions()
+
+
+def _same_arrays(a: dict[str, np.ndarray], b: dict[str, np.ndarray]) -> bool:
+    return a.keys() == b.keys() and all(np.array_equal(a[k], b[k]) for k in a)

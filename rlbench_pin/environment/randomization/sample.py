@@ -1,0 +1,108 @@
+"""One draw of domain randomization: everything that differs from the scene as it was built."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rlbench_pin.environment.observations.config import ObservationConfig
+from rlbench_pin.environment.randomization.config import DynamicsRandomizationConfig, VisualRandomizationConfig
+from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.observation import CAMERAS
+from rlbench_pin.sim import Light, Lighting
+from rlbench_pin.spatial import FloatArray, matrix_to_pose
+
+
+@dataclass(frozen=True, eq=False)
+class RandomizationSample:
+    """What is randomized, as drawn once; by name of body, camera or part of the room."""
+
+    bodies: dict[str, tuple[Path, float]] = field(default_factory=dict)
+    """Texture of each body, and how often it repeats along a metre."""
+    links: dict[int, tuple[Path, float]] = field(default_factory=dict)
+    """The same for the links of the robot, by number."""
+    room: dict[str, Path] = field(default_factory=dict)
+    """Texture of each part of the room."""
+    lighting: Lighting | None = None
+    """Lights, or None for those of the settings."""
+    cameras: dict[str, FloatArray] = field(default_factory=dict)
+    """Pose (7,) of each moved camera in its own frame."""
+    factors: dict[str, tuple[float, float, float]] = field(default_factory=dict)
+    """Factors of mass, friction and damping of each body."""
+    gains: float = 1.0
+    """Factor of the gains of the arm's motors."""
+
+
+def sample_looks(
+    runtime: Runtime, settings: ObservationConfig, config: VisualRandomizationConfig, rng: np.random.Generator
+) -> dict[str, Any]:
+    """Draw textures, lights and camera motions, as fields of a `RandomizationSample`.
+
+    Args:
+        runtime: The running scene.
+        settings: Its lights and extra cameras.
+        config: What may change.
+        rng: Source of the draws.
+    """
+    world = runtime.world
+    robot = config.randomize_arm and config.should_randomize(runtime.description.name)
+    bodies = [name for name in world.bodies if config.should_randomize(name)] if config.textures else []
+    links = world.texture_overrides.robot_links if config.textures and robot else ()
+    room = [name for name in world.room if config.should_randomize(name)] if config.textures else []
+    paths = iter(config.sample(len(bodies) + len(links) + len(room), rng))
+    repeats = iter(rng.uniform(3.0, 10.0, len(bodies) + len(links)).tolist())
+    cameras = (*CAMERAS, *settings.extra_cameras) if config.camera_shift or config.camera_turn else ()
+    return {
+        "bodies": {name: (next(paths), next(repeats)) for name in bodies},
+        "links": {link: (next(paths), next(repeats)) for link in links},
+        "room": {name: next(paths) for name in room},
+        "lighting": _other_lighting(settings.lighting, config.light, rng) if config.light > 0.0 else None,
+        "cameras": {name: _jitter(config.camera_shift, config.camera_turn, rng) for name in cameras},
+    }
+
+
+def sample_dynamics(runtime: Runtime, config: DynamicsRandomizationConfig, rng: np.random.Generator) -> dict[str, Any]:
+    """Draw factors of physical properties, as fields of a `RandomizationSample`.
+
+    Args:
+        runtime: The running scene.
+        config: What may change, and how much.
+        rng: Source of the draws.
+    """
+    world = runtime.world
+    names = [name for name in (*world.bodies, "table") if config.should_randomize(name)]
+    ranges = (config.mass, config.friction, config.damping)
+    factors = {name: tuple(float(rng.uniform(*bounds)) for bounds in ranges) for name in names}
+    arm = config.randomize_arm and config.should_randomize(runtime.description.name)
+    return {"factors": factors, "gains": float(rng.uniform(*config.gains)) if arm else 1.0}
+
+
+def _other_lighting(lighting: Lighting, strength: float, rng: np.random.Generator) -> Lighting:
+    """Lights from elsewhere, brighter or dimmer, with a tint."""
+    lights = [_other_light(light, strength, rng) for light in (lighting.key, *lighting.fills)]
+    ambient = float(np.clip(lighting.ambient * (1.0 + strength * rng.uniform(-0.25, 0.15)), 0.2, 1.0))
+    return Lighting(lights[0], tuple(lights[1:]), ambient)
+
+
+def _other_light(light: Light, strength: float, rng: np.random.Generator) -> Light:
+    direction = light.unit + strength * rng.uniform(-0.5, 0.5, 3)
+    direction[2] = max(direction[2], 0.3)
+    intensity = light.intensity * (1.0 + strength * rng.uniform(-0.4, 0.3))
+    color = 1.0 - min(strength, 1.0) * rng.uniform(0.0, 0.3, 3)
+    x, y, z = direction.tolist()
+    red, green, blue = color.tolist()
+    return Light((x, y, z), max(float(intensity), 0.0), (red, green, blue))
+
+
+def _jitter(shift: float, turn: float, rng: np.random.Generator) -> FloatArray:
+    """A small motion, as a pose (7,)."""
+    x, y, z = rng.normal(0.0, turn, 3)
+    matrix = np.eye(4)
+    matrix[:3, 3] = rng.normal(0.0, shift, 3)
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    u, _, vt = np.linalg.svd(np.eye(3) + cross)
+    matrix[:3, :3] = u @ vt
+    return matrix_to_pose(matrix)

@@ -1,0 +1,172 @@
+"""Action modes hold settings only: one object serves several environments, and an action is checked once."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from rlbench_pin.environment import (
+    ActionMode,
+    Discrete,
+    EndEffectorVelocity,
+    Environment,
+    GripperJointPosition,
+    JointPosition,
+    JointPositionActionMode,
+    JointVelocity,
+    MoveArmThenGripper,
+    Runtime,
+    SafeArm,
+    TaskEnvironment,
+)
+from rlbench_pin.environment.actions import action_mode, mode
+from rlbench_pin.environment.actions.specification import ActionSpec
+from rlbench_pin.environment.presets import low_dim_config
+from rlbench_pin.errors import InvalidActionError
+from rlbench_pin.spatial import FloatArray
+
+MODES: dict[str, Callable[[], ActionMode]] = {
+    "tip velocity": lambda: MoveArmThenGripper(EndEffectorVelocity(), GripperJointPosition()),
+    "filtered": lambda: MoveArmThenGripper(SafeArm(JointVelocity()), Discrete()),
+    "joint differences": JointPositionActionMode,
+}
+
+
+def task_of(chosen: ActionMode, task: str = "reach_target", **settings: object) -> TaskEnvironment:
+    """An episode with an action mode."""
+    env = Environment(chosen, obs_config=low_dim_config(), seed=0, **settings)  # type: ignore[arg-type]
+    loop = env.get_task(task)
+    loop.reset(seed=2)
+    return loop
+
+
+def played(first: TaskEnvironment, second: TaskEnvironment) -> bytes:
+    """Play both in turns, with different actions, and return everything that was observed."""
+    rng = np.random.default_rng(0)
+    seen = []
+    for _ in range(8):
+        for loop in (first, second):
+            low, high = loop.action_bounds()
+            seen.append(loop.step(rng.uniform(low, high))[0].get_low_dim_data().tobytes())
+    return b"".join(seen)
+
+
+@pytest.mark.parametrize("make", MODES.values(), ids=MODES)
+def test_one_mode_in_two_environments_is_as_two_modes(make: Callable[[], ActionMode]) -> None:
+    """Two environments that take turns with one action mode see the same bytes as with one each."""
+    shared = make()
+    tasks = ("reach_target", "open_drawer")
+    together = played(*(task_of(shared, task) for task in tasks))
+    assert together == played(*(task_of(make(), task) for task in tasks))
+
+
+def test_environments_write_nothing_into_the_mode() -> None:
+    """Whether grasped bodies are attached is a matter of each environment, even where two share a mode."""
+    gripper = GripperJointPosition()
+    before = copy.deepcopy(vars(gripper))
+    loops = [task_of(MoveArmThenGripper(JointPosition(), gripper), attach_grasped_objects=attach) for attach in (True, False)]
+    for loop in loops:
+        loop.step(np.append(loop.get_observation().joint_positions, 0.0))
+    assert [gripper.attaches(loop.runtime) for loop in loops] == [True, False]
+    assert vars(gripper) == before
+    assert [GripperJointPosition(attach).attaches(loops[1].runtime) for attach in (True, False)] == [True, False]
+
+
+@pytest.mark.parametrize("make", MODES.values(), ids=MODES)
+def test_an_action_is_checked_once_and_the_specification_made_once(
+    make: Callable[[], ActionMode], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One check for each action; after the first, no specification is made."""
+    checks, specs = [], []
+    check, made = mode.as_action, ActionSpec.__post_init__
+
+    def counted(*arguments: object) -> FloatArray:
+        checks.append(1)
+        return check(*arguments)  # type: ignore[arg-type]
+
+    def counted_spec(spec: ActionSpec) -> None:
+        specs.append(spec)
+        made(spec)
+
+    for module in (mode, action_mode):
+        monkeypatch.setattr(module, "as_action", counted)
+    monkeypatch.setattr(ActionSpec, "__post_init__", counted_spec)
+    loop = task_of(make())
+    low, high = loop.action_bounds()
+    loop.step(0.5 * (low + high))
+    checks.clear()
+    specs.clear()
+    for _ in range(3):
+        loop.step(0.5 * (low + high))
+    loop.action_bounds()
+    assert (len(checks), len(specs)) == (3, 0)
+
+
+def test_specifications_cannot_be_changed_by_those_who_read_them() -> None:
+    """Bounds of the kept specification are read-only; `action_bounds` gives copies."""
+    loop = task_of(MoveArmThenGripper(JointVelocity(), Discrete()))
+    spec = loop.action_mode.action_spec(loop.runtime)
+    with pytest.raises(ValueError, match="read-only"):
+        spec.low[0] = 0.0
+    low, _ = loop.action_bounds()
+    low[0] = 0.0
+    assert loop.action_bounds()[0][0] == spec.low[0] != 0.0
+
+
+def test_an_arm_mode_with_an_action_of_its_own_gets_the_numbers() -> None:
+    """A subclass that replaces `action` is called, behind a filter too, and its own numbers are checked again."""
+    given: list[FloatArray] = []
+
+    class Halved(JointVelocity):
+        def action(self, runtime: Runtime, action: object) -> None:
+            given.append(np.array(action))
+            super().action(runtime, 0.5 * given[-1] if given[-1][0] < 1.0 else [0.0])
+
+    for arm in (Halved(), SafeArm(Halved())):
+        loop = task_of(MoveArmThenGripper(arm, Discrete()))
+        before = loop.get_observation().joint_positions
+        after = loop.step([0.5] + [0.0] * 6 + [1.0])[0].joint_positions
+        assert given.pop().tolist() == [0.5] + [0.0] * 6
+        assert after[0] - before[0] == pytest.approx(0.25 * 0.05, abs=2e-3)
+        with pytest.raises(InvalidActionError, match=r"Halved takes an array of shape \(7,\), not \(1,\)"):
+            loop.step([1.0] + [0.0] * 6 + [1.0])
+
+
+def test_a_mode_of_ones_own_needs_an_action_and_a_shape() -> None:
+    """A whole mode may take its arm and gripper modes apart itself; these still refuse what they cannot do."""
+
+    class ArmAlone(ActionMode):
+        def action(self, runtime: Runtime, action: object) -> None:
+            self.arm_action_mode.action(runtime, action)  # type: ignore[arg-type]
+
+        def action_shape(self, runtime: Runtime) -> int:
+            return self.arm_action_mode.action_shape(runtime)[0]
+
+    with Environment(ArmAlone(JointPosition(), Discrete()), obs_config=low_dim_config(), seed=0) as env:
+        loop = env.get_task("reach_target")
+        _, start = loop.reset(seed=0)
+        assert env.action_shape == (7,)
+        loop.step(list(start.joint_positions))
+        with pytest.raises(InvalidActionError, match=r"JointPosition takes an array of shape \(7,\), not \(8,\)"):
+            loop.step(np.zeros(8))
+
+
+def test_parts_that_only_act_and_know_their_shape_are_enough() -> None:
+    """An arm mode that is no subclass of ours needs no specification to run."""
+
+    class Still:
+        def action(self, runtime: Runtime, action: FloatArray) -> None:
+            runtime.step()
+
+        def action_shape(self, runtime: Runtime) -> tuple[int]:
+            return (2,)
+
+    loop = task_of(MoveArmThenGripper(Still(), Discrete()))  # type: ignore[arg-type]
+    began = loop.world.time
+    loop.step([0.0, 0.0, 1.0])
+    assert loop.world.time - began == pytest.approx(0.05)
+    with pytest.raises(InvalidActionError, match=r"shape \(3,\)"):
+        loop.step(np.zeros(8))
