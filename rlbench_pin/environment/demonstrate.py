@@ -144,6 +144,7 @@ class DemoPlayer:
     def _run_leg(self, waypoint: Waypoint, turns: Sequence[float]) -> None:
         self._succeeded = False
         plan = self._plan(waypoint, turns)
+        self.runtime.listeners.leg(waypoint, plan)
         follow(self.runtime, plan.trajectory, until=self._check, on_tick=self._arm_tick)
         if waypoint.gripper is not None:
             self._operate_gripper(waypoint)

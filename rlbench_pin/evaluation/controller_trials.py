@@ -15,12 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from rlbench_pin.environment.demonstrate import DemoPlayer, try_play
+from rlbench_pin.environment.listener import Listener
 from rlbench_pin.environment.motion import REST_SPEED
 from rlbench_pin.environment.runtime import Runtime, RuntimeState
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError, UnknownName
 from rlbench_pin.evaluation.followers import FOLLOWERS, OVERTIME, Command, Errand, Follower
-from rlbench_pin.planning.planner import Plan
+from rlbench_pin.planning.plan import Plan
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.scene.snapshot import WorldSnapshot
@@ -78,20 +79,21 @@ class LegTrial:
 # Recording legs ------------------------------------------------------------------------------------------------------
 
 
-class LegRecorder(DemoPlayer):
-    """Plays a demonstration and keeps the motion and the starting state of every leg."""
+class LegRecorder(Listener):
+    """Keeps the motion and the starting state of every leg of a demonstration.
+
+    Args:
+        task: What demonstrates, after its reset.
+    """
 
     def __init__(self, task: TaskEnvironment) -> None:
-        super().__init__(task.runtime, record=False)
-        self._name, self._seed = task.get_name(), task.seed
-        self.recorded: list[Leg] = []
+        self._runtime, self._name, self._seed = task.runtime, task.get_name(), task.seed
+        self.legs: list[Leg] = []
 
-    def _plan(self, waypoint: Waypoint, turns: Sequence[float]) -> Plan:
-        plan = super()._plan(waypoint, turns)
+    def on_leg(self, waypoint: Waypoint, plan: Plan) -> None:
+        """Keep the leg that is about to begin."""
         free = waypoint.path != "curve" and not waypoint.ignore_collisions
-        leg = Leg(self._name, self._seed, waypoint.index, free, plan.trajectory, self.runtime.save())
-        self.recorded.append(leg)
-        return plan
+        self.legs.append(Leg(self._name, self._seed, waypoint.index, free, plan.trajectory, self._runtime.save()))
 
 
 def record_legs(task: TaskEnvironment, seed: int, most: int | None = None) -> list[Leg]:
@@ -102,10 +104,11 @@ def record_legs(task: TaskEnvironment, seed: int, most: int | None = None) -> li
     """
     task.reset(seed=seed)
     recorder = LegRecorder(task)
-    cause, _ = try_play(recorder)
+    with task.runtime.listening(recorder):
+        cause, _ = try_play(DemoPlayer(task.runtime, record=False))
     if cause:
         raise DemoError(f"The demonstration of '{task.get_name()}' from seed {seed} failed ({cause}). Choose another seed.")
-    return recorder.recorded[:most]
+    return recorder.legs[:most]
 
 
 # Following legs ------------------------------------------------------------------------------------------------------
