@@ -9,14 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from rlbench_pin.environment import TaskEnvironment
+from rlbench_pin.environment.demonstrate import EXTRA_TICKS
 from rlbench_pin.observation import Demo
 from rlbench_pin.robot import geometry
 from rlbench_pin.scene.snapshot import BodySnapshot
 from rlbench_pin.spatial import FloatArray
 
 IDLE_STEPS = RANDOM_STEPS = 200
-EXTRA_STEPS = 10
-"""Repetitions of the last action when a replay has not succeeded yet, as many as a demonstration waits."""
 REST_TIME = 2.0
 """For how long nothing may move after a reset [s]."""
 MAX_DRIFT = 1e-3
@@ -70,7 +69,7 @@ def flail_succeeds(task: TaskEnvironment, seed: int, variation: int) -> bool:
 def replay_succeeds(task: TaskEnvironment, demo: Demo) -> bool:
     """Whether the joint-position actions of a demonstration reach the goal through `step`, from the start of the demo."""
     actions = [obs.misc["joint_position_action"] for obs in demo[1:]]
-    return reaches_goal(task, [*actions, *[actions[-1]] * EXTRA_STEPS])
+    return reaches_goal(task, [*actions, *[actions[-1]] * EXTRA_TICKS])
 
 
 def left_over(task: TaskEnvironment, demo: Demo) -> tuple[str, ...]:
@@ -184,7 +183,7 @@ def _start(task: TaskEnvironment, seed: int, variation: int) -> bytes:
     """Bytes of the world after a reset and again some steps later, when differences that were hidden have shown."""
     task.reset(seed=seed, variation=variation)
     first = _world_bytes(task)
-    for _ in range(EXTRA_STEPS):
+    for _ in range(EXTRA_TICKS):
         task.step(np.append(task.world.robot.joint_positions, 1.0))
     return first + _world_bytes(task)
 
