@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from harness import Result, main, summary, velocity_environment
 
 from rlbench_pin.environment import LegReport
+from rlbench_pin.environment.listener import Listener
+from rlbench_pin.errors import PlanningError
+from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.plan import Plan
-from rlbench_pin.planning.planner import MotionPlanner
 from rlbench_pin.tasks import task_names
 
 SEEDS = 10
@@ -18,29 +20,26 @@ SEEDS = 10
 def benchmark(tasks: Sequence[str] = (), seeds: int = SEEDS) -> list[Result]:
     """Demonstrate each task and gather its legs and plans."""
     legs: dict[str, list[LegReport]] = {}
-    plans: list[Plan] = []
+    recorder = PlanRecorder()
     for name in tasks or task_names():
         with velocity_environment() as environment:
             task = environment.get_task(name)
-            record_plans(task.runtime.planner, plans.append)
-            outcomes = [task.try_demo(seed=s, variation=s % task.variation_count(), record=False) for s in range(seeds)]
+            with task.runtime.listening(recorder):
+                outcomes = [task.try_demo(seed=s, variation=s % task.variation_count(), record=False) for s in range(seeds)]
             legs[name] = [leg for outcome in outcomes for leg in outcome.legs]
-    return [*_by_task(legs), *_by_stage(plans)]
+    return [*_by_task(legs), *_by_stage(recorder.plans)]
 
 
-def record_plans(planner: MotionPlanner, keep: Callable[[Plan], None]) -> None:
-    """Make a planner hand every plan to `keep` as well."""
+class PlanRecorder(Listener):
+    """Keeps every plan to poses or along curves."""
 
-    def recorded(plan: Callable[..., Plan]) -> Callable[..., Plan]:
-        def planned(*args: object, **options: object) -> Plan:
-            result = plan(*args, **options)
-            keep(result)
-            return result
+    def __init__(self) -> None:
+        self.plans: list[Plan] = []
 
-        return planned
-
-    planner.plan_to_pose = recorded(planner.plan_to_pose)  # type: ignore[method-assign]
-    planner.plan_curve = recorded(planner.plan_curve)  # type: ignore[method-assign]
+    def on_plan(self, request: PlanRequest, outcome: Plan | PlanningError, seconds: float) -> None:
+        """Keep a plan; one to a configuration only replaces one to its pose."""
+        if isinstance(outcome, Plan) and request.kind != "configuration":
+            self.plans.append(outcome)
 
 
 def _by_task(legs: dict[str, list[LegReport]]) -> list[Result]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,10 +11,15 @@ from pathlib import Path
 import numpy as np
 from harness import velocity_environment
 
+from rlbench_pin.environment.listener import Listener
+from rlbench_pin.errors import PlanningError
+from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.path import through
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.planning.planner import MotionPlanner
 from rlbench_pin.planning.timing.retime import retime
+from rlbench_pin.planning.timing.torque import TorqueLimits
+from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import task_names
 
 FINE = 1e-4
@@ -23,8 +27,8 @@ FINE = 1e-4
 
 
 @dataclass(eq=False)
-class Inspector:
-    """Looks at every plan that a planner hands out."""
+class Inspector(Listener):
+    """Inspects every plan to a pose that a planner finds."""
 
     planner: MotionPlanner
     legs: int = 0
@@ -36,32 +40,33 @@ class Inspector:
     stretch: list[float] = field(default_factory=list)
     """Duration with torque limits over duration without."""
     seconds: list[float] = field(default_factory=list)
-    """Time of each leg [s], all stages."""
+    """Process time of each leg [s], all stages."""
 
-    def __post_init__(self) -> None:
-        """Stand between the planner and its user."""
-        self._plan = self.planner.plan_to_pose
-        self.planner.plan_to_pose = self.plan_to_pose  # type: ignore[method-assign]
-
-    def plan_to_pose(self, *args: object, **options: object) -> Plan:
-        """Plan, then look."""
-        began = time.process_time()
-        plan = self._plan(*args, **options)  # type: ignore[arg-type]
-        self.seconds.append(time.process_time() - began)
+    def on_plan(self, request: PlanRequest, outcome: Plan | PlanningError, seconds: float) -> None:
+        """Inspect a plan."""
+        if not isinstance(outcome, Plan) or request.kind != "pose":
+            return
+        self.seconds.append(seconds)
         self.legs += 1
-        trajectory, torque = plan.trajectory, self.planner.torque
-        if not options.get("ignore_collisions"):
-            q = trajectory.q
-            for a, b in zip(q[:-1], q[1:], strict=True):
-                count = int(np.abs(b - a).max() / FINE) + 1
-                self.configurations += count
-                self.collisions += sum(not self.planner.collision.keeps_away(a + k / count * (b - a), 0.0) for k in range(count))
-        if torque is not None:
-            self.worst_torque = max(self.worst_torque, torque.worst(trajectory))
-            free = retime(through(plan.path), self.planner.limits, max_speed=self.planner.config.max_speed)
-            kept = retime(through(plan.path), self.planner.limits, max_speed=self.planner.config.max_speed, torque=torque)
-            self.stretch.append(kept.duration / max(free.duration, 1e-9))
-        return plan
+        if not request.ignore_collisions:
+            self._count_collisions(outcome.trajectory.q)
+        if self.planner.torque is not None:
+            self._compare_torques(outcome, self.planner.torque)
+
+    def _count_collisions(self, q: FloatArray) -> None:
+        """Check the way along configurations (m, n), [rad], every `FINE`."""
+        for a, b in zip(q[:-1], q[1:], strict=True):
+            count = int(np.abs(b - a).max() / FINE) + 1
+            self.configurations += count
+            self.collisions += sum(not self.planner.collision.keeps_away(a + k / count * (b - a), 0.0) for k in range(count))
+
+    def _compare_torques(self, plan: Plan, torque: TorqueLimits) -> None:
+        """Note the largest torque, and what keeping the limits costs."""
+        self.worst_torque = max(self.worst_torque, torque.worst(plan.trajectory))
+        limits, speed = self.planner.limits, self.planner.config.max_speed
+        free = retime(through(plan.path), limits, max_speed=speed)
+        kept = retime(through(plan.path), limits, max_speed=speed, torque=torque)
+        self.stretch.append(kept.duration / max(free.duration, 1e-9))
 
 
 def inspect(tasks: Sequence[str], legs: int, seeds: int) -> dict[str, float]:
@@ -72,9 +77,10 @@ def inspect(tasks: Sequence[str], legs: int, seeds: int) -> dict[str, float]:
         with velocity_environment() as environment:
             task = environment.get_task(name)
             inspectors.append(inspector := Inspector(task.runtime.planner))
-            for seed in range(seeds):
-                if inspector.legs < share:
-                    task.try_demo(seed=seed, variation=seed % task.variation_count(), record=False)
+            with task.runtime.listening(inspector):
+                for seed in range(seeds):
+                    if inspector.legs < share:
+                        task.try_demo(seed=seed, variation=seed % task.variation_count(), record=False)
     stretch = np.concatenate([i.stretch for i in inspectors])
     times = 1e3 * np.concatenate([i.seconds for i in inspectors])
     return {

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +9,12 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
+from rlbench_pin.environment.listener import Listener
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import PlanningError
-from rlbench_pin.planning.planner import MotionPlanner, Plan
+from rlbench_pin.planning.listener import PlanRequest
+from rlbench_pin.planning.plan import Plan
 from rlbench_pin.sim import CameraView, World
-from rlbench_pin.spatial import FloatArray, PoseLike
 from rlbench_pin.tasks import find_task
 
 
@@ -30,13 +30,14 @@ def explain_failure(task: str, seed: int, variation: int, picture: Path | None =
     """
     with make_environment(low_dim_config()) as environment:
         loop = environment.get_task(find_task(task))
-        refusals = _Refusals(loop.runtime.planner)
-        outcome = loop.try_demo(seed=seed, variation=variation, attempt=attempt, record=False)
+        failures = _Failures()
+        with loop.runtime.listening(failures):
+            outcome = loop.try_demo(seed=seed, variation=variation, attempt=attempt, record=False)
         head = f"{loop.get_name()} seed {seed} variation {variation} attempt {attempt}"
         if outcome.success:
             return [f"{head}: the demonstration succeeds."]
         lines = [f"{head}: {outcome.cause}", f"  waypoint: {outcome.leg}"]
-        lines += [line for error in refusals.since_success for line in evidence_lines(error)]
+        lines += [line for error in failures.since_success for line in evidence_lines(error)]
         if picture is not None:
             picture.parent.mkdir(parents=True, exist_ok=True)
             Image.fromarray(_look(loop.world)).save(picture)
@@ -44,23 +45,18 @@ def explain_failure(task: str, seed: int, variation: int, picture: Path | None =
         return lines
 
 
-class _Refusals:
-    """Looks over a planner's shoulder: keeps the errors since the last plan."""
+class _Failures(Listener):
+    """Keeps the errors of planning motions to waypoints since the last one that was found."""
 
-    def __init__(self, planner: MotionPlanner) -> None:
+    def __init__(self) -> None:
         self.since_success: list[PlanningError] = []
-        self._plan = planner.plan_to_pose
-        planner.plan_to_pose = self.plan_to_pose  # type: ignore[method-assign, assignment]
 
-    def plan_to_pose(self, q_start: FloatArray, pose: PoseLike | Sequence[PoseLike], **options: object) -> Plan:
-        """Plan, and keep the error."""
-        try:
-            plan = self._plan(q_start, pose, **options)  # type: ignore[arg-type]
-        except PlanningError as error:
-            self.since_success.append(error)
-            raise
-        self.since_success.clear()
-        return plan
+    def on_plan(self, request: PlanRequest, outcome: Plan | PlanningError, seconds: float) -> None:
+        """Keep an error, or forget all; a motion to a configuration is one of several tries at the same waypoint."""
+        if isinstance(outcome, PlanningError):
+            self.since_success += [outcome] if request.kind != "configuration" else []
+        else:
+            self.since_success.clear()
 
 
 def evidence_lines(error: Exception) -> list[str]:

@@ -173,7 +173,7 @@ def _start(task: TaskEnvironment, seed: int, variation: int) -> bytes:
     """Bytes of the world after a reset and again some steps later, when differences that were hidden have shown."""
     task.reset(seed=seed, variation=variation)
     first = _world_bytes(task)
-    for _ in range(EXTRA_STEPS):
+    for _ in range(EXTRA_TICKS):
         task.step(np.append(task.world.robot.joint_positions, 1.0))
     return first + _world_bytes(task)
 

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import tyro
 
+from rlbench_pin.environment.listener import Listener
 from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.planning.planner import MotionPlanner, Plan
+from rlbench_pin.errors import PlanningError
+from rlbench_pin.planning.listener import PlanRequest
+from rlbench_pin.planning.plan import Plan
 from rlbench_pin.planning.problems.problem import PlanningProblem, write_problem
 from rlbench_pin.scene.snapshot import WorldSnapshot
-from rlbench_pin.spatial import FloatArray, PoseLike
 from rlbench_pin.tasks import task_class
 
 
@@ -45,41 +46,42 @@ class Problems:
     def _export(self, name: str) -> int:
         with make_environment(low_dim_config()) as environment:
             task = environment.get_task(name)
-            recorder = LegRecorder(task.runtime.planner)
-            for episode in range(self.episodes):
-                recorder.prefix = f"{name}_{self.seed + episode:04d}"
-                task.try_demo(seed=self.seed + episode, variation=episode % task.variation_count(), record=False)
+            recorder = ProblemRecorder()
+            with task.runtime.listening(recorder):
+                for episode in range(self.episodes):
+                    recorder.begin(f"{name}_{self.seed + episode:04d}")
+                    task.try_demo(seed=self.seed + episode, variation=episode % task.variation_count(), record=False)
         for problem in recorder.problems:
             write_problem(problem, self.out / f"{problem.name}.json")
         return len(recorder.problems)
 
 
-class LegRecorder:
-    """Looks over a planner's shoulder: keeps every leg that it plans as a problem."""
+class ProblemRecorder(Listener):
+    """Keeps every motion that is planned to a tip pose among obstacles as a planning problem.
 
-    def __init__(self, planner: MotionPlanner) -> None:
+    Attributes:
+        problems: What was planned so far.
+    """
+
+    def __init__(self) -> None:
         self.problems: list[PlanningProblem] = []
-        self.prefix = ""
-        self._update, self._plan = planner.update, planner.plan_to_pose
+        self._prefix, self._legs = "", 0
         self._world: WorldSnapshot | None = None
-        planner.update = self.update  # type: ignore[method-assign]
-        planner.plan_to_pose = self.plan_to_pose  # type: ignore[method-assign, assignment]
 
-    def update(self, snapshot: WorldSnapshot) -> None:
+    def begin(self, prefix: str) -> None:
+        """Begin an episode: its problems are called `<prefix>_leg0`, `<prefix>_leg1` and so on."""
+        self._prefix, self._legs = prefix, 0
+
+    def on_update(self, snapshot: WorldSnapshot, seconds: float) -> None:
         """Remember the world."""
         self._world = snapshot
-        self._update(snapshot)
 
-    def plan_to_pose(self, q_start: FloatArray, pose: PoseLike | Sequence[PoseLike], **options: object) -> Plan:
-        """Plan, and keep what was asked."""
-        plan = self._plan(q_start, pose, **options)  # type: ignore[arg-type]
-        if not options.get("ignore_collisions") and self._world is not None:
-            world = WorldSnapshot(self._world.bodies, np.array(q_start), self._world.fingers, self._world.attached)
-            leg = sum(p.name.startswith(self.prefix) for p in self.problems)
-            self.problems.append(
-                PlanningProblem(
-                    f"{self.prefix}_leg{leg}", world, plan.trajectory.q[-1].copy(), np.atleast_2d(np.asarray(pose, dtype=float)),
-                    tuple(options.get("allowed", ())),  # type: ignore[arg-type]
-                )
-            )  # fmt: skip
-        return plan
+    def on_plan(self, request: PlanRequest, outcome: Plan | PlanningError, seconds: float) -> None:
+        """Keep what was asked for, and where the plan ends as the goal."""
+        if isinstance(outcome, PlanningError) or request.kind != "pose" or request.ignore_collisions or self._world is None:
+            return
+        world = WorldSnapshot(self._world.bodies, np.array(request.q_start), self._world.fingers, self._world.attached)
+        poses = np.atleast_2d(np.asarray(request.goal, dtype=float))
+        goal = outcome.trajectory.q[-1].copy()
+        self.problems.append(PlanningProblem(f"{self._prefix}_leg{self._legs}", world, goal, poses, request.allowed))
+        self._legs += 1

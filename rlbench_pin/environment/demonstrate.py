@@ -10,21 +10,30 @@ from itertools import zip_longest
 import numpy as np
 
 from rlbench_pin.environment.actions.gripper import GRIP_SPEED
+from rlbench_pin.environment.leg_planning import LegPlanner
 from rlbench_pin.environment.motion import follow, move_gripper
 from rlbench_pin.environment.runtime import Runtime
-from rlbench_pin.environment.turns import poses_of, rank_turns, runs
-from rlbench_pin.errors import DemoError, NotStraight, NoWaypointsError, PlanningError, RlbenchPinError, WaypointError
+from rlbench_pin.environment.turns import runs
+from rlbench_pin.errors import DemoError, NoWaypointsError, PlanningError, RlbenchPinError, WaypointError
 from rlbench_pin.observation import Demo, Observation
-from rlbench_pin.planning.planner import Plan
-from rlbench_pin.planning.straight import curve_path, straight_path
+from rlbench_pin.planning.plan import Plan
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Waypoint
 
-_EXTRA_TICKS = 10
-_NEAR = 0.15
-"""A leg without collision checks that is no longer than this should be straight [m]."""
-_OTHER_WAYS = 24
-_MAX_ROUNDS = 40
+EXTRA_TICKS = 10
+"""Control ticks that a demonstration waits for its success after the last leg."""
+MAX_ROUNDS = 40
+"""How often the waypoints of a task are visited at most."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Omission:
+    """What a demonstration leaves out, to show that it fails without."""
+
+    waypoints: tuple[int, ...] = ()
+    """Numbers of waypoints that are not visited."""
+    grasps: bool = False
+    """The hand does not close on anything."""
 
 
 @dataclass(frozen=True)
@@ -60,10 +69,16 @@ class DemoPlayer:
     """Plays the waypoints of the running task once.
 
     Args:
-        runtime: A scene at the start of an episode.
+        runtime: A task at the start of an episode.
         record: Keep observations.
         record_gripper: Keep one observation per tick of finger motion, not only the last.
         on_frame: Called with every observation kept.
+        omit: What to leave out.
+
+    Attributes:
+        frames: Observations kept so far.
+        legs: The legs run so far.
+        waypoint: The waypoint that is being visited; None before the first.
     """
 
     def __init__(
@@ -73,15 +88,16 @@ class DemoPlayer:
         record: bool = True,
         record_gripper: bool = False,
         on_frame: Callable[[Observation], None] | None = None,
+        omit: Omission = Omission(),
     ) -> None:
         self.runtime, self.record, self.record_gripper, self.on_frame = runtime, record, record_gripper, on_frame
+        self.omit = omit
         self.frames: list[Observation] = []
         self.legs: list[LegReport] = []
         self.waypoint: Waypoint | None = None
-        self._following: Waypoint | None = None
+        self._planner = LegPlanner(runtime)
         self._amount = 1.0
         self._target = runtime.robot.joint_positions
-        self._chosen_turn = 0.0
         self._succeeded = False
 
     @property
@@ -102,118 +118,50 @@ class DemoPlayer:
         if not task.get_waypoints():
             raise NoWaypointsError(f"Task '{task.get_name()}' has no waypoints, so it cannot be demonstrated.", task)
         self._frame()
-        for _ in range(_MAX_ROUNDS):
+        for _ in range(MAX_ROUNDS):
             self._succeeded = False
-            for waypoint, turns in self._legs():
-                self._run_leg(waypoint, turns)
+            for waypoint, following, turns in self._legs():
+                if waypoint.index not in self.omit.waypoints:
+                    self._run_leg(waypoint, following, turns)
             repeat = task.should_repeat_waypoints()
             if self._succeeded or not repeat:
                 break
         self._wait_for_success()
         return self.frames
 
-    def _legs(self) -> Iterator[tuple[Waypoint, list[float]]]:
-        """Yield each waypoint that is not skipped, with the turns of the hand to try, best first.
+    def _legs(self) -> Iterator[tuple[Waypoint, Waypoint | None, list[float]]]:
+        """Yield each waypoint that is not skipped, the one after it in its run, and the turns of the hand to try, best first.
 
         Start hooks run here, before the poses of their leg are read.
         """
-        waypoints = self.runtime.task.get_waypoints()
-        for run in runs(waypoints):
+        for run in runs(self.runtime.task.get_waypoints()):
             turns: list[float] | None = None
             for waypoint, following in zip_longest(run, run[1:]):
-                self.waypoint, self._following = waypoint, following
+                self.waypoint = waypoint
                 waypoint.run_start_hook()
                 if waypoint.skip:
                     continue
                 if turns is None:
-                    turns = self._rank(run)
-                self._chosen_turn = turns[0]
-                yield waypoint, turns
-                turns = [self._chosen_turn]
+                    turns = self._planner.rank(run)
+                self._planner.turn = turns[0]
+                yield waypoint, following, turns
+                turns = [self._planner.turn]
 
-    def _rank(self, run: Sequence[Waypoint]) -> list[float]:
-        if run[0].symmetry == 1:
-            return [0.0]
-        runtime = self.runtime
-        alive = [w for w in run if not w.skip]
-        choices = rank_turns(
-            runtime.planner, alive, runtime.robot.joint_positions, runtime.robot.tip_pose(), runtime.planning_rng
-        )
-        return [choice.turn for choice in choices]
-
-    def _run_leg(self, waypoint: Waypoint, turns: Sequence[float]) -> None:
+    def _run_leg(self, waypoint: Waypoint, following: Waypoint | None, turns: Sequence[float]) -> None:
         self._succeeded = False
-        plan = self._plan(waypoint, turns)
+        plan = self._plan(waypoint, following, turns)
+        self.runtime.listeners.leg(waypoint, plan)
         follow(self.runtime, plan.trajectory, until=self._check, on_tick=self._arm_tick)
-        if waypoint.gripper is not None:
+        if waypoint.gripper is not None and (waypoint.releases or not self.omit.grasps):
             self._operate_gripper(waypoint)
         waypoint.run_end_hook()
 
-    def _plan(self, waypoint: Waypoint, turns: Sequence[float]) -> Plan:
-        started = time.process_time()
-        self.runtime.refresh_planner()
-        error: PlanningError | None = None
-        for turn in turns:
-            try:
-                plan = self._looking_ahead(waypoint, turn, self._plan_turn(waypoint, turn))
-            except PlanningError as failure:
-                error = error or failure
-                continue
-            self._chosen_turn = turn
-            elapsed = time.process_time() - started
-            self.legs.append(LegReport(waypoint.index, plan.report.method, elapsed, plan.trajectory.duration))
-            return plan
-        assert error is not None
-        raise error
-
-    def _plan_turn(self, waypoint: Waypoint, turn: float) -> Plan:
-        runtime, rng = self.runtime, self.runtime.planning_rng
-        q = runtime.robot.joint_positions
-        poses = poses_of(waypoint, turn, runtime.robot.tip_pose())
-        if waypoint.path == "curve":
-            return runtime.planner.plan_curve(q, poses, ignore_collisions=True, rng=rng)
-        return runtime.planner.plan_to_pose(
-            q,
-            poses[0],
-            straight=True if waypoint.path == "straight" else None,
-            ignore_collisions=waypoint.ignore_collisions,
-            allowed=runtime.touching(),
-            rng=rng,
-        )
-
-    def _looking_ahead(self, waypoint: Waypoint, turn: float, plan: Plan) -> Plan:
-        """Return the plan, or one to another configuration at the same pose if the arm could not go on straight from its end."""
-        if waypoint.path != "plan" or self._goes_on(plan.path[-1], turn):
-            return plan
-        runtime, rng = self.runtime, self.runtime.planning_rng
-        q, pose = runtime.robot.joint_positions, poses_of(waypoint, turn, runtime.robot.tip_pose())[0]
-        limits, blind, allowed = runtime.planner.limits, waypoint.ignore_collisions, runtime.touching()
-        for _ in range(_OTHER_WAYS):
-            start = rng.uniform(limits.lower, limits.upper)
-            try:
-                goal = runtime.planner.reachable(start, pose, rng, ignore_collisions=blind, allowed=allowed)
-                if self._goes_on(goal, turn):
-                    return runtime.planner.plan_to_configuration(q, goal, ignore_collisions=blind, allowed=allowed, rng=rng)
-            except PlanningError:
-                continue
+    def _plan(self, waypoint: Waypoint, following: Waypoint | None, turns: Sequence[float]) -> Plan:
+        began = time.process_time()
+        plan = self._planner.plan(waypoint, following, turns)
+        seconds = time.process_time() - began
+        self.legs.append(LegReport(waypoint.index, plan.report.method, seconds, plan.trajectory.duration))
         return plan
-
-    def _goes_on(self, q: FloatArray, turn: float) -> bool:
-        """Whether the next leg, if it has to be a line or a curve, can be followed from configuration `q` (n,)."""
-        following, model = self._following, self.runtime.model
-        if following is None:
-            return True
-        tip = model.tip_pose(q)
-        poses = poses_of(following, turn, tip)
-        near = following.ignore_collisions and np.linalg.norm(poses[-1][:3] - tip[:3]) <= _NEAR
-        try:
-            if following.path == "curve":
-                curve_path(model, q, poses)
-            elif following.path == "straight" or near:
-                straight_path(model, q, poses[-1])
-        except NotStraight:
-            return False
-        return True
 
     def _operate_gripper(self, waypoint: Waypoint) -> None:
         self._amount = waypoint.gripper_amount
@@ -247,7 +195,7 @@ class DemoPlayer:
 
     def _wait_for_success(self) -> None:
         self._check()
-        for _ in range(_EXTRA_TICKS):
+        for _ in range(EXTRA_TICKS):
             if self._succeeded:
                 return
             self.runtime.drive_to(self._target)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rlbench_pin.environment.demonstrate import MAX_ROUNDS
 from rlbench_pin.environment.episode_seeds import EpisodeRandom
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.turns import check_feasible
@@ -13,8 +14,9 @@ from rlbench_pin.errors import BoundaryError, PlanningError, ResetError, Waypoin
 from rlbench_pin.tasks import place_task
 
 MAX_RESET_ATTEMPTS = 40
+"""Placements that a reset tries."""
 SETTLE_TICKS = 10
-_MAX_ROUNDS = 10
+"""Control ticks that a placed task comes to rest in."""
 
 
 @dataclass(frozen=True)
@@ -34,10 +36,10 @@ def start_episode(
     static: bool,
     max_attempts: int = MAX_RESET_ATTEMPTS,
 ) -> EpisodeStart:
-    """Bring the scene to the start of an episode.
+    """Bring the task to the start of an episode.
 
     Args:
-        runtime: The running scene.
+        runtime: The running task.
         variation: Variation of the task.
         random: Generators of this episode.
         static: Leave the task where its scene file puts it.
@@ -64,7 +66,7 @@ def lay_out(runtime: Runtime, variation: int, random: EpisodeRandom, *, static: 
     """Put one draw of a variation on the table, whether it can be reached or not, and return its instructions.
 
     Args:
-        runtime: The running scene.
+        runtime: The running task.
         variation: Variation of the task.
         random: Generators of this episode.
         static: Leave the task where its scene file puts it.
@@ -115,7 +117,7 @@ def _check_later_rounds(runtime: Runtime, random: EpisodeRandom) -> None:
         return
     state, poses = runtime.save(), b""
     try:
-        for _ in range(_MAX_ROUNDS):
+        for _ in range(MAX_ROUNDS):
             waypoints = task.get_waypoints()
             for waypoint in waypoints:
                 waypoint.run_start_hook()

@@ -9,6 +9,7 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
+from rlbench_pin.environment.listener import Listener, Listeners, timed_ticks
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import Observer
 from rlbench_pin.errors import InvalidActionError
@@ -56,6 +57,7 @@ class Runtime:
         model: Analytic model of the arm.
         planner: Motion planner over `model`.
         attach_grasped_objects: Whether closing the hand fixes grasped bodies to it, unless the gripper mode says otherwise.
+        listeners: Who hears of ticks, observations and legs; see `listening`.
     """
 
     def __init__(
@@ -75,6 +77,7 @@ class Runtime:
         self.variation = 0
         self.planning_rng = np.random.default_rng(0)
         self.noise_rng = np.random.default_rng(0)
+        self.listeners = Listeners()
         self._callbacks: list[Callable[[], None]] = []
         self._command_filter: Callable[[Runtime], None] | None = None
         self._bound: dict[int, tuple[object, Any]] = {}
@@ -124,7 +127,15 @@ class Runtime:
 
     def get_observation(self) -> Observation:
         """Observe without stepping."""
-        return self.observer.observe(self.task, self.variation, self.noise_rng)
+        with self.listeners.observe():
+            return self.observer.observe(self.task, self.variation, self.noise_rng)
+
+    @contextmanager
+    def listening(self, listener: Listener) -> Iterator[None]:
+        """Let `listener` hear of plans, control ticks, observations and legs, for a while."""
+        planner, world = self.planner, self.world
+        with planner.listeners.including(listener), self.listeners.including(listener), timed_ticks(world, listener.on_tick):
+            yield
 
     def refresh_planner(self) -> None:
         """Tell the planner where everything is now."""

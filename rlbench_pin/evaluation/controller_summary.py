@@ -16,18 +16,25 @@ class ControllerSummary:
     """How one controller followed the legs of one kind."""
 
     controller: str
+    """Name of the controller, or `PLAN`."""
     kind: str
     """`free` or `contact`."""
     legs: int
+    """Legs that it followed."""
     tip_median_mm: float
+    """Median distance of the tip from the reference [mm]."""
     tip_max_mm: float
+    """Largest distance of the tip from the reference [mm]."""
     joint_median_mrad: float
+    """Median of the largest joint error [mrad]."""
     joint_max_mrad: float
+    """Largest joint error [mrad]."""
     end_max_mm: float
     """Largest error of the tip at the end of a leg, a second for arriving included."""
     overtime_median_s: float
-    """Time until arrival (at rest within 1 mm) after the planned end, a second at most."""
+    """Time until arrival (at rest within 1 mm) after the planned end, median, a second at most [s]."""
     overtime_max_s: float
+    """Longest time until arrival [s]."""
     violations: dict[str, int]
     """Ticks beyond the limits of joint position, velocity, acceleration."""
     ticks: int
@@ -35,14 +42,15 @@ class ControllerSummary:
     touched: int
     """Legs on which something was touched that was not touched at the start."""
     clearance_mm: float | None
-    """Smallest distance to the world as it stood at the start of a leg; None where nothing is near."""
+    """Smallest distance to the world as it stood at the start of a leg; None where nothing is near [mm]."""
     interventions: float
     """Share of commands that a safety filter changed."""
     stops: float
-    """Share of commands that were braking for want of anything better."""
+    """Share of commands that were braking, because the controller found no solution."""
     median_us: float
-    """Median cost of a command."""
+    """Median cost of a command [us]."""
     p99_us: float
+    """99th percentile of the cost of a command [us]."""
 
 
 def summarise(trials: Sequence[LegTrial]) -> list[ControllerSummary]:

@@ -1,4 +1,4 @@
-"""Controllers as fairly as policies: each follows the very legs that a demonstration planned, from the very same state.
+"""Controllers compared on equal terms: each follows the legs that a demonstration planned, from the same states.
 
 A leg is free when its motion was planned around obstacles, and a contact leg when it may touch: pressing, pushing, pulling
 along an arc. On free legs the world stands still but for what the hand holds; on contact legs touching may be the purpose,
@@ -15,12 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from rlbench_pin.environment.demonstrate import DemoPlayer, try_play
+from rlbench_pin.environment.listener import Listener
 from rlbench_pin.environment.motion import REST_SPEED
 from rlbench_pin.environment.runtime import Runtime, RuntimeState
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError, UnknownName
-from rlbench_pin.evaluation.followers import FOLLOWERS, OVERTIME, Command, Errand, Follower
-from rlbench_pin.planning.planner import Plan
+from rlbench_pin.evaluation.followers import FOLLOWERS, OVERTIME, Command, Follower, TrackingProblem
+from rlbench_pin.planning.plan import Plan
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.scene.snapshot import WorldSnapshot
@@ -41,12 +42,17 @@ class Leg:
     """One motion of a demonstration, and the moment at which it begins."""
 
     task: str
+    """Name of the task."""
     seed: int
+    """Seed of the episode."""
     waypoint: int
+    """Number of the waypoint that it leads to."""
     free: bool
     """Whether the motion was planned around obstacles."""
     trajectory: Trajectory
+    """The planned motion."""
     state: RuntimeState
+    """The moment at which it begins."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +60,9 @@ class LegTrial:
     """How one controller followed one leg; one number per control tick where not said otherwise."""
 
     controller: str
+    """Name of the controller, or `PLAN`."""
     leg: Leg
+    """What was followed."""
     tip_errors: FloatArray
     """Distance of the tip from the reference [m]."""
     joint_errors: FloatArray
@@ -70,7 +78,7 @@ class LegTrial:
     interventions: int
     """Commands that a safety filter changed."""
     stops: int
-    """Commands that were braking, for want of anything better."""
+    """Commands that were braking, because the controller found no solution."""
     seconds: FloatArray
     """Processor time of each command, one number per command [s]."""
 
@@ -78,20 +86,21 @@ class LegTrial:
 # Recording legs ------------------------------------------------------------------------------------------------------
 
 
-class LegRecorder(DemoPlayer):
-    """Plays a demonstration and keeps the motion and the starting state of every leg."""
+class LegRecorder(Listener):
+    """Keeps the motion and the starting state of every leg of a demonstration.
+
+    Args:
+        task: What demonstrates, after its reset.
+    """
 
     def __init__(self, task: TaskEnvironment) -> None:
-        super().__init__(task.runtime, record=False)
-        self._name, self._seed = task.get_name(), task.seed
-        self.recorded: list[Leg] = []
+        self._runtime, self._name, self._seed = task.runtime, task.get_name(), task.seed
+        self.legs: list[Leg] = []
 
-    def _plan(self, waypoint: Waypoint, turns: Sequence[float]) -> Plan:
-        plan = super()._plan(waypoint, turns)
+    def on_leg(self, waypoint: Waypoint, plan: Plan) -> None:
+        """Keep the leg that is about to begin."""
         free = waypoint.path != "curve" and not waypoint.ignore_collisions
-        leg = Leg(self._name, self._seed, waypoint.index, free, plan.trajectory, self.runtime.save())
-        self.recorded.append(leg)
-        return plan
+        self.legs.append(Leg(self._name, self._seed, waypoint.index, free, plan.trajectory, self._runtime.save()))
 
 
 def record_legs(task: TaskEnvironment, seed: int, most: int | None = None) -> list[Leg]:
@@ -102,10 +111,11 @@ def record_legs(task: TaskEnvironment, seed: int, most: int | None = None) -> li
     """
     task.reset(seed=seed)
     recorder = LegRecorder(task)
-    cause, _ = try_play(recorder)
+    with task.runtime.listening(recorder):
+        cause, _ = try_play(DemoPlayer(task.runtime, record=False))
     if cause:
         raise DemoError(f"The demonstration of '{task.get_name()}' from seed {seed} failed ({cause}). Choose another seed.")
-    return recorder.recorded[:most]
+    return recorder.legs[:most]
 
 
 # Following legs ------------------------------------------------------------------------------------------------------
@@ -124,18 +134,24 @@ def chosen_controllers(names: Collection[str]) -> tuple[str, ...]:
 
 
 def follow_demo(task: TaskEnvironment, seed: int, controllers: Sequence[str], most: int | None = None) -> Iterator[LegTrial]:
-    """Record the legs of one demonstration and let every controller follow each."""
+    """Record the legs of one demonstration, the first `most` of them, and let every controller follow each.
+
+    Yields the trial of the plan itself first, then one for each controller, leg by leg.
+
+    Raises:
+        DemoError: The demonstration failed.
+    """
     for leg in record_legs(task, seed, most):
         yield plan_trial(task.runtime, leg)
         yield from (follow_leg(task.runtime, leg, name) for name in controllers)
 
 
 def follow_leg(runtime: Runtime, leg: Leg, controller: str) -> LegTrial:
-    """Go back to the start of a leg and let a controller follow it; the scene stays where that ends."""
-    errand, clearance = _prepare(runtime, leg)
-    runner = _Runner(runtime, FOLLOWERS[controller](errand))
-    before = set(errand.touching)
-    limits, dt = runtime.model.limits, errand.control_dt
+    """Go back to the start of a leg and let a controller follow it; the world stays where that ends."""
+    problem, clearance = _prepare(runtime, leg)
+    runner = _Runner(runtime, FOLLOWERS[controller](problem))
+    before = set(problem.touching)
+    limits, dt = runtime.model.limits, problem.control_dt
     violations = dict.fromkeys(("position", "velocity", "acceleration"), 0)
     tip_errors, joint_errors, nearest, touched = [], [], np.inf, set[str]()
     ticks, rest, v = int(np.ceil(leg.trajectory.duration / dt - 1e-9)), 0.0, runtime.robot.joint_velocities
@@ -161,22 +177,22 @@ def follow_leg(runtime: Runtime, leg: Leg, controller: str) -> LegTrial:
 
 def plan_trial(runtime: Runtime, leg: Leg) -> LegTrial:
     """Return what a perfect controller would get: no errors, and the clearance of the planned motion."""
-    errand, clearance = _prepare(runtime, leg)
+    problem, clearance = _prepare(runtime, leg)
     nearest = np.inf
-    for t in np.arange(0.0, leg.trajectory.duration + errand.control_dt, errand.control_dt):
+    for t in np.arange(0.0, leg.trajectory.duration + problem.control_dt, problem.control_dt):
         nearest = min(nearest, clearance(leg.trajectory.sample(float(t))[0], nearest))
     return LegTrial(PLAN, leg, np.zeros(1), np.zeros(1), 0.0, {}, (), nearest, 0, 0, np.zeros(0))
 
 
-def _prepare(runtime: Runtime, leg: Leg) -> tuple[Errand, Callable[[FloatArray, float], float]]:
-    """Go to the start of a leg; return what its followers may know, and a judge of clearance."""
+def _prepare(runtime: Runtime, leg: Leg) -> tuple[TrackingProblem, Callable[[FloatArray, float], float]]:
+    """Go to the start of a leg; return what its followers may know, and a function that measures clearance."""
     runtime.restore(leg.state)
     world, snapshot = runtime.world, runtime.world.snapshot()
-    errand = Errand(runtime.model, leg.trajectory, snapshot, runtime.touching(), world.control_dt, world.timestep)
-    return errand, _clearance_judge(runtime, snapshot)
+    problem = TrackingProblem(runtime.model, leg.trajectory, snapshot, runtime.touching(), world.control_dt, world.timestep)
+    return problem, _clearance_function(runtime, snapshot)
 
 
-def _clearance_judge(runtime: Runtime, snapshot: WorldSnapshot) -> Callable[[FloatArray, float], float]:
+def _clearance_function(runtime: Runtime, snapshot: WorldSnapshot) -> Callable[[FloatArray, float], float]:
     """Return a function: configuration, distance that matters at most [m] -> smallest distance to the world, or that."""
     distances = DistanceModel(runtime.model)
     distances.update(snapshot)
@@ -184,16 +200,16 @@ def _clearance_judge(runtime: Runtime, snapshot: WorldSnapshot) -> Callable[[Flo
     which = np.flatnonzero(counts)
     counts[which[distances.measure(which) < TOUCH]] = False
 
-    def judge(q: FloatArray, most: float) -> float:
+    def clearance(q: FloatArray, most: float) -> float:
         distances.place(q)
         near = np.flatnonzero(counts & (distances.bounds < most))
         return min(most, float(distances.measure(near).min(initial=np.inf)))
 
-    return judge
+    return clearance
 
 
 class _Runner:
-    """Asks a follower for commands, times it, and steps the scene."""
+    """Asks a follower for commands, times it, and steps the world."""
 
     def __init__(self, runtime: Runtime, follower: Follower) -> None:
         self.runtime, self.follower = runtime, follower

@@ -1,6 +1,6 @@
-"""Every controller as a follower of one and the same joint motion, so that they can be compared.
+"""Every controller as a follower of one and the same joint trajectory, so that they can be compared.
 
-What a controller needs of the motion (tip poses, twists, accelerations) is worked out beforehand: a tick costs what the
+What a controller needs of the trajectory (tip poses, twists, accelerations) is computed beforehand: a tick costs what the
 controller itself costs.
 """
 
@@ -37,32 +37,35 @@ from rlbench_pin.sim.arm.robot import Mode
 from rlbench_pin.spatial import FloatArray, pose_to_se3, se3_to_pose
 
 MARGIN = 0.003
-"""Distance to the world that filters and predictions keep [m]: little, because planned motions come near what they grasp."""
+"""Distance to the world that filters and predictions keep [m]; small, because planned motions come near what they grasp."""
 JOINT_STIFFNESS = (600.0, 600.0, 600.0, 600.0, 250.0, 150.0, 50.0)
 """[N m/rad]: springs of joint impedance control; stiff, to follow, and softer than the motors' own position control."""
 TIP_STIFFNESS = (3000.0, 3000.0, 3000.0, 150.0, 150.0, 150.0)
 """[N/m, N m/rad]: the spring of Cartesian impedance control."""
 ELBOW_STIFFNESS = 10.0
-"""[N m/rad]: its spring on what the tip leaves free."""
+"""[N m/rad]: its spring on the motion of the elbow that leaves the tip where it is."""
 OVERTIME = 20
 """Control ticks that a controller may take to arrive after the end of the motion."""
 
 
 @dataclass(frozen=True, eq=False)
-class Errand:
-    """One motion to follow, and all that a controller may know of it."""
+class TrackingProblem:
+    """One trajectory to follow, and all that a controller may know of it."""
 
     model: RobotModel
+    """The arm, without payload."""
     trajectory: Trajectory
+    """Timed joint motion that starts where the arm is."""
     world: WorldSnapshot
+    """The world at the start."""
     touching: Collection[str]
     """Bodies that the arm touches at the start."""
     control_dt: float
-    """[s]"""
+    """Control tick [s]."""
     physics_dt: float
-    """[s]"""
+    """Physics step [s]."""
 
-    def loaded(self) -> RobotModel:
+    def model_with_payload(self) -> RobotModel:
         """Return a model of the arm that carries what the hand holds at the start."""
         model = RobotModel(self.model.description, se3_to_pose(self.model.base))
         model.carry(payload_inertia(self.model, self.world))
@@ -71,79 +74,79 @@ class Errand:
 
 @dataclass(frozen=True, eq=False)
 class Command:
-    """What the motors are told for the next tick."""
+    """What a controller commands for the next tick."""
 
     values: FloatArray
     """Joint positions [rad], velocities [rad/s] or torques [N m], shape (n,)."""
     stopped: bool = False
-    """The controller found nothing better than braking."""
+    """The controller found no solution and brakes."""
     intervened: bool = False
     """A safety filter changed the command."""
 
 
 @dataclass(frozen=True)
 class Follower:
-    """A controller that knows its motion."""
+    """A controller that knows the trajectory it follows."""
 
     mode: Mode
-    """What its commands are; torques are commanded in every physics step, all else once per control tick."""
+    """Kind of its commands; torques are commanded in every physics step, the others once per control tick."""
     command: Callable[[int, FloatArray, FloatArray], Command]
     """Command of tick k in state q [rad], v [rad/s]."""
 
 
-def track_positions(errand: Errand) -> Follower:
+def track_positions(problem: TrackingProblem) -> Follower:
     """Position targets, one tick ahead, as demonstrations do."""
-    goals = _configurations(errand, errand.control_dt)
+    goals = _configurations(problem, problem.control_dt)
     return Follower("position", lambda k, q, v: Command(goals[min(k + 1, len(goals) - 1)]))
 
 
-def follow_velocities(errand: Errand) -> Follower:
+def follow_velocities(problem: TrackingProblem) -> Follower:
     """`VelocityFollowing`: the reference's velocity and a share of the error."""
-    backend = VelocityFollowing(errand.model.limits, errand.control_dt)
-    return Follower("velocity", lambda k, q, v: Command(backend.command(errand.trajectory, k * backend.dt, q, v)))
+    backend = VelocityFollowing(problem.model.limits, problem.control_dt)
+    return Follower("velocity", lambda k, q, v: Command(backend.command(problem.trajectory, k * backend.dt, q, v)))
 
 
-def compute_torques(errand: Errand) -> Follower:
+def computed_torque(problem: TrackingProblem) -> Follower:
     """`ComputedTorque` in every physics step."""
-    backend = ComputedTorque(errand.loaded(), errand.physics_dt)
-    return Follower("torque", lambda k, q, v: Command(backend.command(errand.trajectory, k * backend.dt, q, v)))
+    backend = ComputedTorque(problem.model_with_payload(), problem.physics_dt)
+    return Follower("torque", lambda k, q, v: Command(backend.command(problem.trajectory, k * backend.dt, q, v)))
 
 
-def chase_poses(errand: Errand) -> Follower:
-    """`DifferentialIK` towards the tip pose one tick ahead; it brakes for each as if it were the last."""
-    solver, poses = _differential_ik(errand), _tip_poses(errand, errand.control_dt)
+def follow_poses(problem: TrackingProblem) -> Follower:
+    """`DifferentialIK` towards the tip pose one tick ahead; it brakes for each pose as for a last one."""
+    solver, poses = _differential_ik(problem), _tip_poses(problem, problem.control_dt)
     return Follower("velocity", lambda k, q, v: Command(solver.velocity_to_pose(q, v, _at(poses, k + 1))))
 
 
-def follow_twists(errand: Errand) -> Follower:
+def follow_twists(problem: TrackingProblem) -> Follower:
     """`DifferentialIK` with the tip velocity that reaches the pose one tick ahead."""
-    return _twists(errand, _differential_ik(errand))
+    return _twists(problem, _differential_ik(problem))
 
 
-def follow_twists_written_out(errand: Errand) -> Follower:
+def follow_twists_by_osqp(problem: TrackingProblem) -> Follower:
     """`DifferentialIKQP`, the same problem by OSQP."""
-    config = DifferentialIKConfig(dt=errand.control_dt)
-    return _twists(errand, DifferentialIKQP(errand.model, config, posture=errand.trajectory.q[-1]))
+    config = DifferentialIKConfig(dt=problem.control_dt)
+    return _twists(problem, DifferentialIKQP(problem.model, config, posture=problem.trajectory.q[-1]))
 
 
-def _twists(errand: Errand, solver: DifferentialIK | DifferentialIKQP) -> Follower:
-    poses = _tip_poses(errand, errand.control_dt)
+def _twists(problem: TrackingProblem, solver: DifferentialIK | DifferentialIKQP) -> Follower:
+    poses = _tip_poses(problem, problem.control_dt)
 
     def command(k: int, q: FloatArray, v: FloatArray) -> Command:
-        here, goal = errand.model.tip_se3(q), pose_to_se3(_at(poses, k + 1))
+        here, goal = problem.model.tip_se3(q), pose_to_se3(_at(poses, k + 1))
         turn = pin.log3(goal.rotation @ here.rotation.T)
-        twist = np.concatenate([goal.translation - here.translation, turn]) / errand.control_dt
+        twist = np.concatenate([goal.translation - here.translation, turn]) / problem.control_dt
         return Command(solver.velocity_for_twist(q, v, twist))
 
     return Follower("velocity", command)
 
 
-def predict(errand: Errand, heed: bool = False) -> Follower:
+def predict(problem: TrackingProblem, avoid: bool = False) -> Follower:
     """`CartesianMPC` on the tip poses of the next ticks."""
-    distances = _distances(errand) if heed else None
-    config = PredictiveConfig(dt=errand.control_dt, margin=MARGIN, self_margin=MARGIN)
-    solver = CartesianMPC(errand.model, config, distances=distances, posture=errand.trajectory.q[-1])
-    poses = _tip_poses(errand, errand.control_dt)
+    distances = _distances(problem) if avoid else None
+    config = PredictiveConfig(dt=problem.control_dt, margin=MARGIN, self_margin=MARGIN)
+    solver = CartesianMPC(problem.model, config, distances=distances, posture=problem.trajectory.q[-1])
+    poses = _tip_poses(problem, problem.control_dt)
 
     def command(k: int, q: FloatArray, v: FloatArray) -> Command:
         ahead = np.minimum(np.arange(k + 1, k + 1 + config.horizon), len(poses) - 1)
@@ -153,17 +156,17 @@ def predict(errand: Errand, heed: bool = False) -> Follower:
     return Follower("velocity", command)
 
 
-def predict_with_distances(errand: Errand) -> Follower:
+def predict_clear_of_world(problem: TrackingProblem) -> Follower:
     """`CartesianMPC` that keeps clear of the world."""
-    return predict(errand, heed=True)
+    return predict(problem, avoid=True)
 
 
-def accelerate_tip(errand: Errand) -> Follower:
+def operational_space(problem: TrackingProblem) -> Follower:
     """`OperationalSpaceQP` in every physics step, with tip pose, twist and acceleration, and the motion's elbow."""
-    config = OperationalSpaceConfig(dt=errand.physics_dt, limit_margin=LIMIT_MARGIN)
-    solver = OperationalSpaceQP(errand.loaded(), config)
-    postures, poses = _configurations(errand, errand.physics_dt), _tip_poses(errand, errand.physics_dt)
-    motion = _tip_motion(errand, errand.physics_dt)
+    config = OperationalSpaceConfig(dt=problem.physics_dt, limit_margin=LIMIT_MARGIN)
+    solver = OperationalSpaceQP(problem.model_with_payload(), config)
+    postures, poses = _configurations(problem, problem.physics_dt), _tip_poses(problem, problem.physics_dt)
+    motion = _tip_motion(problem, problem.physics_dt)
 
     def command(k: int, q: FloatArray, v: FloatArray) -> Command:
         twist, acceleration = _at(motion, k)
@@ -174,21 +177,24 @@ def accelerate_tip(errand: Errand) -> Follower:
     return Follower("torque", command)
 
 
-def hold_joints(errand: Errand) -> Follower:
+def joint_impedance(problem: TrackingProblem) -> Follower:
     """`JointImpedance` in every physics step: springs along the motion, with its velocities and accelerations."""
-    controller, dt = JointImpedance(errand.loaded(), np.diag(JOINT_STIFFNESS[: errand.model.size])), errand.physics_dt
+    controller, dt = (
+        JointImpedance(problem.model_with_payload(), np.diag(JOINT_STIFFNESS[: problem.model.size])),
+        problem.physics_dt,
+    )
 
     def command(k: int, q: FloatArray, v: FloatArray) -> Command:
-        return Command(controller.torque(q, v, *errand.trajectory.sample(k * dt)))
+        return Command(controller.torque(q, v, *problem.trajectory.sample(k * dt)))
 
     return Follower("torque", command)
 
 
-def hold_tip(errand: Errand) -> Follower:
-    """`CartesianImpedance` in every physics step: a spring along the tip's motion, and a soft one along the elbow's."""
-    controller = CartesianImpedance(errand.loaded(), TIP_STIFFNESS, posture_stiffness=ELBOW_STIFFNESS)
-    postures, poses = _configurations(errand, errand.physics_dt), _tip_poses(errand, errand.physics_dt)
-    motion = _tip_motion(errand, errand.physics_dt)
+def cartesian_impedance(problem: TrackingProblem) -> Follower:
+    """`CartesianImpedance` in every physics step: a spring along the tip's motion, and a soft one along the elbow's motion."""
+    controller = CartesianImpedance(problem.model_with_payload(), TIP_STIFFNESS, posture_stiffness=ELBOW_STIFFNESS)
+    postures, poses = _configurations(problem, problem.physics_dt), _tip_poses(problem, problem.physics_dt)
+    motion = _tip_motion(problem, problem.physics_dt)
 
     def command(k: int, q: FloatArray, v: FloatArray) -> Command:
         controller.posture = _at(postures, k)
@@ -197,14 +203,14 @@ def hold_tip(errand: Errand) -> Follower:
     return Follower("torque", command)
 
 
-def made_safe(inner: Callable[[Errand], Follower]) -> Callable[[Errand], Follower]:
-    """Put a `SafetyFilter` behind a controller of velocities."""
+def with_safety_filter(inner: Callable[[TrackingProblem], Follower]) -> Callable[[TrackingProblem], Follower]:
+    """Return a follower of velocities with a `SafetyFilter` behind it."""
 
-    def build(errand: Errand) -> Follower:
-        follower = inner(errand)
-        config = SafetyConfig(dt=errand.control_dt, margin=MARGIN, self_margin=MARGIN, limit_margin=LIMIT_MARGIN)
-        guard = SafetyFilter(errand.model, config)
-        guard.distances.update(errand.world, errand.touching)
+    def build(problem: TrackingProblem) -> Follower:
+        follower = inner(problem)
+        config = SafetyConfig(dt=problem.control_dt, margin=MARGIN, self_margin=MARGIN, limit_margin=LIMIT_MARGIN)
+        guard = SafetyFilter(problem.model, config)
+        guard.distances.update(problem.world, problem.touching)
 
         def command(k: int, q: FloatArray, v: FloatArray) -> Command:
             safe = guard.filter(q, v, follower.command(k, q, v).values)
@@ -215,54 +221,54 @@ def made_safe(inner: Callable[[Errand], Follower]) -> Callable[[Errand], Followe
     return build
 
 
-FOLLOWERS: Mapping[str, Callable[[Errand], Follower]] = {
+FOLLOWERS: Mapping[str, Callable[[TrackingProblem], Follower]] = {
     "TrajectoryTracker": track_positions,
     "VelocityFollowing": follow_velocities,
-    "VelocityFollowing + SafetyFilter": made_safe(follow_velocities),
-    "DifferentialIK, poses": chase_poses,
+    "VelocityFollowing + SafetyFilter": with_safety_filter(follow_velocities),
+    "DifferentialIK, poses": follow_poses,
     "DifferentialIK, twists": follow_twists,
-    "DifferentialIKQP, twists": follow_twists_written_out,
-    "DifferentialIK, twists + SafetyFilter": made_safe(follow_twists),
+    "DifferentialIKQP, twists": follow_twists_by_osqp,
+    "DifferentialIK, twists + SafetyFilter": with_safety_filter(follow_twists),
     "CartesianMPC": predict,
-    "CartesianMPC, distances": predict_with_distances,
-    "ComputedTorque": compute_torques,
-    "OperationalSpaceQP": accelerate_tip,
-    "JointImpedance": hold_joints,
-    "CartesianImpedance": hold_tip,
+    "CartesianMPC, distances": predict_clear_of_world,
+    "ComputedTorque": computed_torque,
+    "OperationalSpaceQP": operational_space,
+    "JointImpedance": joint_impedance,
+    "CartesianImpedance": cartesian_impedance,
 }
-"""Name -> how to build it for one motion."""
+"""Name of a controller -> how to build its follower for one tracking problem."""
 
 
-def _differential_ik(errand: Errand) -> DifferentialIK:
-    return DifferentialIK(errand.model, DifferentialIKConfig(dt=errand.control_dt), posture=errand.trajectory.q[-1])
+def _differential_ik(problem: TrackingProblem) -> DifferentialIK:
+    return DifferentialIK(problem.model, DifferentialIKConfig(dt=problem.control_dt), posture=problem.trajectory.q[-1])
 
 
-def _distances(errand: Errand) -> DistanceModel:
-    distances = DistanceModel(errand.model)
-    distances.update(errand.world, errand.touching)
+def _distances(problem: TrackingProblem) -> DistanceModel:
+    distances = DistanceModel(problem.model)
+    distances.update(problem.world, problem.touching)
     return distances
 
 
-def _times(errand: Errand, dt: float) -> FloatArray:
+def _times(problem: TrackingProblem, dt: float) -> FloatArray:
     """Return 0, dt, 2 dt, ... up to the first tick at or after the end, shape (m,), [s]."""
-    return np.asarray(dt * np.arange(int(np.ceil(errand.trajectory.duration / dt - 1e-9)) + 1), dtype=np.float64)
+    return np.asarray(dt * np.arange(int(np.ceil(problem.trajectory.duration / dt - 1e-9)) + 1), dtype=np.float64)
 
 
-def _configurations(errand: Errand, dt: float) -> FloatArray:
+def _configurations(problem: TrackingProblem, dt: float) -> FloatArray:
     """Return the configuration at every tick, shape (m, n), [rad]."""
-    return np.array([errand.trajectory.sample(t)[0] for t in _times(errand, dt)])
+    return np.array([problem.trajectory.sample(t)[0] for t in _times(problem, dt)])
 
 
-def _tip_poses(errand: Errand, dt: float) -> FloatArray:
+def _tip_poses(problem: TrackingProblem, dt: float) -> FloatArray:
     """Return the tip pose at every tick, shape (m, 7)."""
-    return np.array([errand.model.tip_pose(q) for q in _configurations(errand, dt)])
+    return np.array([problem.model.tip_pose(q) for q in _configurations(problem, dt)])
 
 
-def _tip_motion(errand: Errand, dt: float) -> FloatArray:
+def _tip_motion(problem: TrackingProblem, dt: float) -> FloatArray:
     """Return twist and acceleration of the tip along world axes at every tick, shape (m, 2, 6); rest at the end."""
-    model, motion = errand.model, []
-    for t in _times(errand, dt)[:-1]:
-        q, v, a = errand.trajectory.sample(t)
+    model, motion = problem.model, []
+    for t in _times(problem, dt)[:-1]:
+        q, v, a = problem.trajectory.sample(t)
         jacobian = model.jacobian(q)
         motion.append((jacobian @ v, jacobian @ a + model.jacobian_dot(q, v) @ v))
     return np.array([*motion, (np.zeros(6), np.zeros(6))])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from rlbench_pin.errors import GoalInCollision, NoIkSolution, NoPath, NotStraight
 from rlbench_pin.planning.kinematics.goals import PoseRegion, self_motions
 from rlbench_pin.planning.kinematics.ik import cost, solve_ik
+from rlbench_pin.planning.listener import PlanningListeners, PlanRequest
 from rlbench_pin.planning.path import JointPath, along, edge_is_free, through
 from rlbench_pin.planning.plan import Method, Plan, PlannerConfig, PlanReport
 from rlbench_pin.planning.rules import Rules
@@ -41,12 +43,14 @@ class MotionPlanner:
         self.collision = CollisionModel(model)
         self.torque = TorqueLimits(model) if self.config.torque_limits else None
         self.limits = model.limits.capped(self.config.max_velocity, self.config.max_acceleration)
+        self.listeners = PlanningListeners()
 
     def update(self, snapshot: WorldSnapshot) -> None:
         """Take over the world as it is now."""
-        self.collision.update(snapshot)
-        if self.torque is not None:
-            self.torque.carry(payload_inertia(self.model, snapshot))
+        with self.listeners.update(snapshot):
+            self.collision.update(snapshot)
+            if self.torque is not None:
+                self.torque.carry(payload_inertia(self.model, snapshot))
 
     def plan_to_pose(
         self,
@@ -76,16 +80,16 @@ class MotionPlanner:
             NoPath: The goal is free, but no way to it was found.
             RetimingError: The path cannot be timed.
         """
-        stages = self._open()
-        q = self._inside(q_start)
-        poses = pose.sample(self.config.region_samples, rng) if isinstance(pose, PoseRegion) else _as_poses(pose)
-        rules = self._rules(stages, q, allowed, ignore_collisions)
-        if straight is not False:
-            found = self._straight(stages, q, poses, rules, limit=len(poses) if straight else 2, must=bool(straight))
-            if found is not None:
-                return self._close(stages, found, rules)
-        goals = self._goals(stages, q, poses, rng, None if ignore_collisions else self.collision)
-        return self._close(stages, self._search(stages, q, goals, rules, rng), rules)
+        with self._open(PlanRequest("pose", q_start, pose, ignore_collisions, tuple(allowed))) as stages:
+            q = self._inside(q_start)
+            poses = pose.sample(self.config.region_samples, rng) if isinstance(pose, PoseRegion) else _as_poses(pose)
+            rules = self._rules(stages, q, allowed, ignore_collisions)
+            if straight is not False:
+                found = self._straight(stages, q, poses, rules, limit=len(poses) if straight else 2, must=bool(straight))
+                if found is not None:
+                    return self._close(stages, found, rules)
+            goals = self._goals(stages, q, poses, rng, None if ignore_collisions else self.collision)
+            return self._close(stages, self._search(stages, q, goals, rules, rng), rules)
 
     def plan_to_configuration(
         self,
@@ -97,13 +101,13 @@ class MotionPlanner:
         rng: np.random.Generator,
     ) -> Plan:
         """Plan a motion to a joint configuration (n,), [rad]; raises as `plan_to_pose`."""
-        stages = self._open()
-        q, goal = self._inside(q_start), self._inside(q_goal)
-        rules = self._rules(stages, q, allowed, ignore_collisions)
-        if not ignore_collisions and self.collision.goal_in_collision(goal):
-            pairs, depths = self.collision.penetrations(goal)
-            raise GoalInCollision(pairs, 1, depths)
-        return self._close(stages, self._search(stages, q, [(goal, 0)], rules, rng), rules)
+        with self._open(PlanRequest("configuration", q_start, q_goal, ignore_collisions, tuple(allowed))) as stages:
+            q, goal = self._inside(q_start), self._inside(q_goal)
+            rules = self._rules(stages, q, allowed, ignore_collisions)
+            if not ignore_collisions and self.collision.goal_in_collision(goal):
+                pairs, depths = self.collision.penetrations(goal)
+                raise GoalInCollision(pairs, 1, depths)
+            return self._close(stages, self._search(stages, q, [(goal, 0)], rules, rng), rules)
 
     def plan_curve(
         self,
@@ -119,13 +123,13 @@ class MotionPlanner:
         Raises:
             NotStraight: A joint limit, a singularity or a collision interrupts the curve.
         """
-        stages = self._open()
-        q = self._inside(q_start)
-        rules = self._rules(stages, q, allowed, ignore_collisions)
-        with stages.stage("straight"):
-            path = through(curve_path(self.model, q, poses, None if rules is None else rules.is_free))
-            self._require_free(path, rules)
-        return self._close(stages, _Found(path, "curve", len(poses) - 1), rules)
+        with self._open(PlanRequest("curve", q_start, poses, ignore_collisions, tuple(allowed))) as stages:
+            q = self._inside(q_start)
+            rules = self._rules(stages, q, allowed, ignore_collisions)
+            with stages.stage("straight"):
+                path = through(curve_path(self.model, q, poses, None if rules is None else rules.is_free))
+                self._require_free(path, rules)
+            return self._close(stages, _Found(path, "curve", len(poses) - 1), rules)
 
     def reachable(
         self,
@@ -141,17 +145,18 @@ class MotionPlanner:
             NoIkSolution: None is within reach.
             GoalInCollision: Collisions count, and all configurations collide.
         """
-        if not ignore_collisions:
-            self.collision.clear()
-            self.collision.allow(allowed)
-        stages = self._open()
-        q = self._inside(q_seed)
-        return self._goals(stages, q, _as_poses(pose), rng, None if ignore_collisions else self.collision, branches=1)[0][0]
+        collision = None if ignore_collisions else self.collision
+        with self.listeners.reach():
+            if collision is not None:
+                collision.clear()
+                collision.allow(allowed)
+            stages, q = Stages(checks=self.collision.checks), self._inside(q_seed)
+            return self._goals(stages, q, _as_poses(pose), rng, collision, branches=1)[0][0]
 
     # Stages -------------------------------------------------------------------------------------------------------
 
-    def _open(self) -> Stages:
-        return Stages(checks=self.collision.checks)
+    def _open(self, request: PlanRequest) -> AbstractContextManager[Stages]:
+        return self.listeners.plan(request, Stages(checks=self.collision.checks))
 
     def _inside(self, q: FloatArray) -> FloatArray:
         """Return the nearest configuration within the joint limits: measured joints may overshoot them a little."""
@@ -278,7 +283,8 @@ class MotionPlanner:
             certified=rules is not None and self.config.certify,
             doubts=0 if rules is None else rules.doubts,
         )
-        return Plan(trajectory, found.path.spread(0.05)[1], report)
+        stages.plan = Plan(trajectory, found.path.spread(0.05)[1], report)
+        return stages.plan
 
     def _clearance(self, path: JointPath) -> float:
         """Return the smallest distance that counts along a path, looking every 0.1 rad [m]."""

@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
+from rlbench_pin.planning.plan import Plan
+
 
 @dataclass(eq=False)
 class Stages:
@@ -15,6 +17,8 @@ class Stages:
     seconds: dict[str, float] = field(default_factory=dict)
     checks: int = 0
     """Collision checks that the model had counted before."""
+    plan: Plan | None = None
+    """What came of it; None while planning, and when it fails."""
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:

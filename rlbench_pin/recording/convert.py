@@ -21,14 +21,12 @@ from rlbench_pin.environment.actions.joint import JointPosition, JointTorque, Jo
 from rlbench_pin.environment.actions.pose import ERJointViaIK, PoseMode
 from rlbench_pin.environment.actions.safe_arm import unwrapped
 from rlbench_pin.environment.actions.twist import EndEffectorVelocity
+from rlbench_pin.environment.demonstrate import EXTRA_TICKS
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError, InvalidActionError
 from rlbench_pin.observation import Demo
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, compose, inverse, relative
-
-EXTRA_ACTIONS = 10
-"""Repetitions of the last action, as many as a demonstration waits for its success."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +168,7 @@ def verify(task: TaskEnvironment, demo: Demo, actions: Sequence[FloatArray]) -> 
         actions: As from `convert_demo`.
     """
     task.reset_to_demo(demo)
-    for action in (*actions, *[_rest(task, actions[-1])] * EXTRA_ACTIONS):
+    for action in (*actions, *[_rest(task, actions[-1])] * EXTRA_TICKS):
         try:
             _, reward, terminate = task.step(action)
         except InvalidActionError:
@@ -190,4 +188,4 @@ def _rest(task: TaskEnvironment, last: FloatArray) -> FloatArray:
     return np.append(np.zeros(len(last) - 1), last[-1:])
 
 
-__all__ = ["EXTRA_ACTIONS", "convert_demo", "verify"]
+__all__ = ["convert_demo", "verify"]

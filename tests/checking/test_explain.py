@@ -10,7 +10,6 @@ import pytest
 from rlbench_pin.checking.explain import evidence_lines, explain_failure
 from rlbench_pin.cli.main import main
 from rlbench_pin.errors import NoIkSolution
-from rlbench_pin.planning.planner import MotionPlanner
 from rlbench_pin.planning.problems.problem import read_problem
 
 
@@ -32,7 +31,7 @@ def test_a_failure_is_explained_and_drawn(monkeypatch: pytest.MonkeyPatch, tmp_p
     def refuse(*args: object, **options: object) -> None:
         raise NoIkSolution(np.array([1.0, 0, 1, 0, 0, 0, 1]), 0.2, 0.1, 40, np.array([0.8, 0, 1, 0, 0, 0, 1]))
 
-    monkeypatch.setattr(MotionPlanner, "plan_to_pose", refuse)
+    monkeypatch.setattr("rlbench_pin.planning.planner.retime", refuse)
     lines = explain_failure("reach_target", 0, 0, tmp_path / "a.png")
     assert "  reason: unreachable" in lines
     assert any(line.startswith("  nearest: [0.8") for line in lines)

@@ -1,0 +1,79 @@
+"""What a running task reports: plans, control ticks, observations and the legs of a demonstration.
+
+`Runtime.listening` lets a listener hear for a while; nothing that it hears of changes by it.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rlbench_pin.planning.listener import PlanningListener
+from rlbench_pin.planning.plan import Plan
+from rlbench_pin.sim import World
+from rlbench_pin.tasks import Waypoint
+
+
+class Listener(PlanningListener):
+    """Hears of what a runtime does. The methods do nothing: override those that matter."""
+
+    def on_tick(self, seconds: float) -> None:
+        """A control tick was simulated, in `seconds` [s] of process time."""
+
+    def on_observe(self, seconds: float) -> None:
+        """An observation was made, in `seconds` [s] of process time."""
+
+    def on_leg(self, waypoint: Waypoint, plan: Plan) -> None:
+        """The motion to a waypoint of a demonstration was chosen and is about to begin."""
+
+
+class Listeners:
+    """The listeners of one runtime; nobody is called and nothing is kept while there are none."""
+
+    def __init__(self) -> None:
+        self._listeners: list[Listener] = []
+
+    @contextmanager
+    def including(self, listener: Listener) -> Iterator[None]:
+        """Report to `listener` as well, for a while."""
+        self._listeners.append(listener)
+        try:
+            yield
+        finally:
+            self._listeners.remove(listener)
+
+    @contextmanager
+    def observe(self) -> Iterator[None]:
+        """Report the block as one observation."""
+        began = time.process_time()
+        yield
+        seconds = time.process_time() - began
+        for listener in self._listeners:
+            listener.on_observe(seconds)
+
+    def leg(self, waypoint: Waypoint, plan: Plan) -> None:
+        """Report that the motion to a waypoint is about to begin."""
+        for listener in self._listeners:
+            listener.on_leg(waypoint, plan)
+
+
+@contextmanager
+def timed_ticks(world: World, on_tick: Callable[[float], None]) -> Iterator[None]:
+    """Call `on_tick` after every control tick of a block with the process time since its first physics step began [s]."""
+    began: list[float] = []
+
+    def before_physics() -> None:
+        if not began:
+            began.append(time.process_time())
+
+    def after_tick() -> None:
+        on_tick(time.process_time() - began.pop())
+
+    world.on_physics.insert(0, before_physics)
+    world.on_step.append(after_tick)
+    try:
+        yield
+    finally:
+        world.on_physics.remove(before_physics)
+        world.on_step.remove(after_tick)

@@ -1,0 +1,86 @@
+"""A planner reports its calls to those that listen."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rlbench_pin.errors import NoIkSolution, PlanningError
+from rlbench_pin.planning.listener import PlanningListener, PlanRequest
+from rlbench_pin.planning.plan import Plan
+from rlbench_pin.planning.planner import MotionPlanner
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.scene.snapshot import WorldSnapshot
+from rlbench_pin.spatial import pose_at
+from tests.worlds_for_tests import HOME, TABLE_TOP, Boxes
+
+GOAL = pose_at((0.35, 0.25, TABLE_TOP + 0.1), np.pi)
+TOO_FAR = pose_at((1.5, 0.0, 1.0), np.pi)
+
+
+class Record(PlanningListener):
+    """Keeps everything that it hears."""
+
+    def __init__(self) -> None:
+        self.calls: list[str] = []
+        self.plans: list[tuple[PlanRequest, Plan | PlanningError]] = []
+        self.seconds = 0.0
+
+    def on_update(self, snapshot: WorldSnapshot, seconds: float) -> None:
+        self.calls.append("update")
+        self.seconds += seconds
+
+    def on_plan(self, request: PlanRequest, outcome: Plan | PlanningError, seconds: float) -> None:
+        self.calls.append(request.kind)
+        self.plans.append((request, outcome))
+        self.seconds += seconds
+
+    def on_reach(self, seconds: float) -> None:
+        self.calls.append("reach")
+        self.seconds += seconds
+
+
+def test_every_call_is_reported_once(model: RobotModel, boxes: Boxes, rng: np.random.Generator) -> None:
+    """Each with what was asked for and what came of it, only while someone listens."""
+    planner, record = MotionPlanner(model), Record()
+    with planner.listeners.including(record):
+        planner.update(boxes.snapshot())
+        plan = planner.plan_to_pose(HOME, GOAL, allowed=("table",), rng=rng)
+        planner.plan_to_configuration(HOME, plan.path[-1], rng=rng)
+        planner.plan_curve(HOME, [GOAL])
+        planner.reachable(HOME, GOAL, rng)
+    planner.plan_to_pose(HOME, GOAL, rng=rng)
+    assert record.calls == ["update", "pose", "configuration", "curve", "reach"]
+    request, outcome = record.plans[0]
+    assert outcome is plan
+    assert request.q_start is HOME
+    assert request.goal is GOAL
+    assert request.allowed == ("table",)
+    assert [request.ignore_collisions for request, _ in record.plans] == [False, False, True]
+    assert record.seconds > 0.0
+
+
+def test_failures_are_reported_and_raised(model: RobotModel, rng: np.random.Generator) -> None:
+    """The listener gets the very error that the caller gets."""
+    planner, record = MotionPlanner(model), Record()
+    with planner.listeners.including(record):
+        with pytest.raises(NoIkSolution) as caught:
+            planner.plan_to_pose(HOME, TOO_FAR, rng=rng)
+        with pytest.raises(NoIkSolution):
+            planner.reachable(HOME, TOO_FAR, rng)
+    assert record.plans[0][1] is caught.value
+    assert record.calls == ["pose", "reach"]
+
+
+def test_listening_changes_no_plan(model: RobotModel, boxes: Boxes) -> None:
+    """The same generator state gives the same plan, whoever listens."""
+    plans = []
+    for listener in (None, PlanningListener()):
+        planner = MotionPlanner(model)
+        planner.update(boxes.snapshot(boxes.screen()))
+        if listener is None:
+            plans.append(planner.plan_to_pose(HOME, GOAL, rng=np.random.default_rng(3)))
+            continue
+        with planner.listeners.including(listener):
+            plans.append(planner.plan_to_pose(HOME, GOAL, rng=np.random.default_rng(3)))
+    assert plans[0].trajectory.q.tobytes() == plans[1].trajectory.q.tobytes()
