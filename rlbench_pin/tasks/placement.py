@@ -62,6 +62,14 @@ class SpawnBoundary:
         """Forget what was placed; call it at the start of every episode."""
         self._placed.clear()
 
+    def state(self) -> tuple[tuple[str, OrientedBox, FloatArray], ...]:
+        """Return what was placed since the last `clear`."""
+        return tuple(self._placed)
+
+    def set_state(self, state: tuple[tuple[str, OrientedBox, FloatArray], ...]) -> None:
+        """Remember as placed what `state()` returned before."""
+        self._placed[:] = state
+
     def sample(
         self,
         thing: Body | Frame,
