@@ -18,10 +18,8 @@ from rlbench_pin.robot.catalogue import robot_description
 from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import BodySnapshot, Shape, WorldSnapshot
-from rlbench_pin.spatial import FloatArray
+from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray
 
-TOP = 0.752
-"""Height of the table [m]."""
 FINGERS = np.full(2, 0.02)
 PER_KIND = 25
 Scene = tuple[list[BodySnapshot], Callable[[np.random.Generator], FloatArray], Callable[[np.random.Generator], FloatArray]]
@@ -41,7 +39,7 @@ def can(name: str, radius: float, height: float, center: tuple[float, ...]) -> B
 
 def table() -> BodySnapshot:
     """The table on which the arm stands."""
-    return box("table", (1.6, 1.5, 0.04), (0.15, 0.0, TOP - 0.02))
+    return box("table", (1.6, 1.5, 0.04), (0.15, 0.0, TABLE_HEIGHT - 0.02))
 
 
 def pose(position: FloatArray, pitch: float, yaw: float, roll: float = 0.0) -> FloatArray:
@@ -63,7 +61,7 @@ def shelf(rng: np.random.Generator) -> Scene:
     """A shelf in front of the arm with two to three boards, divided, things in it; from one compartment into another."""
     depth, width, boards = rng.uniform(0.25, 0.32), rng.uniform(0.7, 1.0), int(rng.integers(2, 4))
     front, gap = rng.uniform(0.22, 0.32), rng.uniform(0.24, 0.34)
-    x, low = front + depth / 2, TOP + rng.uniform(0.02, 0.12)
+    x, low = front + depth / 2, TABLE_HEIGHT + rng.uniform(0.02, 0.12)
     bodies = [table()]
     bodies += [box(f"board{i}", (depth, width, 0.02), (x, 0.0, low + i * gap)) for i in range(boards + 1)]
     height = boards * gap
@@ -99,17 +97,19 @@ def open_box(rng: np.random.Generator) -> Scene:
         [(0.5, 0, 0.015, size[1]), (-0.5, 0, 0.015, size[1]), (0, 0.5, size[0], 0.015), (0, -0.5, size[0], 0.015)]
     ):
         at = center + np.array([c * dx * size[0] - s * dy * size[1], s * dx * size[0] + c * dy * size[1]])
-        bodies.append(box(f"wall{k}_", (sx, sy, tall), (at[0], at[1], TOP + tall / 2), yaw))
+        bodies.append(box(f"wall{k}_", (sx, sy, tall), (at[0], at[1], TABLE_HEIGHT + tall / 2), yaw))
     bodies += _clutter(rng, 4, center, 0.35)
 
     def inside(rng: np.random.Generator) -> FloatArray:
         off = rng.uniform(-0.25, 0.25, 2) * size
         at = center + np.array([c * off[0] - s * off[1], s * off[0] + c * off[1]])
-        return pose(np.array([*at, TOP + rng.uniform(0.03, 0.12)]), np.pi / 2 + rng.uniform(-0.25, 0.25), rng.uniform(-3, 3))
+        return pose(
+            np.array([*at, TABLE_HEIGHT + rng.uniform(0.03, 0.12)]), np.pi / 2 + rng.uniform(-0.25, 0.25), rng.uniform(-3, 3)
+        )
 
     def beside(rng: np.random.Generator) -> FloatArray:
         side = rng.choice([-1.0, 1.0])
-        place = np.array([rng.uniform(0.1, 0.45), side * rng.uniform(0.35, 0.5), TOP + rng.uniform(0.05, 0.2)])
+        place = np.array([rng.uniform(0.1, 0.45), side * rng.uniform(0.35, 0.5), TABLE_HEIGHT + rng.uniform(0.05, 0.2)])
         return pose(place, np.pi / 2 + rng.uniform(-0.4, 0.4), rng.uniform(-3, 3))
 
     return bodies, beside, inside
@@ -123,15 +123,15 @@ def cage(rng: np.random.Generator) -> Scene:
     for k in range(count):
         angle = turn + 2 * np.pi * k / count
         at = center + radius * np.array([np.cos(angle), np.sin(angle)])
-        bodies.append(can(f"bar{k}", 0.012, tall, (at[0], at[1], TOP + tall / 2)))
+        bodies.append(can(f"bar{k}", 0.012, tall, (at[0], at[1], TABLE_HEIGHT + tall / 2)))
     for k, offset in enumerate((-0.6, 0.6)):
         at = center + radius * offset * np.array([np.cos(turn), np.sin(turn)])
-        bodies.append(box(f"lid{k}", (0.025, 2 * radius, 0.025), (at[0], at[1], TOP + tall), turn))
+        bodies.append(box(f"lid{k}", (0.025, 2 * radius, 0.025), (at[0], at[1], TABLE_HEIGHT + tall), turn))
 
     def inside(rng: np.random.Generator) -> FloatArray:
         at = center + rng.uniform(-0.5, 0.5, 2) * radius
         return pose(
-            np.array([*at, TOP + rng.uniform(0.05, 0.25)]),
+            np.array([*at, TABLE_HEIGHT + rng.uniform(0.05, 0.25)]),
             rng.uniform(0.0, np.pi / 2),
             rng.uniform(-1.0, 1.0),
             rng.uniform(-1.6, 1.6),
@@ -139,7 +139,7 @@ def cage(rng: np.random.Generator) -> Scene:
 
     def elsewhere(rng: np.random.Generator) -> FloatArray:
         place = np.array(
-            [rng.uniform(-0.05, 0.35), rng.choice([-1.0, 1.0]) * rng.uniform(0.42, 0.6), TOP + rng.uniform(0.1, 0.5)]
+            [rng.uniform(-0.05, 0.35), rng.choice([-1.0, 1.0]) * rng.uniform(0.42, 0.6), TABLE_HEIGHT + rng.uniform(0.1, 0.5)]
         )
         return pose(place, rng.uniform(0.2, np.pi / 2), rng.uniform(-1.5, 1.5))
 
@@ -150,12 +150,17 @@ def crowded_table(rng: np.random.Generator) -> Scene:
     """Posts, blocks and cans all over the table, a beam above; from low between them on one side to the other."""
     bodies = [table(), *_clutter(rng, 14, np.array([0.3, 0.0]), 0.0)]
     bodies.append(
-        box("beam", (0.06, 0.9, 0.06), (rng.uniform(0.1, 0.4), 0.0, TOP + rng.uniform(0.45, 0.65)), rng.uniform(-0.4, 0.4))
+        box(
+            "beam",
+            (0.06, 0.9, 0.06),
+            (rng.uniform(0.1, 0.4), 0.0, TABLE_HEIGHT + rng.uniform(0.45, 0.65)),
+            rng.uniform(-0.4, 0.4),
+        )
     )
 
     def low(side: float) -> Callable[[np.random.Generator], FloatArray]:
         def draw(rng: np.random.Generator) -> FloatArray:
-            place = np.array([rng.uniform(0.15, 0.5), side * rng.uniform(0.12, 0.42), TOP + rng.uniform(0.04, 0.15)])
+            place = np.array([rng.uniform(0.15, 0.5), side * rng.uniform(0.12, 0.42), TABLE_HEIGHT + rng.uniform(0.04, 0.15)])
             return pose(place, rng.uniform(0.5, np.pi / 2 + 0.2), rng.uniform(-1.2, 1.2), rng.uniform(-1.6, 1.6))
 
         return draw
@@ -171,7 +176,7 @@ def _clutter(rng: np.random.Generator, count: int, center: FloatArray, clear: fl
         if np.linalg.norm(at - center) < clear or np.linalg.norm(at - [-0.273, 0.0]) < 0.25:
             continue
         tall = rng.uniform(0.1, 0.4)
-        where = (at[0], at[1], TOP + tall / 2)
+        where = (at[0], at[1], TABLE_HEIGHT + tall / 2)
         k = len(bodies)
         if rng.random() < 0.5:
             bodies.append(can(f"post{k}", rng.uniform(0.015, 0.04), tall, where))

@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 PoseLike = Sequence[float] | FloatArray
 
+TABLE_HEIGHT = 0.752
+"""Height of the table top above the floor, the origin of the world [m]."""
+
 IDENTITY: FloatArray = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
 IDENTITY.setflags(write=False)
 

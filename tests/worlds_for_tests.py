@@ -9,9 +9,10 @@ import numpy as np
 
 from rlbench_pin.robot.catalogue import robot_description
 from rlbench_pin.scene.snapshot import BodySnapshot, WorldSnapshot
+from rlbench_pin.spatial import TABLE_HEIGHT
 
 HOME = np.array(robot_description("panda").home)
-TABLE_TOP = 0.752
+TABLE_TOP = TABLE_HEIGHT
 
 
 class Boxes:

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rlbench_pin.environment import TaskEnvironment
-from rlbench_pin.environment.replay import EXTRA_STEPS, reaches_goal, replay_succeeds
+from rlbench_pin.environment.demonstrate import EXTRA_TICKS
+from rlbench_pin.environment.replay import reaches_goal, replay_succeeds
 from rlbench_pin.observation import Demo
 from rlbench_pin.robot import geometry
 from rlbench_pin.scene.snapshot import BodySnapshot

@@ -49,11 +49,12 @@ class $cls(Task):
 ''')
 
 SCENE = Template("""\
-# Lengths [m], angles [rad]; a pose is [x, y, z] or [x, y, z, yaw] or [x, y, z, qx, qy, qz, qw] in the frame of `parent`.
-format = 1
+# Lengths [m], angles [rad]; a pose is [x, y, z] or [x, y, z, yaw] or [x, y, z, qx, qy, qz, qw] in the frame of `parent`;
+# rpy = [roll, pitch, yaw] may turn a pose of three numbers.
+format = 2
 
 [placement]                                 # where the task root stands; everything below is in its frame
-pose = [0.25, 0.0, 0.752]                   # the middle of the workspace, on the table top
+pose = [0.25, 0.0, 0.0]                     # in the middle of the placement area; heights count from the table top
 static = true                               # false: the root is placed at random in every episode
 yaw = [0.0, 0.0]                            # bounds of its random turn
 
@@ -77,7 +78,7 @@ size = [0.05]
 [[waypoint]]                                # the demonstration visits waypoint0, waypoint1, ... with the tip
 name = "waypoint0"
 parent = "ball"
-pose = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]  # hand pointing down
+rpy = [3.1415927, 0.0, 0.0]                 # hand pointing down
 symmetry = 4                                # it may arrive turned by quarter turns
 # path = "straight"                         # or "curve"; default "plan"
 # ignore_collisions = true                  # for contact

@@ -6,12 +6,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from rlbench_pin.environment.demonstrate import EXTRA_TICKS
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import Demo
-
-EXTRA_STEPS = 10
-"""Repetitions of the last action when a replay has not succeeded yet, as many as a demonstration waits."""
 
 
 def reaches_goal(task: TaskEnvironment, actions: Iterable[np.ndarray]) -> bool:
@@ -36,4 +34,4 @@ def replay_succeeds(task: TaskEnvironment, demo: Demo) -> bool:
     actions = [obs.misc["joint_position_action"] for obs in demo[1:] if "joint_position_action" in obs.misc]
     if not actions or len(actions) < len(demo) - 1:
         raise DemoError("The demonstration holds no `joint_position_action`, so it cannot be replayed. Record it live.")
-    return reaches_goal(task, [*actions, *[actions[-1]] * EXTRA_STEPS])
+    return reaches_goal(task, [*actions, *[actions[-1]] * EXTRA_TICKS])

@@ -18,10 +18,10 @@ from rlbench_pin.planning.planner import MotionPlanner
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.sim import World
-from rlbench_pin.spatial import FloatArray
+from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray
 from rlbench_pin.tasks import Task
 
-TIP_WORKSPACE = np.array([[-0.274, -0.655, 0.752], [0.774, 0.655, 1.752]])
+TIP_WORKSPACE = np.array([[-0.274, -0.655, TABLE_HEIGHT], [0.774, 0.655, TABLE_HEIGHT + 1.0]])
 """Lowest and highest corner of the box that tip targets must lie in [m]."""
 
 BoundT = TypeVar("BoundT", covariant=True)

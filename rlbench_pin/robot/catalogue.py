@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from rlbench_pin.assets import asset_path
 from rlbench_pin.errors import UnknownName
 from rlbench_pin.robot.description import RobotDescription
+from rlbench_pin.spatial import TABLE_HEIGHT
 
 
 class UnknownRobot(UnknownName, ValueError):
@@ -27,7 +28,7 @@ def _panda() -> RobotDescription:
         # In front of the hand, pitched 0.4 rad towards the fingers; at home the top of the picture is away from the base.
         camera_pose=(0.08, 0.0, 0.03, 0.1404802, -0.1404802, -0.6930117, 0.6930117),
         home=(0.0, 0.175, 0.0, -0.873, 0.0, 1.222, 0.785),
-        base_pose=(-0.273, 0.0, 0.752, 0.0, 0.0, 0.0, 1.0),
+        base_pose=(-0.273, 0.0, TABLE_HEIGHT, 0.0, 0.0, 0.0, 1.0),
         gripper_open=0.04,
         gripper_force=40.0,
         acceleration=(15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0),

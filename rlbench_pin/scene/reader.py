@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 
 from rlbench_pin.errors import SceneFileError, nearest_name
 from rlbench_pin.scene.checks import check_scene
+from rlbench_pin.scene.short_forms import POSED_TABLES, ShortFormError, placement_from_file, short_keys, write_out
 from rlbench_pin.scene.spec import FORMAT, SceneSpec
 
 Raw = dict[str, Any]
@@ -29,10 +30,14 @@ def read_scene(path: Path | str) -> SceneSpec:
     path = Path(path)
     raw = _parse(path)
     _check_format(path, raw)
+    if raw["format"] == FORMAT:
+        raw = _written_out(path, raw)
     try:
         scene = SceneSpec.model_validate({**raw, "file": str(path)})
     except ValidationError as error:
         raise _scene_file_error(path, raw, error) from error
+    if scene.format == FORMAT:
+        scene = scene.model_copy(update={"placement": placement_from_file(scene.placement)})
     check_scene(scene)
     return scene
 
@@ -51,8 +56,28 @@ def _parse(path: Path) -> Raw:
 def _check_format(path: Path, raw: Raw) -> None:
     if "format" not in raw:
         raise SceneFileError(path, "key 'format'", "it is missing.", f"Begin the file with `format = {FORMAT}`.")
-    if raw["format"] != FORMAT:
-        raise SceneFileError(path, "key 'format'", f"{raw['format']!r} is not supported.", f"This version reads format {FORMAT}.")
+    if raw["format"] not in range(1, FORMAT + 1):
+        hint = f"This version reads the formats 1 to {FORMAT}."
+        raise SceneFileError(path, "key 'format'", f"{raw['format']!r} is not supported.", hint)
+
+
+def _written_out(path: Path, raw: Raw) -> Raw:
+    """Return the content of a file with the short forms of format 2 written out."""
+    return {table: _entries(path, table, content) if table in POSED_TABLES else content for table, content in raw.items()}
+
+
+def _entries(path: Path, table: str, content: Any) -> Any:
+    """Write out one array of tables; content that is none is left to the checks that follow."""
+    if not isinstance(content, list) or not all(isinstance(entry, dict) for entry in content):
+        return content
+    entries: list[Raw] = []
+    for number, entry in enumerate(content):
+        try:
+            entries += write_out(table, entry)
+        except ShortFormError as error:
+            where = f"{_entry_name(table, number, entry)}, key '{error.key}'"
+            raise SceneFileError(path, where, error.problem, error.hint) from error
+    return entries
 
 
 def _scene_file_error(path: Path, raw: Raw, error: ValidationError) -> SceneFileError:
@@ -62,16 +87,24 @@ def _scene_file_error(path: Path, raw: Raw, error: ValidationError) -> SceneFile
     location = tuple(part for part in first["loc"] if part not in ("float", "int", "str", "literal"))
     where = _where(raw, location)
     if first["type"] == "extra_forbidden":
-        known = sorted(_fields_at(location[:-1]) - {"file"})
-        near = nearest_name(str(location[-1]), known)
-        hint = f"Did you mean '{near}'?" if near else f"Known keys: {', '.join(known)}."
-        return SceneFileError(path, where, f"'{location[-1]}' is not known here.", hint)
+        return SceneFileError(path, where, f"'{location[-1]}' is not known here.", _known_keys(raw, location))
     if first["type"] == "missing":
         return SceneFileError(path, where, f"the key '{location[-1]}' is missing.")
     message = first["msg"].removeprefix("Value error, ")
     given = first["input"]
     shown = "" if isinstance(given, dict) else f" (given: {given!r})"
     return SceneFileError(path, where, f"{message}{shown}.")
+
+
+def _known_keys(raw: Raw, location: tuple[int | str, ...]) -> str:
+    """Say what may stand where a key is that is not known."""
+    known = _fields_at(location[:-1]) - {"file"}
+    short = short_keys(str(location[0])) if len(location) == 3 else frozenset()
+    if raw["format"] < FORMAT and location[-1] in short:
+        return f"It is known from `format = {FORMAT}` on."
+    names = sorted(known | short if raw["format"] == FORMAT else known)
+    near = nearest_name(str(location[-1]), names)
+    return f"Did you mean '{near}'?" if near else f"Known keys: {', '.join(names)}."
 
 
 def _where(raw: Raw, location: tuple[int | str, ...]) -> str:
@@ -83,10 +116,13 @@ def _where(raw: Raw, location: tuple[int | str, ...]) -> str:
         return f"key '{table}'"
     if not isinstance(rest[0], int):
         return f"[{table}], key '{_dotted(rest)}'"
-    entry = raw[str(table)][rest[0]]
-    name = entry.get("name", f"number {rest[0]}") if isinstance(entry, dict) else f"number {rest[0]}"
     key = f", key '{_dotted(rest[1:])}'" if rest[1:] else ""
-    return f"[[{table}]] '{name}'{key}"
+    return f"{_entry_name(str(table), rest[0], raw[str(table)][rest[0]])}{key}"
+
+
+def _entry_name(table: str, number: int, entry: Any) -> str:
+    name = entry.get("name", f"number {number}") if isinstance(entry, dict) else f"number {number}"
+    return f"[[{table}]] '{name}'"
 
 
 def _dotted(parts: tuple[int | str, ...]) -> str:

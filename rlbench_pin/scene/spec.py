@@ -2,6 +2,9 @@
 
 Lengths in [m], angles in [rad], poses `[x, y, z, qx, qy, qz, qw]` in the frame of `parent`. A parent is written
 `root` (the task root), `world`, `<body>`, `<body>/<link>`, `<frame>`, `<sensor>`, `<region>` or `<waypoint>`.
+
+A file of format 1 says poses as they are here. In one of format 2 the height of `[placement]` counts from the table top,
+and `rpy` and `poses` may stand for a rotation and for an array (`short_forms`); the records are the same.
 """
 
 from __future__ import annotations
@@ -11,7 +14,10 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator
 
-FORMAT = 1
+from rlbench_pin.spatial import TABLE_HEIGHT
+
+FORMAT = 2
+"""Format of new files."""
 ROOT = "root"
 WORLD = "world"
 
@@ -161,14 +167,15 @@ class WaypointSpec(Posed):
 class PlacementSpec(Spec):
     """Where the task root stands and how it may be placed at random."""
 
-    pose: Pose = (0.25, 0.0, 0.752, 0.0, 0.0, 0.0, 1.0)
-    """Nominal pose of the root in the world; used as it is with static positions."""
+    pose: Pose = (0.25, 0.0, TABLE_HEIGHT, 0.0, 0.0, 0.0, 1.0)
+    """Nominal pose of the root in the world; used as it is with static positions. In a file of format 2, z counts from the
+    table top."""
     static: bool = False
     """The root stays at its nominal pose in every episode."""
     yaw: tuple[float, float] = (-3.14, 3.14)
     """Bounds of the random yaw of the root [rad]."""
     footprint: tuple[float, float] | None = None
-    """Size x, y of the patch that has to fit in the workspace; None takes the bounding box of all bodies."""
+    """Size x, y of the patch that has to fit in the placement area; None takes the bounding box of all bodies."""
     footprint_center: tuple[float, float] = (0.0, 0.0)
     """Centre of the patch in the root frame."""
 
@@ -176,7 +183,8 @@ class PlacementSpec(Spec):
 class SceneSpec(Spec):
     """A whole scene file."""
 
-    format: Literal[1]
+    format: Literal[1, 2]
+    """Format of the file."""
     placement: PlacementSpec = PlacementSpec()
     body: tuple[BodySpec, ...] = ()
     joint: tuple[JointSpec, ...] = ()

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import PydanticUndefined
 from tomlkit.items import AoT, InlineTable, Table
 
+from rlbench_pin.scene.short_forms import ShortFormError, placement_for_file, write_out
 from rlbench_pin.scene.spec import (
     FORMAT,
     BodySpec,
@@ -26,7 +27,7 @@ from rlbench_pin.scene.spec import (
     WaypointSpec,
 )
 
-HEADER = "lengths [m], angles [rad], pose [x, y, z] or [x, y, z, yaw] or [x, y, z, qx, qy, qz, qw]"
+HEADER = "lengths [m], angles [rad], pose [x, y, z] or [x, y, z, yaw] or [x, y, z, qx, qy, qz, qw], or [x, y, z] and rpy"
 _TABLES: Mapping[str, type[Spec]] = {
     "body": BodySpec,
     "joint": JointSpec,
@@ -35,6 +36,7 @@ _TABLES: Mapping[str, type[Spec]] = {
     "sensor": SensorSpec,
     "waypoint": WaypointSpec,
 }
+_TABLE_OF = {model: table for table, model in _TABLES.items()}
 _POSES = frozenset({"pose", "points"})
 _DIGITS = 9
 _HEADING = re.compile(r"^(?!#)(.+)\n(\[{1,2}[a-z_]+\]{1,2} *(?:#.*)?)$", re.MULTILINE)
@@ -44,8 +46,9 @@ _HEADING = re.compile(r"^(?!#)(.+)\n(\[{1,2}[a-z_]+\]{1,2} *(?:#.*)?)$", re.MULT
 def write_scene(spec: SceneSpec, path: Path | str) -> None:
     """Write a scene to a file.
 
-    An existing file is edited in place: entries are matched by name, and only keys whose value differs are written.
-    Numbers are rounded to 1e-9.
+    An existing file is edited in place and keeps its format: entries are matched by name, and only keys whose value differs
+    are written. An array stays one while nothing in it differs; otherwise its things are written one by one. A new file has
+    format 2. Numbers are rounded to 1e-9.
 
     Args:
         spec: The scene.
@@ -53,13 +56,12 @@ def write_scene(spec: SceneSpec, path: Path | str) -> None:
     """
     path = Path(path)
     document = tomlkit.parse(path.read_text(encoding="utf-8")) if path.is_file() else _new_document()
-    document["format"] = FORMAT
     _write_placement(document, spec.placement)
     for table, model in _TABLES.items():
         _write_table(document, table, model, getattr(spec, table))
-    aside = path.with_name(path.name + ".part")
-    aside.write_text(_HEADING.sub(r"\1\n\n\2", tomlkit.dumps(document)), encoding="utf-8")
-    aside.replace(path)
+    part = path.with_name(path.name + ".part")
+    part.write_text(_HEADING.sub(r"\1\n\n\2", tomlkit.dumps(document)), encoding="utf-8")
+    part.replace(path)
 
 
 def _new_document() -> tomlkit.TOMLDocument:
@@ -71,6 +73,8 @@ def _new_document() -> tomlkit.TOMLDocument:
 def _write_placement(document: tomlkit.TOMLDocument, placement: PlacementSpec) -> None:
     if placement == PlacementSpec() and "placement" not in document:
         return
+    if document["format"] == FORMAT:
+        placement = placement_for_file(placement)
     if "placement" not in document:
         document.add(tomlkit.nl())
         document.add("placement", tomlkit.table())
@@ -86,16 +90,41 @@ def _write_table(document: tomlkit.TOMLDocument, key: str, model: type[Spec], sp
             return
         present = tomlkit.aot()
         document.add(key, present)
+    kept = _keep_arrays(present, model, wanted)
     for index in reversed(range(len(present))):
         if present[index].get("name") not in wanted:
             del present[index]
     known = {entry["name"]: entry for entry in present}
     for name, spec in wanted.items():
+        if name in kept:
+            continue
         if name not in known:
             present.append(_new_entry(after=present))
         _update(known.get(name, present[-1]), spec)
     if not wanted:
         del document[key]
+
+
+def _keep_arrays(present: AoT, model: type[Spec], wanted: Mapping[str, Any]) -> set[str]:
+    """Write out the arrays of a table in which something differs, and return the names of all things in the others."""
+    kept: set[str] = set()
+    for index in reversed(range(len(present))):
+        if "poses" not in present[index]:
+            continue
+        things = {thing.name: thing for thing in _parsed(present[index], model)}
+        if things and all(name in wanted and _alike(thing, wanted[name]) for name, thing in things.items()):
+            kept |= things.keys()
+            continue
+        del present[index]
+        for k, name in enumerate(name for name in things if name in wanted):
+            entry = tomlkit.table()
+            entry["name"] = name
+            present.insert(index + k, entry)
+    return kept
+
+
+def _alike(a: Spec, b: Spec) -> bool:
+    return all(_same(getattr(a, key), getattr(b, key)) for key in type(a).model_fields)
 
 
 def _new_entry(after: AoT) -> Table:
@@ -108,11 +137,14 @@ def _new_entry(after: AoT) -> Table:
 
 def _update(entry: Any, spec: Spec) -> None:
     """Change the keys of one table whose value differs from `spec`; keys at their default are left out."""
-    before = _parsed(entry, type(spec))
+    before = next(iter(_parsed(entry, type(spec))), None)
     for key, info in type(spec).model_fields.items():
         value = getattr(spec, key)
-        if before is not None and key in entry and _same(getattr(before, key), value):
+        stands = key in entry or (key == "pose" and "rpy" in entry)
+        if before is not None and stands and _same(getattr(before, key), value):
             continue
+        if key == "pose":
+            entry.pop("rpy", None)
         is_default = info.default is not PydanticUndefined and _same(value, info.default)
         if is_default or value is None:
             entry.pop(key, None)
@@ -120,12 +152,12 @@ def _update(entry: Any, spec: Spec) -> None:
             entry[key] = _plain(key, value)
 
 
-def _parsed(entry: Any, model: type[Spec]) -> Spec | None:
-    """Read one table of the file; None when it is new or not valid."""
+def _parsed(entry: Any, model: type[Any]) -> list[Any]:
+    """Return what one table of the file stands for; nothing when it is new or not valid."""
     try:
-        return model.model_validate(entry.unwrap())
-    except ValidationError:
-        return None
+        return [model.model_validate(plain) for plain in write_out(_TABLE_OF.get(model, "placement"), entry.unwrap())]
+    except (ValidationError, ShortFormError):
+        return []
 
 
 def _same(a: Any, b: Any) -> bool:

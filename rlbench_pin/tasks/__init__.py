@@ -23,7 +23,7 @@ from rlbench_pin.tasks.conditions import (
     TipInside,
 )
 from rlbench_pin.tasks.palette import BUTTON_COLORS, COLORS, Color, distractor_colors
-from rlbench_pin.tasks.placement import NO_ROTATION, WORKSPACE, SpawnBoundary, place_task, swap_places
+from rlbench_pin.tasks.placement import NO_ROTATION, PLACEMENT_AREA, SpawnBoundary, place_task, swap_places
 from rlbench_pin.tasks.registry import LIBRARY, camel_case, find_task, load_task_file, task_class, task_names, task_scene
 from rlbench_pin.tasks.task import Task, TaskState
 from rlbench_pin.tasks.waypoints import Waypoint
@@ -33,7 +33,7 @@ __all__ = [
     "COLORS",
     "LIBRARY",
     "NO_ROTATION",
-    "WORKSPACE",
+    "PLACEMENT_AREA",
     "AllOf",
     "AnyOf",
     "BodySpec",

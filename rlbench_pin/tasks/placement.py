@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rlbench_pin.errors import BoundaryError, TaskError
-from rlbench_pin.spatial import FloatArray, compose, pose_at, pose_to_se3, relative
+from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, compose, pose_at, pose_to_se3, relative
 from rlbench_pin.tasks.boxes import OrientedBox
 
 if TYPE_CHECKING:
@@ -22,12 +22,12 @@ ANY_YAW: tuple[Rotation, Rotation] = ((0.0, 0.0, -3.14), (0.0, 0.0, 3.14))
 
 
 @dataclass(frozen=True)
-class Workspace:
+class PlacementArea:
     """The part of the table top on which tasks are placed, in the world frame [m]."""
 
     x: tuple[float, float] = (-0.074, 0.574)
     y: tuple[float, float] = (-0.455, 0.455)
-    z: float = 0.752
+    z: float = TABLE_HEIGHT
 
     @property
     def low(self) -> FloatArray:
@@ -40,7 +40,7 @@ class Workspace:
         return np.array([self.x[1], self.y[1]])
 
 
-WORKSPACE = Workspace()
+PLACEMENT_AREA = PlacementArea()
 
 
 class SpawnBoundary:
@@ -61,6 +61,14 @@ class SpawnBoundary:
     def clear(self) -> None:
         """Forget what was placed; call it at the start of every episode."""
         self._placed.clear()
+
+    def state(self) -> tuple[tuple[str, OrientedBox, FloatArray], ...]:
+        """Return what was placed since the last `clear`."""
+        return tuple(self._placed)
+
+    def set_state(self, state: tuple[tuple[str, OrientedBox, FloatArray], ...]) -> None:
+        """Remember as placed what `state()` returned before."""
+        self._placed[:] = state
 
     def sample(
         self,
@@ -119,7 +127,7 @@ class SpawnBoundary:
 
 
 def place_task(world: World, rng: np.random.Generator, bounds: tuple[Rotation, Rotation] = ANY_YAW) -> None:
-    """Place the task root at random in the workspace; only its footprint has to fit.
+    """Place the task root at random in the placement area; only its footprint has to fit.
 
     Args:
         world: The world whose root is moved, with everything that hangs on it.
@@ -135,14 +143,14 @@ def place_task(world: World, rng: np.random.Generator, bounds: tuple[Rotation, R
         quaternion = _turned(rng.uniform(*bounds), nominal[3:])
         corners = np.array([[x, y, 0.0] for x in (low[0], high[0]) for y in (low[1], high[1])])
         turned = corners @ pose_to_se3(np.concatenate([np.zeros(3), quaternion])).rotation.T
-        first = WORKSPACE.low - turned[:, :2].min(axis=0)
-        last = WORKSPACE.high - turned[:, :2].max(axis=0)
+        first = PLACEMENT_AREA.low - turned[:, :2].min(axis=0)
+        last = PLACEMENT_AREA.high - turned[:, :2].max(axis=0)
         if np.all(first <= last):
             world.place_root(np.concatenate([rng.uniform(first, last), nominal[2:3], quaternion]))
             return
-    size, room = np.round(high - low, 3).tolist(), np.round(WORKSPACE.high - WORKSPACE.low, 3).tolist()
+    size, area = np.round(high - low, 3).tolist(), np.round(PLACEMENT_AREA.high - PLACEMENT_AREA.low, 3).tolist()
     raise BoundaryError(
-        f"The footprint {size} m of the task does not fit in the workspace {room} m "
+        f"The footprint {size} m of the task does not fit in the placement area {area} m "
         "at any orientation tried. Give [placement] a smaller footprint."
     )
 

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from rlbench_pin.errors import TaskError
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks.conditions import Condition
 from rlbench_pin.tasks.low_dim import LowDimState
+from rlbench_pin.tasks.state import Memory, recall, remember
 from rlbench_pin.tasks.waypoints import Waypoint, WaypointHook
 
 if TYPE_CHECKING:
@@ -29,18 +30,23 @@ RotationBounds = tuple[tuple[float, float, float], tuple[float, float, float]]
 class TaskState:
     """What a task remembers at one instant; valid for the task object it came from."""
 
-    attributes: dict[str, tuple[Any, Any]]
-    """Name -> the value itself and a copy of what it contained."""
-    conditions: tuple[object, ...]
-    skips: tuple[bool, ...]
+    attributes: dict[str, Memory]
+    """Name -> the value itself and what it held."""
 
 
 class Task:
-    """Base class of all tasks. Override `init_task`, `init_episode` and `variation_count`; the rest is optional.
+    """Base class of all tasks. Override `init_task` and `init_episode`; the rest is optional.
 
     What varies from episode to episode is drawn from the generator that `init_episode` is given and from nothing else.
-    Attributes that change during an episode must be plain values or lists, dicts and sets of them: they are saved and
-    restored with the world.
+
+    Every attribute is saved and restored with the world, and so must be one of:
+
+    * a number, a string, None, a function, a frozen record;
+    * an array, or a list, tuple, dict or set of what is named here: its contents are saved;
+    * what the world hands out (bodies, joints, frames, regions, sensors): the world saves it;
+    * an object with `state()` and `set_state(state)`, such as a condition or a `SpawnBoundary`: these two are used.
+
+    Anything else is refused with a TaskError when an episode begins.
 
     Args:
         world: The world that was built from the scene file of this task.
@@ -88,8 +94,8 @@ class Task:
         raise NotImplementedError
 
     def variation_count(self) -> int:
-        """Return how many variations there are."""
-        raise NotImplementedError
+        """Return how many variations there are; one unless a task says otherwise."""
+        return 1
 
     def step(self) -> None:
         """Run after every control tick."""
@@ -172,7 +178,8 @@ class Task:
         """Lay out one episode in a clean world and return its instructions.
 
         Raises:
-            TaskError: The variation does not exist, or the task does not return a list of different sentences.
+            TaskError: The variation does not exist, the task does not return a list of different sentences, or it keeps an
+                attribute that cannot be saved.
         """
         count = self.variation_count()
         if not 0 <= variation < count:
@@ -183,6 +190,7 @@ class Task:
         instructions = self.init_episode(variation, rng)
         self._check_instructions(instructions)
         self.reset_conditions()
+        self.state()  # an attribute that cannot be saved is found here, not at the first save
         return instructions
 
     def end_episode(self) -> None:
@@ -230,21 +238,21 @@ class Task:
         return self._repeat is not None and bool(self._repeat())
 
     def state(self) -> TaskState:
-        """Return everything that changes during an episode."""
-        attributes = {name: (value, _copied(value)) for name, value in vars(self).items() if name not in _FIXED}
-        conditions = tuple(condition.state() for condition in (*self._success, *self._fail))
-        return TaskState(attributes, conditions, tuple(waypoint.skip for waypoint in self._waypoints))
+        """Return everything that changes during an episode.
+
+        Raises:
+            TaskError: An attribute is of a kind that cannot be saved.
+        """
+        changing = {name: value for name, value in vars(self).items() if name not in _FIXED}
+        return TaskState(remember(self.get_name(), changing))
 
     def set_state(self, state: TaskState) -> None:
         """Go back to a state of this task object."""
         for name in [name for name in vars(self) if name not in _FIXED and name not in state.attributes]:
             delattr(self, name)
-        for name, (value, contents) in state.attributes.items():
-            setattr(self, name, _refilled(value, contents))
-        for condition, value in zip((*self._success, *self._fail), state.conditions, strict=True):
-            condition.set_state(value)
-        for waypoint, skip in zip(self._waypoints, state.skips, strict=True):
-            waypoint.skip = skip
+        for name, memory in state.attributes.items():
+            setattr(self, name, recall(memory))
+        for waypoint in self._waypoints:
             waypoint.set_hooks(self._start_hooks.get(waypoint.index), self._end_hooks.get(waypoint.index))
         self.register_graspable_objects(self._graspable)
 
@@ -262,7 +270,7 @@ class Task:
             )
 
 
-_FIXED = frozenset({"world", "robot", "gripper", "_waypoints", "_low_dim"})
+_FIXED = frozenset({"world", "robot", "gripper", "_low_dim"})
 """Attributes that are the same throughout the life of a task."""
 
 
@@ -278,24 +286,3 @@ def _waypoints(world: World) -> list[Waypoint]:
         before = result[-1].gripper_amount if result else 1.0
         result.append(Waypoint(index, world.frame(spec.name), spec, before))
     return result
-
-
-def _copied(value: Any) -> Any:
-    """Copy containers and arrays; keep everything else, such as handles and conditions, as it is."""
-    if isinstance(value, dict):
-        return {key: _copied(item) for key, item in value.items()}
-    if isinstance(value, list | set):
-        return type(value)(_copied(item) for item in value)
-    return value.copy() if isinstance(value, np.ndarray) else value
-
-
-def _refilled(value: Any, contents: Any) -> Any:
-    """Give a container its old contents back; conditions that share it see them too."""
-    if isinstance(value, list):
-        value[:] = _copied(contents)
-    elif isinstance(value, dict | set):
-        value.clear()
-        value.update(_copied(contents))
-    elif isinstance(value, np.ndarray):
-        value[...] = contents
-    return value

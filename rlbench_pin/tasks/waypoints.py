@@ -100,6 +100,14 @@ class Waypoint:
         """Register what runs before the leg is planned and after it was run."""
         self._start, self._end = start, end
 
+    def state(self) -> bool:
+        """Return what changes during an episode: whether the waypoint is left out."""
+        return self.skip
+
+    def set_state(self, state: bool) -> None:
+        """Leave the waypoint out, or not, as `state()` said before."""
+        self.skip = state
+
     def run_start_hook(self) -> None:
         """Call the start hook, if there is one."""
         if self._start is not None:

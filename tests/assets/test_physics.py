@@ -7,9 +7,10 @@ import pybullet as p
 import pytest
 
 from rlbench_pin.assets import ASSETS
+from rlbench_pin.spatial import TABLE_HEIGHT
 from tests.assets.support import base_position, client, joint_table, load, object_urdf
 
-TOP = 0.752
+TOP = TABLE_HEIGHT
 REST = {
     "cube": 0.025,
     "cube_small": 0.02,

@@ -9,9 +9,9 @@ import numpy as np
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import NO_FILE, BodySnapshot, Shape, WorldSnapshot
-from rlbench_pin.spatial import FloatArray, pose_at
+from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, pose_at
 
-TABLE_TOP = 0.752
+TABLE_TOP = TABLE_HEIGHT
 TOP_DOWN = (1.0, 0.0, 0.0, 0.0)
 """Quaternion of a hand that points down."""
 

@@ -15,8 +15,8 @@ CUBE = 'asset = "objects/cube/cube.urdf"'
 CHEST = '[[body]]\nname = "chest"\nasset = "objects/chest/chest.urdf"\n'
 
 MISTAKES = {
-    "no format": ("", "key 'format'", "format = 1"),
-    "wrong format number": ("format = 2", "key 'format'", "2 is not supported"),
+    "no format": ("", "key 'format'", "format = 2"),
+    "wrong format number": ("format = 3", "key 'format'", "3 is not supported. This version reads the formats 1 to 2"),
     "no TOML": ("format = = 1", "file", "not valid TOML"),
     "misspelt table": ('format = 1\n[[waypoints]]\nname = "waypoint0"', "key 'waypoints'", "Did you mean 'waypoint'?"),
     "misspelt key": (

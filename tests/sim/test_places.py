@@ -8,10 +8,10 @@ import pytest
 from rlbench_pin.errors import RlbenchPinError, UnknownName
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
 from rlbench_pin.sim import Posed
-from rlbench_pin.spatial import compose, pose_at, relative
+from rlbench_pin.spatial import TABLE_HEIGHT, compose, pose_at, relative
 from tests.sim.support import UPRIGHT, build, cube_scene, furniture_scene, steps
 
-NEW_ROOT = pose_at((0.2, 0.1, 0.752), 0.0, 0.0, 0.7)
+NEW_ROOT = pose_at((0.2, 0.1, TABLE_HEIGHT), 0.0, 0.0, 0.7)
 
 
 @pytest.fixture
@@ -49,7 +49,7 @@ def test_a_frame_on_a_link_follows_the_joint(world):
 def test_a_moved_frame_takes_its_bodies_along(world):
     """The cube hangs on the spot; sensors that hang there follow as well."""
     before = relative(world.body("cube").pose, world.frame("spot").pose)
-    world.frame("spot").set_pose(pose_at((0.1, -0.1, 0.752), 0.0, 0.0, 0.3))
+    world.frame("spot").set_pose(pose_at((0.1, -0.1, TABLE_HEIGHT), 0.0, 0.0, 0.3))
     np.testing.assert_allclose(relative(world.body("cube").pose, world.frame("spot").pose), before, atol=1e-9)
     np.testing.assert_allclose(world.sensor("detector").position, [0.1, -0.1, 0.762], atol=1e-9)
 
@@ -60,7 +60,7 @@ def test_a_moved_body_takes_what_hangs_on_it():
     lid = BodySpec(name="lid", asset="objects/saucepan_lid/saucepan_lid.urdf", parent="pan", pose=(0.0, 0.0, 0.15, *UPRIGHT))
     with build(SceneSpec(format=1, body=(lid, pan))) as world:
         before = relative(world.body("lid").pose, world.body("pan").pose)
-        world.body("pan").set_pose(pose_at((0.3, 0.2, 0.752), 0.0, 0.0, 1.0))
+        world.body("pan").set_pose(pose_at((0.3, 0.2, TABLE_HEIGHT), 0.0, 0.0, 1.0))
         np.testing.assert_allclose(relative(world.body("lid").pose, world.body("pan").pose), before, atol=1e-9)
 
 
@@ -150,4 +150,4 @@ def test_scale():
     with build(cube_scene(spec)) as world:
         np.testing.assert_allclose(world.body("big").aabb_size(), 0.075, atol=1e-6)
         steps(world, 10)
-        assert world.body("big").position[2] == pytest.approx(0.752 + 0.0375, abs=1e-3)
+        assert world.body("big").position[2] == pytest.approx(TABLE_HEIGHT + 0.0375, abs=1e-3)

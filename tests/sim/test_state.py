@@ -14,6 +14,7 @@ import pytest
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
 from rlbench_pin.sim import World
+from rlbench_pin.spatial import TABLE_HEIGHT
 from tests.sim.support import (
     ABOVE,
     AROUND,
@@ -33,7 +34,7 @@ from tests.sim.support import (
 
 def clutter() -> SceneSpec:
     """Hollow things with things in them: many convex parts in contact."""
-    heights = {"saucepan": 0.752, "bin": 0.752, "grill": 0.752}
+    heights = {"saucepan": TABLE_HEIGHT, "bin": TABLE_HEIGHT, "grill": TABLE_HEIGHT}
     names = ("saucepan", "bin", "grill", "steak", "chicken", "rubbish")
     places = ((0.25, -0.3), (0.1, 0.25), (0.4, 0.2))
     bodies = [
@@ -200,7 +201,7 @@ def held_in_the_air(world: World) -> None:
     move(world, ABOVE)
     world.add_body("drop", cube("any", 0.0, 0.2, 0.79))
     world.body("cube").set_color((0.1, 0.9, 0.1))
-    world.root.set_pose([0.2, 0.1, 0.752, *UPRIGHT])
+    world.root.set_pose([0.2, 0.1, TABLE_HEIGHT, *UPRIGHT])
     world.robot.set_position_targets(AROUND)
     steps(world, 2)
 

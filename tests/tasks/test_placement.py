@@ -9,8 +9,8 @@ from rlbench_pin.errors import BoundaryError, TaskError
 from rlbench_pin.robot.catalogue import robot_description
 from rlbench_pin.scene.spec import BodySpec, PlacementSpec, SceneSpec
 from rlbench_pin.sim import World
-from rlbench_pin.spatial import compose, inverse, pose_at, quaternion_yaw, relative
-from rlbench_pin.tasks import NO_ROTATION, WORKSPACE, SpawnBoundary, place_task, swap_places
+from rlbench_pin.spatial import TABLE_HEIGHT, compose, inverse, pose_at, quaternion_yaw, relative
+from rlbench_pin.tasks import NO_ROTATION, PLACEMENT_AREA, SpawnBoundary, place_task, swap_places
 from rlbench_pin.tasks.boxes import OrientedBox
 from rlbench_pin.tasks.placement import footprint
 from tests.tasks.stand_ins import FakeBody, FakeFrame
@@ -160,14 +160,14 @@ def test_the_whole_task_is_placed_so_that_its_footprint_fits() -> None:
             place_task(world, rng, ((0, 0, -0.5), (0, 0, 0.5)))
             root = world.root.pose
             assert abs(quaternion_yaw(root[3:])) <= 0.5
-            assert root[2] == 0.752
+            assert root[2] == TABLE_HEIGHT
             np.testing.assert_allclose(relative(world.body("cube").pose, root), CUBE.pose, atol=1e-9)
             patch = [(x, y) for x in (-0.35, -0.05) for y in (0.0, 0.1)]
             for x, y in patch:
                 c, s = np.cos(quaternion_yaw(root[3:])), np.sin(quaternion_yaw(root[3:]))
                 corner = root[:2] + [c * x - s * y, s * x + c * y]
-                assert np.all(corner >= WORKSPACE.low - 1e-9)
-                assert np.all(corner <= WORKSPACE.high + 1e-9)
+                assert np.all(corner >= PLACEMENT_AREA.low - 1e-9)
+                assert np.all(corner <= PLACEMENT_AREA.high + 1e-9)
 
 
 def test_without_a_footprint_the_box_of_all_bodies_counts() -> None:

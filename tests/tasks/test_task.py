@@ -11,11 +11,12 @@ from rlbench_pin.errors import TaskError, UnknownName
 from rlbench_pin.robot.catalogue import robot_description
 from rlbench_pin.scene.spec import BodySpec, JointSpec, PlacementSpec, SceneSpec, WaypointSpec
 from rlbench_pin.sim import World
+from rlbench_pin.spatial import TABLE_HEIGHT
 from rlbench_pin.tasks import InOrder, JointMoved, ListEmpty, Task
 
 SCENE = SceneSpec(
     format=1,
-    placement=PlacementSpec(pose=(0.4, 0.0, 0.752, 0, 0, 0, 1), yaw=(-0.3, 0.3)),
+    placement=PlacementSpec(pose=(0.4, 0.0, TABLE_HEIGHT, 0, 0, 0, 1), yaw=(-0.3, 0.3)),
     body=(
         BodySpec(name="cube", asset="objects/cube/cube.urdf", pose=(-0.3, 0.0, 0.025, 0, 0, 0, 1)),
         BodySpec(name="chest", asset="objects/chest/chest.urdf", fixed=True),

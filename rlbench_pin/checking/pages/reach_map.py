@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from rlbench_pin.checking.reach import Reach
-from rlbench_pin.tasks import WORKSPACE
+from rlbench_pin.tasks import PLACEMENT_AREA
 
 _SCALE = 210.0
 """Pixels per metre."""
@@ -57,7 +57,9 @@ def _panel(title: str, marks: Sequence[tuple[tuple[float, float], float, bool]],
     draw.text((0, 2), f"{title}: {good}/{len(marks)}", fill=_INK if good == len(marks) else _NO, font=_font(13))
     draw.rectangle((0, _CAPTION, width - 1, height + _CAPTION - 1), fill=_FLOOR)
     draw.rectangle(
-        (*_pixel(WORKSPACE.x[1], WORKSPACE.y[1]), *_pixel(WORKSPACE.x[0], WORKSPACE.y[0])), fill=_PAPER, outline=_FAINT
+        (*_pixel(PLACEMENT_AREA.x[1], PLACEMENT_AREA.y[1]), *_pixel(PLACEMENT_AREA.x[0], PLACEMENT_AREA.y[0])),
+        fill=_PAPER,
+        outline=_FAINT,
     )
     x, y = _pixel(*_BASE)
     draw.ellipse((x - 12, y - 12, x + 12, y + 12), fill=_FAINT)

@@ -9,9 +9,8 @@ import numpy as np
 
 from assets_lib.mesh import Mesh, box, merge
 from assets_lib.urdf import Link, Model, Visual, box_shape, mesh_shape
+from rlbench_pin.spatial import TABLE_HEIGHT
 
-TOP = 0.752
-"""Height of the table top [m]."""
 TABLE_X, TABLE_Y = (-0.65, 0.95), (-0.75, 0.75)
 ROOM_X, ROOM_Y, ROOM_Z = (-1.75, 2.25), (-2.0, 2.0), 2.8
 """No wall is farther from the work than the cameras see."""
@@ -25,18 +24,18 @@ def quad(corners: list[tuple[float, float, float]], repeat: tuple[float, float])
 
 def _table() -> Model:
     (x0, x1), (y0, y1) = TABLE_X, TABLE_Y
-    size, center = (x1 - x0, y1 - y0, 0.04), ((x0 + x1) / 2.0, (y0 + y1) / 2.0, TOP - 0.02)
-    top = quad([(x0, y0, TOP), (x1, y0, TOP), (x1, y1, TOP), (x0, y1, TOP)], (1.0, 1.0))
-    apron = box((size[0], size[1], 0.0398), (center[0], center[1], TOP - 0.0201))
+    size, center = (x1 - x0, y1 - y0, 0.04), ((x0 + x1) / 2.0, (y0 + y1) / 2.0, TABLE_HEIGHT - 0.02)
+    top = quad([(x0, y0, TABLE_HEIGHT), (x1, y0, TABLE_HEIGHT), (x1, y1, TABLE_HEIGHT), (x0, y1, TABLE_HEIGHT)], (1.0, 1.0))
+    apron = box((size[0], size[1], 0.0398), (center[0], center[1], TABLE_HEIGHT - 0.0201))
     feet = [(x, y) for x in (x0 + 0.06, x1 - 0.06) for y in (y0 + 0.06, y1 - 0.06)]
-    legs = merge(box((0.06, 0.06, TOP - 0.04), (x, y, (TOP - 0.04) / 2.0)) for x, y in feet)
+    legs = merge(box((0.06, 0.06, TABLE_HEIGHT - 0.04), (x, y, (TABLE_HEIGHT - 0.04) / 2.0)) for x, y in feet)
     visuals = (
         Visual(mesh_shape("table_top", top), (1.0, 1.0, 1.0), texture="wood"),
         Visual(mesh_shape("table_edge", apron), (0.52, 0.36, 0.22)),
         Visual(mesh_shape("table_legs", legs), (0.40, 0.27, 0.16)),
     )
     link = Link("table", 40.0, visuals, (box_shape(size, center),), friction=0.8)
-    notes = (f"top at z = {TOP}, spans x {x0}..{x1}, y {y0}..{y1}; the legs are only seen",)
+    notes = (f"top at z = {TABLE_HEIGHT}, spans x {x0}..{x1}, y {y0}..{y1}; the legs are only seen",)
     return Model("table", "room", "world", (link,), notes=notes)
 
 

@@ -18,7 +18,7 @@ from rlbench_pin.observation import CAMERAS
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import EglMissing, Light, Lighting, World, look_at
 from rlbench_pin.sim.render.camera import CameraView
-from rlbench_pin.spatial import pose_at, pose_to_matrix
+from rlbench_pin.spatial import TABLE_HEIGHT, pose_at, pose_to_matrix
 from tests.sim.support import ABOVE, PANDA, UPRIGHT, BodySpec, build, cube, cube_scene
 
 CUBE = pose_at((0.35, 0.0, 0.95), 0.3, 0.4, 0.5)
@@ -93,14 +93,14 @@ def test_the_tip_is_seen_where_it_projects():
 
 
 def test_the_room_is_exact():
-    """The table top that the backdrop draws lies at z = 0.752 within 10 um, and no camera sees emptiness."""
+    """The table top that the backdrop draws lies at z = TABLE_HEIGHT within 10 um, and no camera sees emptiness."""
     with build(SceneSpec(format=1)) as world:
         table = next(i for i, name in world.masks.items() if name == "table")
         for view in views(world, (128, 96)).values():
             pictures = world.render(view)
             assert (pictures.mask > 0).all()
             seen = point_cloud(pictures.depth, view)[pictures.mask == table]
-            top = np.abs(seen[:, 2] - 0.752) < 1e-5
+            top = np.abs(seen[:, 2] - TABLE_HEIGHT) < 1e-5
             assert top.mean() > 0.9
 
 
