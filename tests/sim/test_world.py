@@ -167,7 +167,7 @@ def test_bodies_come_and_go():
         steps(world, 2)
 
 
-def test_contacts_are_told_by_name():
+def test_contacts_have_names():
     """Resting and touching things are reported with names, and nothing overlaps much."""
     with build() as world:
         steps(world, 5)

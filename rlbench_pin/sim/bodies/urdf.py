@@ -1,4 +1,4 @@
-"""A look at a URDF before PyBullet sees it, which ends the process on some broken ones."""
+"""Checks of a URDF before PyBullet reads it, because PyBullet ends the process on some broken ones."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def _check_joints(urdf: Path, robot: ET.Element, links: list[str]) -> None:
         raise AssetInvalid(urdf, f"it needs one link that is no joint's child, but has {', '.join(roots) or 'none'}")
     for link in links:
         if not _reaches(link, roots[0], parents):
-            raise AssetInvalid(urdf, f"the link '{link}' does not hang on '{roots[0]}'")
+            raise AssetInvalid(urdf, f"the link '{link}' is not connected to '{roots[0]}'")
 
 
 def _link_of(joint: ET.Element, role: str) -> str:
