@@ -16,6 +16,7 @@ NEW_ROOT = pose_at((0.2, 0.1, 0.752), 0.0, 0.0, 0.7)
 
 @pytest.fixture
 def world():
+    """A world with furniture."""
     with build(furniture_scene()) as world:
         yield world
 

@@ -16,6 +16,7 @@ from tests.sim.support import HOME, PANDA, build, close_on_cube, cube, cube_scen
 
 @pytest.fixture(scope="module")
 def furniture():
+    """A world with furniture."""
     with build(furniture_scene()) as world:
         yield world
 

@@ -15,7 +15,8 @@ from rlbench_pin.sim.client import bullet
 from rlbench_pin.sim.contacts import ContactReader
 from rlbench_pin.spatial import FloatArray, pose_to_se3
 
-Mode = Literal["position", "velocity", "torque"]
+DriveMode = Literal["position", "velocity", "torque"]
+"""What the arm's motors follow."""
 POSITION_GAIN = 0.2
 """Share of the position error that a motor removes in one physics step."""
 _CATCH_UP = 0.1
@@ -28,7 +29,7 @@ _FAST_CHANGE = 0.5
 class ArmControl:
     """Command of the arm's motors: enough to continue exactly."""
 
-    mode: Mode
+    mode: DriveMode
     target: FloatArray
     """Positions [rad], velocities [rad/s] or torques [N m], shape (n,)."""
     reference: FloatArray
@@ -154,7 +155,7 @@ class SimRobot:
     # Commanding ------------------------------------------------------------------------------------------------------
 
     @property
-    def mode(self) -> Mode:
+    def mode(self) -> DriveMode:
         """How the arm is driven now."""
         return self._control.mode
 
