@@ -20,7 +20,7 @@ ROWS: tuple[tuple[str, ...], ...] = (
     ("tasks",),
     ("sim", "planning", "control"),
     ("robot", "scene", "datasets"),
-    ("errors", "spatial", "observation", "assets", "urdf"),
+    ("errors", "spatial", "urdf", "observation", "assets"),
 )
 FLOOR = len(ROWS) - 1
 

@@ -33,7 +33,7 @@ from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.robot.payload import payload_inertia
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.scene.snapshot import WorldSnapshot
-from rlbench_pin.sim.arm.robot import Mode
+from rlbench_pin.sim import DriveMode
 from rlbench_pin.spatial import FloatArray, pose_to_se3, se3_to_pose
 
 MARGIN = 0.003
@@ -88,7 +88,7 @@ class Command:
 class Follower:
     """A controller that knows the trajectory it follows."""
 
-    mode: Mode
+    mode: DriveMode
     """Kind of its commands; torques are commanded in every physics step, the others once per control tick."""
     command: Callable[[int, FloatArray, FloatArray], Command]
     """Command of tick k in state q [rad], v [rad/s]."""

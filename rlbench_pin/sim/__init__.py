@@ -1,7 +1,7 @@
 """The simulated world: PyBullet behind plain names and arrays. Nothing else imports pybullet."""
 
 from rlbench_pin.sim.arm.gripper import SimGripper
-from rlbench_pin.sim.arm.robot import SimRobot
+from rlbench_pin.sim.arm.robot import DriveMode, SimRobot
 from rlbench_pin.sim.bodies.body import Body
 from rlbench_pin.sim.bodies.joint import ObjectJoint
 from rlbench_pin.sim.contacts import Contact
@@ -20,6 +20,7 @@ __all__ = [
     "Body",
     "CameraView",
     "Contact",
+    "DriveMode",
     "EglMissing",
     "Frame",
     "Light",

@@ -1,4 +1,4 @@
-"""Filling a physics server: robot, room and the bodies of a scene, always in the same order."""
+"""Loading robot, room and the bodies of a scene into a physics server."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ def _flush() -> None:
         ctypes.CDLL(None).fflush(None)
 
 
-with captured_output():  # pybullet greets when it is imported
+with captured_output():  # pybullet prints a line when it is imported
     import pybullet as bullet
 
 __all__ = ["Captured", "PhysicsClient", "bullet", "captured_output", "open_client"]
@@ -208,6 +208,6 @@ def open_client(timestep: float, renderer: RendererName) -> PhysicsClient:
 
 
 def _tidy(text: str) -> str:
-    """Keep the lines of a C message that carry news."""
+    """Keep the lines of a C message that carry information."""
     lines = (line.strip() for line in text.splitlines())
     return "; ".join(line for line in lines if line and not line.startswith("b3"))[:500]

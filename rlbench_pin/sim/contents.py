@@ -1,4 +1,4 @@
-"""The bodies of one world, and all that must know of each: mask ids, contacts and places."""
+"""The bodies of one world, with their mask ids, contacts and places."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ class Contents:
     Args:
         client: The physics server.
         spec: What the scene file says.
-        robot: Which arm stands behind the table.
+        robot: The arm behind the table.
 
     Attributes:
         robot: The loaded arm.
         room: Table, floor and walls, by name.
         room_ids: Mask id of each of them.
         bodies: Bodies of the scene and those added at run time, by name.
-        places: Frames, and what hangs on what.
+        places: Frames, and the parents of frames and bodies.
         masks: Mask ids of all links.
         contacts: Reads contact points.
     """
@@ -63,7 +63,7 @@ class Contents:
         if body.joints:
             build.share_island(self.robot, body)
         self.bodies[spec.name] = body
-        self.places.hang(spec)
+        self.places.add_body(spec)
         self._register(body)
         return body
 
@@ -71,7 +71,7 @@ class Contents:
         self.masks.add(body.name, body.model)
         self.contacts.add(body.name, body.model)
 
-    # Finding things --------------------------------------------------------------------------------------------------
+    # Lookup ----------------------------------------------------------------------------------------------------------
 
     def body(self, name: str) -> Body:
         """Return a body of the scene or the room.
@@ -144,7 +144,7 @@ class Contents:
             raise RlbenchPinError(f"'{name}' belongs to the scene file; only bodies made by add_body can be removed.")
         self._close_gap(name)
         del self.bodies[name]
-        self.places.unhang(name)
+        self.places.remove_body(name)
         self.masks.remove(body.model)
         self.contacts.remove(body.model.uid)
         self._client.change(bullet.removeBody, body.model.uid)

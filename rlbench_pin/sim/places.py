@@ -1,4 +1,4 @@
-"""What hangs on what: frames, bodies, and the root that holds them."""
+"""The tree of parents and children: the root, frames and bodies."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Kind = TypeVar("Kind", bound=Frame)
 
 
 class PlaceTree:
-    """Resolves names to placements, and moves bodies with what they hang on.
+    """Resolves names to placements, and moves bodies with their parents.
 
     Args:
         spec: Names, parents and local poses.
@@ -28,7 +28,7 @@ class PlaceTree:
 
     def __init__(self, spec: SceneSpec, find: Callable[[str], Body]) -> None:
         self._find = find
-        self._hanging: dict[str, BodySpec] = {}
+        self._bodies: dict[str, BodySpec] = {}
         self.frames: dict[str, Frame] = {ROOT: Frame(ROOT, WORLD, spec.placement.pose, self)}
         for f in (*spec.frame, *spec.waypoint):
             self.frames[f.name] = Frame(f.name, f.parent, f.pose, self)
@@ -53,8 +53,8 @@ class PlaceTree:
         return found
 
     def knows(self, name: str) -> bool:
-        """Whether a frame or a hanging body has that name."""
-        return name in self.frames or name in self._hanging or name == WORLD
+        """Whether a frame or a body of the tree has that name."""
+        return name in self.frames or name in self._bodies or name == WORLD
 
     def placement(self, name: str) -> pin.SE3:
         """Return T_world_x of a body, a link, a frame, `root` or `world`."""
@@ -72,50 +72,52 @@ class PlaceTree:
         except UnknownName as error:
             raise UnknownName("place of this scene", name, (*error.known, *self.frames, WORLD)) from error
 
-    # What hangs on what ----------------------------------------------------------------------------------------------
+    # Parents and children --------------------------------------------------------------------------------------------
 
-    def hang(self, spec: BodySpec) -> None:
-        """Make a body hang on its parent."""
-        self._hanging[spec.name] = spec
+    def add_body(self, spec: BodySpec) -> None:
+        """Make a body the child of its parent."""
+        self._bodies[spec.name] = spec
 
-    def unhang(self, name: str) -> None:
+    def remove_body(self, name: str) -> None:
         """Forget a body."""
-        del self._hanging[name]
+        del self._bodies[name]
 
     def place_bodies(self) -> None:
         """Put every body where the scene file says, parents first."""
-        for name in sorted(self._hanging, key=lambda n: len(self._owners(n))):
+        for name in sorted(self._bodies, key=lambda n: len(self._ancestors(n))):
             self.place_body(name)
 
     def place_body(self, name: str) -> None:
         """Put one body at its pose relative to its parent."""
-        spec = self._hanging[name]
+        spec = self._bodies[name]
         self._find(name).place(se3_to_pose(self.placement(spec.parent) * pose_to_se3(spec.pose)))
 
     def carry(self, name: str, old: FloatArray, new: FloatArray) -> None:
-        """Move the bodies that hang on `name`, directly or not, which went from pose `old` to `new`; they come to rest."""
+        """Move the descendants of `name`, which went from pose `old` to `new`; they come to rest."""
         if np.array_equal(old, new):
             return
-        for body_name in self._hanging:
-            if name in self._owners(body_name):
+        for body_name in self._bodies:
+            if name in self._ancestors(body_name):
                 body = self._find(body_name)
                 body.place(carried(body.pose, old, new))
 
     def check_parent(self, child: str, parent: str) -> None:
-        """Raise when `parent` is unknown or hangs on `child`."""
+        """Raise when `parent` is unknown or a descendant of `child`."""
         self.placement(parent)
         owner = parent.partition("/")[0]
-        if owner == child or child in self._owners(owner):
-            raise RlbenchPinError(f"'{child}' cannot hang on '{parent}', which hangs on '{child}' itself.")
+        if owner == child or child in self._ancestors(owner):
+            raise RlbenchPinError(
+                f"'{parent}' cannot be the parent of '{child}', because it is a descendant of '{child}' itself."
+            )
 
-    def _owners(self, name: str) -> tuple[str, ...]:
-        """Names of all that `name` hangs on, nearest first."""
-        owners: list[str] = []
+    def _ancestors(self, name: str) -> tuple[str, ...]:
+        """Names of the parent of `name`, of its parent, and so on."""
+        ancestors: list[str] = []
         while (parent := self._parent(name)) is not None:
-            owners.append(parent)
+            ancestors.append(parent)
             name = parent
-        return tuple(owners)
+        return tuple(ancestors)
 
     def _parent(self, name: str) -> str | None:
-        things: Mapping[str, Frame | BodySpec] = self.frames if name in self.frames else self._hanging
+        things: Mapping[str, Frame | BodySpec] = self.frames if name in self.frames else self._bodies
         return things[name].parent.partition("/")[0] if name in things else None

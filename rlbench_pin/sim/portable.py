@@ -15,15 +15,15 @@ from rlbench_pin.sim.arm.grasp import Attachment
 from rlbench_pin.sim.arm.gripper import FingerControl
 from rlbench_pin.sim.arm.robot import ArmControl
 from rlbench_pin.sim.state import (
-    BodyMarks,
-    Marks,
-    read_marks,
+    LogicalBodyState,
+    LogicalState,
+    read_logical_state,
     restore,
     restore_bytes,
     save,
     separate_bodies,
     to_bytes,
-    write_marks,
+    write_logical_state,
 )
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 _FORMAT = 1
 _KEYS = {"meta", "frame_poses", "arm_control", "finger_control", "finger_limits", "attachment_poses"}
 _MEASURED = {"body_poses", "body_velocities", "joint_states", "robot_joints"}
-"""What stands in for `physics` where it is missing."""
+"""Arrays that replace `physics` where it is missing."""
 
 
 def to_arrays(world: World, exact: bool = True) -> dict[str, np.ndarray]:
@@ -45,7 +45,7 @@ def to_arrays(world: World, exact: bool = True) -> dict[str, np.ndarray]:
         world: The world to describe.
         exact: Include `physics`.
     """
-    arrays = _readable(world, read_marks(world))
+    arrays = _readable(world, read_logical_state(world))
     if exact:
         physics = to_bytes(world.client)
         _restore_physics(world, physics)  # as the other process will, so that both go on alike
@@ -53,28 +53,28 @@ def to_arrays(world: World, exact: bool = True) -> dict[str, np.ndarray]:
     return arrays
 
 
-def _readable(world: World, marks: Marks) -> dict[str, np.ndarray]:
-    bodies = list(marks.bodies)
+def _readable(world: World, logical: LogicalState) -> dict[str, np.ndarray]:
+    bodies = list(logical.bodies)
     return {
-        "meta": _bytes(json.dumps(_meta(world, marks)).encode()),
+        "meta": _bytes(json.dumps(_meta(world, logical)).encode()),
         "body_poses": np.array([world.body(n).pose for n in bodies]).reshape(-1, 7),
         "body_velocities": np.array([world.body(n).velocity for n in bodies]).reshape(-1, 6),
         "joint_states": np.array([j.state() for n in bodies for j in world.body(n).joints.values()]).reshape(-1, 2),
         "robot_joints": world.robot.joint_states(),
-        "frame_poses": np.array([local for _, local in marks.frames.values()]).reshape(-1, 7),
-        "arm_control": np.stack([marks.arm.target, marks.arm.reference]),
-        "finger_control": np.stack([marks.fingers.target, marks.fingers.reference, marks.fingers.last]),
-        "finger_limits": np.array([marks.fingers.speed, marks.fingers.force]),
-        "attachment_poses": np.array([a.T_hand_body for a in marks.attachments]).reshape(-1, 7),
+        "frame_poses": np.array([local for _, local in logical.frames.values()]).reshape(-1, 7),
+        "arm_control": np.stack([logical.arm.target, logical.arm.reference]),
+        "finger_control": np.stack([logical.fingers.target, logical.fingers.reference, logical.fingers.last]),
+        "finger_limits": np.array([logical.fingers.speed, logical.fingers.force]),
+        "attachment_poses": np.array([a.T_hand_body for a in logical.attachments]).reshape(-1, 7),
     }
 
 
-def _meta(world: World, marks: Marks) -> dict[str, Any]:
+def _meta(world: World, logical: LogicalState) -> dict[str, Any]:
     return {
         "format": _FORMAT,
         "robot": world.robot.description.name,
-        "ticks": marks.ticks,
-        "arm_mode": marks.arm.mode,
+        "ticks": logical.ticks,
+        "arm_mode": logical.arm.mode,
         "bodies": {
             name: {
                 "colors": {str(k): v for k, v in m.colors.items()},
@@ -82,11 +82,11 @@ def _meta(world: World, marks: Marks) -> dict[str, Any]:
                 "graspable": m.graspable,
                 "locks": m.locks,
             }
-            for name, m in marks.bodies.items()
+            for name, m in logical.bodies.items()
         },
-        "frames": {name: parent for name, (parent, _) in marks.frames.items()},
-        "attachments": [a.body for a in marks.attachments],
-        "spawned": [spec.model_dump(mode="json") for spec in marks.spawned.values()],
+        "frames": {name: parent for name, (parent, _) in logical.frames.items()},
+        "attachments": [a.body for a in logical.attachments],
+        "spawned": [spec.model_dump(mode="json") for spec in logical.spawned.values()],
     }
 
 
@@ -111,17 +111,17 @@ def from_arrays(world: World, arrays: Mapping[str, np.ndarray]) -> None:
 
 def _continue_from(world: World, arrays: Mapping[str, np.ndarray]) -> None:
     meta = json.loads(np.asarray(arrays["meta"], dtype=np.uint8).tobytes())
-    marks = _marks(meta, arrays)
-    _check(world, meta, marks)
+    logical = _logical_state(meta, arrays)
+    _check(world, meta, logical)
     if "physics" not in arrays:
-        _set_measured(world, arrays, list(marks.bodies))
-        write_marks(world, marks)
+        _set_measured(world, arrays, list(logical.bodies))
+        write_logical_state(world, logical)
         return
     try:
         physics = zlib.decompress(np.asarray(arrays["physics"], dtype=np.uint8).tobytes())
     except zlib.error as error:
         raise RlbenchPinError(f"The array 'physics' is damaged: {error}.") from error
-    write_marks(world, marks)
+    write_logical_state(world, logical)
     _restore_physics(world, physics)
 
 
@@ -139,37 +139,37 @@ def _set_measured(world: World, arrays: Mapping[str, np.ndarray], names: list[st
             joint.set_state(*next(states))
 
 
-def _marks(meta: dict[str, Any], arrays: Mapping[str, np.ndarray]) -> Marks:
+def _logical_state(meta: dict[str, Any], arrays: Mapping[str, np.ndarray]) -> LogicalState:
     arm, fingers, limits = (np.array(arrays[k], dtype=float) for k in ("arm_control", "finger_control", "finger_limits"))
     frames = np.array(arrays["frame_poses"], dtype=float).reshape(-1, 7)
     held = np.array(arrays["attachment_poses"], dtype=float).reshape(-1, 7)
     specs = [BodySpec.model_validate(s) for s in meta["spawned"]]
-    return Marks(
+    return LogicalState(
         ticks=meta["ticks"],
         arm=ArmControl(meta["arm_mode"], arm[0], arm[1]),
         fingers=FingerControl(fingers[0], fingers[1], float(limits[0]), float(limits[1]), fingers[2]),
         attachments=tuple(Attachment(n, pose) for n, pose in zip(meta["attachments"], held, strict=True)),
         frames={n: (parent, local) for (n, parent), local in zip(meta["frames"].items(), frames, strict=True)},
-        bodies={name: _body_marks(entry) for name, entry in meta["bodies"].items()},
+        bodies={name: _body_state(entry) for name, entry in meta["bodies"].items()},
         spawned={spec.name: spec for spec in specs},
     )
 
 
-def _body_marks(entry: dict[str, Any]) -> BodyMarks:
+def _body_state(entry: dict[str, Any]) -> LogicalBodyState:
     colors = {int(k): tuple(v) for k, v in entry["colors"].items()}
-    return BodyMarks(colors, entry["collides"], entry["graspable"], entry["locks"])
+    return LogicalBodyState(colors, entry["collides"], entry["graspable"], entry["locks"])
 
 
-def _check(world: World, meta: dict[str, Any], marks: Marks) -> None:
+def _check(world: World, meta: dict[str, Any], logical: LogicalState) -> None:
     if meta["format"] != _FORMAT:
         raise RlbenchPinError(f"The arrays have format {meta['format']}; this version reads {_FORMAT}.")
     if meta["robot"] != world.robot.description.name:
         raise RlbenchPinError(f"The arrays belong to the robot '{meta['robot']}', not '{world.robot.description.name}'.")
     here = {*world.room, *(n for n in world.bodies if n not in world.spawned)}
-    there = {n for n in marks.bodies if n not in marks.spawned}
-    if here != there or set(marks.frames) != set(world.frames):
-        odd = sorted((here ^ there) | (set(marks.frames) ^ set(world.frames)))
-        raise RlbenchPinError(f"The arrays belong to another scene; only one of the two has {', '.join(odd[:6])}.")
+    there = {n for n in logical.bodies if n not in logical.spawned}
+    if here != there or set(logical.frames) != set(world.frames):
+        differing = sorted((here ^ there) | (set(logical.frames) ^ set(world.frames)))
+        raise RlbenchPinError(f"The arrays belong to another scene; only one of the two has {', '.join(differing[:6])}.")
 
 
 def _restore_physics(world: World, physics: bytes) -> None:

@@ -24,12 +24,12 @@ from rlbench_pin.spatial import FloatArray
 if TYPE_CHECKING:
     from rlbench_pin.sim.world import World
 
-_FAR, _APART, _ASIDE = 1000.0, 20.0, 10.0  # [m]
+_FAR, _SPACING, _SHIFT = 1000.0, 20.0, 10.0  # [m]
 _DETECTIONS = 20
 
 
 @dataclass(frozen=True, eq=False)
-class BodyMarks:
+class LogicalBodyState:
     """What PyBullet's state does not say of one body."""
 
     colors: dict[int, Color]
@@ -39,7 +39,7 @@ class BodyMarks:
 
 
 @dataclass(frozen=True, eq=False)
-class Marks:
+class LogicalState:
     """What PyBullet's state does not say of a world."""
 
     ticks: int
@@ -48,7 +48,7 @@ class Marks:
     attachments: tuple[Attachment, ...]
     frames: dict[str, tuple[str, FloatArray]]
     """Parent and local pose of each frame."""
-    bodies: dict[str, BodyMarks]
+    bodies: dict[str, LogicalBodyState]
     spawned: dict[str, BodySpec]
 
 
@@ -98,13 +98,13 @@ class WorldState:
     """One instant of one world; only that world can restore it."""
 
     physics: Physics
-    marks: Marks
+    logical: LogicalState
 
 
 def save(world: World) -> WorldState:
     """Remember this instant; the physics server frees it when the returned object is gone."""
     world.gripper.set_attachments(world.gripper.attachments())  # as restoring does
-    saved = WorldState(Physics(world.client), read_marks(world))
+    saved = WorldState(Physics(world.client), read_logical_state(world))
     weakref.finalize(saved, saved.physics.forget)
     world.saved_states.add(saved)
     _restore_physics(world, saved)
@@ -119,7 +119,7 @@ def restore(world: World, saved: WorldState) -> None:
     """
     if saved.physics.client is not world.client:
         raise RlbenchPinError("This state was saved by another world. Use arrays() and set_arrays() between worlds.")
-    write_marks(world, saved.marks)
+    write_logical_state(world, saved.logical)
     _restore_physics(world, saved)
 
 
@@ -129,14 +129,14 @@ def _restore_physics(world: World, saved: WorldState) -> None:
 
 
 def build_again(world: World) -> None:
-    """Bring a world to its origin, in a physics server without a past; saved states stay good."""
+    """Bring a world to its origin, in a physics server that was emptied and filled anew; saved states stay valid."""
     origin = world.origin
     for saved in world.saved_states:
         if saved is not origin and not saved.physics.has_bytes:
             restore(world, saved)
             saved.physics.take_bytes()
         saved.physics.forget()
-    write_marks(world, origin.marks)
+    write_logical_state(world, origin.logical)
     world.client.build_again()
     origin.physics.take()
     _restore_physics(world, origin)
@@ -180,14 +180,14 @@ def separate_bodies(world: World) -> None:
     # Each call drops about a tenth of the pairs that no longer overlap, and only when something has moved since the last one.
     for detection in range(_DETECTIONS):
         for number, model in enumerate(models):
-            x = _FAR + _APART * number + _ASIDE * (detection % 2)
+            x = _FAR + _SPACING * number + _SHIFT * (detection % 2)
             bullet.resetBasePositionAndOrientation(model.uid, [x, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], physicsClientId=identifier)
         bullet.performCollisionDetection(physicsClientId=identifier)
 
 
-def read_marks(world: World) -> Marks:
+def read_logical_state(world: World) -> LogicalState:
     """Collect what PyBullet's state leaves out."""
-    return Marks(
+    return LogicalState(
         world.ticks,
         world.robot.control,
         world.gripper.control,
@@ -198,30 +198,30 @@ def read_marks(world: World) -> Marks:
     )
 
 
-def _read_body(body: Body) -> BodyMarks:
-    return BodyMarks(
+def _read_body(body: Body) -> LogicalBodyState:
+    return LogicalBodyState(
         body.colors, body.collides, body.graspable, {name: joint.lock_position for name, joint in body.joints.items()}
     )
 
 
-def write_marks(world: World, marks: Marks) -> None:
+def write_logical_state(world: World, logical: LogicalState) -> None:
     """Bring about what PyBullet's state leaves out; only differences cost time."""
-    _match_spawned(world, marks.spawned)
-    world.gripper.set_attachments(marks.attachments)
-    for name, body_marks in marks.bodies.items():
-        _write_body(world.body(name), body_marks)
-    for name, (parent, local) in marks.frames.items():
+    _match_spawned(world, logical.spawned)
+    world.gripper.set_attachments(logical.attachments)
+    for name, body_state in logical.bodies.items():
+        _write_body(world.body(name), body_state)
+    for name, (parent, local) in logical.frames.items():
         world.frames[name].set_state(parent, local)
-    world.robot.set_control(marks.arm)
-    world.gripper.set_control(marks.fingers)
-    world.set_ticks(marks.ticks)
+    world.robot.set_control(logical.arm)
+    world.gripper.set_control(logical.fingers)
+    world.set_ticks(logical.ticks)
 
 
-def _write_body(body: Body, marks: BodyMarks) -> None:
-    body.set_colors(marks.colors)
-    body.set_collides(marks.collides)
-    body.graspable = marks.graspable
-    for name, lock in marks.locks.items():
+def _write_body(body: Body, logical: LogicalBodyState) -> None:
+    body.set_colors(logical.colors)
+    body.set_collides(logical.collides)
+    body.graspable = logical.graspable
+    for name, lock in logical.locks.items():
         body.joints[name].set_lock(lock)
 
 

@@ -39,10 +39,10 @@ class World:
 
     Args:
         spec: What the scene file says.
-        robot: Which arm stands behind the table.
+        robot: The arm behind the table.
         timestep: Physics step [s].
         control_dt: Control tick [s], a whole number of physics steps.
-        renderer: Who draws moving things: `cpu`, `egl`, or `auto` for EGL where there is one.
+        renderer: What draws moving things: `cpu`, `egl`, or `auto` for EGL where there is one.
 
     Attributes:
         spec: The scene it was built from.
@@ -51,12 +51,12 @@ class World:
         bodies: Bodies of the scene and those added at run time, by name.
         room: Table, floor and walls, by name.
         renderer: Takes the pictures; its `lighting` may be replaced.
-        texture_overrides: Textures over the things' own looks.
+        texture_overrides: Textures over the colours of robot, bodies and room.
         dynamics_overrides: Scaled masses, friction, damping and gains.
         on_step: Called after every tick.
         on_physics: Called before every physics step; may command the arm.
         client: The physics server, for modules of this folder only.
-        saved_states: States that someone still holds.
+        saved_states: States that can still be restored; one is freed when nothing refers to it any more.
     """
 
     def __init__(
@@ -90,7 +90,7 @@ class World:
         self.dynamics_overrides = DynamicsOverrides(self.robot)
         self.gripper = SimGripper(self.robot, self.body, lambda: tuple(self.bodies.values()))
 
-    # Finding things --------------------------------------------------------------------------------------------------
+    # Lookup ----------------------------------------------------------------------------------------------------------
 
     def body(self, name: str) -> Body:
         """Return a body of the scene or the room.
@@ -173,7 +173,7 @@ class World:
     # Changing the scene ----------------------------------------------------------------------------------------------
 
     def place_root(self, pose: PoseLike) -> None:
-        """Move the root to a pose (7,), and everything that hangs on it; joints stay, velocities become zero."""
+        """Move the root to a pose (7,), and all its descendants; joints stay, velocities become zero."""
         self.root.set_pose(pose)
 
     def add_body(self, name: str, spec: BodySpec) -> Body:
@@ -200,7 +200,7 @@ class World:
         """Bodies added at run time, in order."""
         return self._contents.spawned
 
-    # Asking ----------------------------------------------------------------------------------------------------------
+    # Queries ---------------------------------------------------------------------------------------------------------
 
     def contacts(self, body: str | None = None, other: str | None = None) -> tuple[Contact, ...]:
         """Return the contact points of the last physics step: all, those of one body, or those between two."""
@@ -227,11 +227,11 @@ class World:
         """Take pictures; see `Renderer.render`."""
         return self.renderer.render(camera, rgb=rgb, depth=depth, mask=mask, shadows=shadows)
 
-    # Going back ------------------------------------------------------------------------------------------------------
+    # Saving and restoring --------------------------------------------------------------------------------------------
 
     @property
     def origin(self) -> WorldState:
-        """The world as it was when its building ended: when that was said, at its first step, or when it was first saved."""
+        """The world as it was when its building ended: at `end_building`, at the first step, or at the first save."""
         self.end_building()
         assert self._origin is not None
         return self._origin
@@ -252,7 +252,7 @@ class World:
         state.restore(self, saved)
 
     def build_again(self) -> None:
-        """Go back to the origin, in a physics server without a past; saved states stay good.
+        """Go back to the origin, in a physics server that was emptied and filled anew; saved states stay valid.
 
         What follows is the same to the last bit whatever was simulated before, which `restore` cannot promise where many pieces
         touch: PyBullet looks at their contacts in an order that depends on earlier ones. Bodies, joints and frames stay the

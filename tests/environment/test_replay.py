@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from rlbench_pin.environment import TaskEnvironment
-from rlbench_pin.environment.replay import EXTRA_STEPS, reaches_goal, replay_succeeds
+from rlbench_pin.environment.demonstrate import EXTRA_TICKS
+from rlbench_pin.environment.replay import reaches_goal, replay_succeeds
 from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import Demo, Observation
 
@@ -45,7 +46,7 @@ def test_the_last_action_is_repeated() -> None:
     """As long as a demonstration waits for success."""
     loop = Loop(100)
     assert not replay_succeeds(cast(TaskEnvironment, loop), demo_of(1.0, 2.0))
-    assert loop.actions == [1.0, *[2.0] * (1 + EXTRA_STEPS)]
+    assert loop.actions == [1.0, *[2.0] * (1 + EXTRA_TICKS)]
 
 
 @pytest.mark.parametrize("demo", [demo_of(), demo_of(1.0, None)])

@@ -18,11 +18,13 @@ CONFIGURATIONS = 1000
 
 @pytest.fixture(scope="module")
 def model() -> RobotModel:
+    """The analytic model of the arm."""
     return RobotModel(PANDA)
 
 
 @pytest.fixture(scope="module")
 def configurations(model: RobotModel) -> np.ndarray:
+    """Random configurations within the limits, (n, 7) [rad]."""
     rng = np.random.default_rng(0)
     return rng.uniform(model.limits.lower, model.limits.upper, (CONFIGURATIONS, model.size))
 

@@ -1,4 +1,4 @@
-"""A world built again has no past: not in its bodies, nor in the order in which PyBullet looks at contacts."""
+"""A world built again keeps no history: not in its bodies, nor in the order in which PyBullet solves contacts."""
 
 from __future__ import annotations
 

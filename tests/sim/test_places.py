@@ -1,4 +1,4 @@
-"""Frames hang on things, and bodies come along with what they hang on."""
+"""Frames have parents, and bodies move with theirs."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ NEW_ROOT = pose_at((0.2, 0.1, TABLE_HEIGHT), 0.0, 0.0, 0.7)
 
 @pytest.fixture
 def world():
+    """A world with furniture."""
     with build(furniture_scene()) as world:
         yield world
 
@@ -47,7 +48,7 @@ def test_a_frame_on_a_link_follows_the_joint(world):
 
 
 def test_a_moved_frame_takes_its_bodies_along(world):
-    """The cube hangs on the spot; sensors that hang there follow as well."""
+    """The spot is the parent of the cube; sensors whose parent it is follow as well."""
     before = relative(world.body("cube").pose, world.frame("spot").pose)
     world.frame("spot").set_pose(pose_at((0.1, -0.1, TABLE_HEIGHT), 0.0, 0.0, 0.3))
     np.testing.assert_allclose(relative(world.body("cube").pose, world.frame("spot").pose), before, atol=1e-9)
@@ -55,7 +56,7 @@ def test_a_moved_frame_takes_its_bodies_along(world):
 
 
 def test_a_moved_body_takes_what_hangs_on_it():
-    """A lid that hangs on a pan comes along with the pan."""
+    """A lid whose parent is a pan moves with the pan."""
     pan = BodySpec(name="pan", asset="objects/saucepan/saucepan.urdf")
     lid = BodySpec(name="lid", asset="objects/saucepan_lid/saucepan_lid.urdf", parent="pan", pose=(0.0, 0.0, 0.15, *UPRIGHT))
     with build(SceneSpec(format=1, body=(lid, pan))) as world:
@@ -102,9 +103,9 @@ def test_impossible_parents_are_refused(world):
     """Unknown parents and cycles raise."""
     with pytest.raises(UnknownName, match="button"):
         world.frame("spot").set_parent("buton")
-    with pytest.raises(RlbenchPinError, match="hangs on"):
+    with pytest.raises(RlbenchPinError, match="descendant"):
         world.frame("spot").set_parent("detector")
-    with pytest.raises(RlbenchPinError, match="hangs on"):
+    with pytest.raises(RlbenchPinError, match="descendant"):
         world.root.set_parent("chest/drawer_top_link")
 
 

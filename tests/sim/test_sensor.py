@@ -13,6 +13,8 @@ PLACE = np.array([0.3, 0.0, 1.0])
 
 @pytest.fixture(scope="module")
 def world():
+    """A world with one sensor of each shape, a cube and a ball without collision geometry."""
+
     def sensor(name, shape, size):
         return SensorSpec(name=name, shape=shape, size=size, parent="world", pose=(*PLACE, *UPRIGHT))
 

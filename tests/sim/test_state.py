@@ -108,7 +108,7 @@ def test_a_grasp_is_restored():
 
 
 def test_everything_beside_the_physics_comes_back():
-    """Frames, parents, colours, collisions, locks, graspable marks, time and modes are as they were."""
+    """Frames, parents, colours, collisions, locks, graspable flags, time and modes are as they were."""
     with build(furniture_scene()) as world:
         steps(world, 2)
         saved, spot = world.save(), world.frame("spot").pose

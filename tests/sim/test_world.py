@@ -16,6 +16,7 @@ from tests.sim.support import HOME, PANDA, build, close_on_cube, cube, cube_scen
 
 @pytest.fixture(scope="module")
 def furniture():
+    """A world with furniture."""
     with build(furniture_scene()) as world:
         yield world
 
@@ -167,7 +168,7 @@ def test_bodies_come_and_go():
         steps(world, 2)
 
 
-def test_contacts_are_told_by_name():
+def test_contacts_have_names():
     """Resting and touching things are reported with names, and nothing overlaps much."""
     with build() as world:
         steps(world, 5)

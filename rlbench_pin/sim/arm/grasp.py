@@ -17,7 +17,7 @@ _FORCE = 200.0
 
 @dataclass(frozen=True, eq=False)
 class Attachment:
-    """One body that hangs on the hand."""
+    """One body that is fixed to the hand."""
 
     body: str
     T_hand_body: FloatArray
@@ -25,7 +25,7 @@ class Attachment:
 
 
 class Attachments:
-    """The bodies that hang on the hand, in the order in which they were grasped.
+    """The bodies that are fixed to the hand, in the order in which they were grasped.
 
     Args:
         robot: The loaded robot.
@@ -39,7 +39,7 @@ class Attachments:
         hand = bullet.getLinkState(robot.uid, self._hand, physicsClientId=self._client.id)
         self._T_hand_com = pose_to_se3((*hand[2], *hand[3]))
         self._held: dict[str, tuple[Attachment, int, Body]] = {}
-        self._shuffled = True
+        self._pairs_reordered = True
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -86,15 +86,15 @@ class Attachments:
 
         Every change of a filter moves the pairs of a body to the end of PyBullet's list, and contacts are solved in that order.
         """
-        if not self._shuffled:
+        if not self._pairs_reordered:
             return
         for body in bodies:
             self._filter(body, touch=False)
             self._filter(body, touch=True)
-        self._shuffled = False
+        self._pairs_reordered = False
 
     def _filter(self, body: Body, touch: bool) -> None:
-        self._shuffled = True
+        self._pairs_reordered = True
         for mine in self._untouched:
             for theirs in body.model.links.values():
                 self._client.change(bullet.setCollisionFilterPair, self._robot.uid, body.model.uid, mine, theirs, int(touch))

@@ -28,12 +28,12 @@ _GEAR_FORCE = 200.0  # of the coupling between the fingers [N]
 
 @dataclass(frozen=True, eq=False)
 class FingerControl:
-    """What the finger motors are told: enough to go on exactly."""
+    """Command of the finger motors: enough to continue exactly."""
 
     target: FloatArray
     """Finger joint positions to go to (2,) [m]."""
     reference: FloatArray
-    """Where the way to the target has come to (2,) [m]."""
+    """How far the motion to the target has come (2,) [m]."""
     speed: float
     """[m/s]."""
     force: float
@@ -66,7 +66,7 @@ class SimGripper:
             index = self._model.link_index(link)
             self._client.change(bullet.changeDynamics, self._model.uid, index, lateralFriction=_PAD_FRICTION, frictionAnchor=1)
         self.hold()
-        robot.on_reset = lambda fingers_too: self.hold() if fingers_too else None
+        robot.on_reset.append(lambda fingers_too: self.hold() if fingers_too else None)
 
     def _couple(self) -> None:
         """Make the fingers move alike, as the gear of a real hand does."""
@@ -156,19 +156,19 @@ class SimGripper:
 
     @property
     def control(self) -> FingerControl:
-        """What the finger motors are told."""
+        """Command of the finger motors."""
         return self._control
 
     def set_control(self, control: FingerControl) -> None:
-        """Go on with a stored command."""
+        """Continue with a stored command."""
         self._control = control
 
     def attachments(self) -> tuple[Attachment, ...]:
-        """What hangs on the hand."""
+        """What is fixed to the hand."""
         return self._attachments.state()
 
     def set_attachments(self, attachments: tuple[Attachment, ...]) -> None:
-        """Make `attachments` the only ones, and what was held before of no consequence."""
+        """Make `attachments` the only ones, whatever was held before."""
         self.release()
         self._attachments.restore_order(self._bodies())
         for attachment in attachments:

@@ -15,24 +15,25 @@ from rlbench_pin.sim.client import bullet
 from rlbench_pin.sim.contacts import ContactReader
 from rlbench_pin.spatial import FloatArray, pose_to_se3
 
-Mode = Literal["position", "velocity", "torque"]
+DriveMode = Literal["position", "velocity", "torque"]
+"""What the arm's motors follow."""
 POSITION_GAIN = 0.2
 """Share of the position error that a motor removes in one physics step."""
 _CATCH_UP = 0.1
 """Share of the velocity limits that a lagging joint may add to full speed."""
-_HASTE = 0.5
+_FAST_CHANGE = 0.5
 """Change of speed in a tick, as a share of the velocity limits, above which the motors are watched in every physics step."""
 
 
 @dataclass(frozen=True, eq=False)
 class ArmControl:
-    """What the arm's motors are told: enough to go on exactly."""
+    """Command of the arm's motors: enough to continue exactly."""
 
-    mode: Mode
+    mode: DriveMode
     target: FloatArray
     """Positions [rad], velocities [rad/s] or torques [N m], shape (n,)."""
     reference: FloatArray
-    """Where the interpolation towards a position target has come to [rad], shape (n,)."""
+    """How far the interpolation towards a position target has come [rad], shape (n,)."""
 
 
 class SimRobot:
@@ -52,7 +53,7 @@ class SimRobot:
         velocity_limits: Largest joint speeds (n,) [rad/s].
         effort_limits: Largest motor torques (n,) [N m].
         position_gain: Share of the position error that a motor removes in one physics step.
-        on_reset: Called by `reset_configuration` with whether the fingers were set as well.
+        on_reset: Functions that `reset_configuration` calls with whether the fingers were set as well.
     """
 
     def __init__(
@@ -74,9 +75,9 @@ class SimRobot:
         self._finger_limits = np.array([[i.lower for i in fingers], [i.upper for i in fingers]])
         self._tip = model.link_index(description.tip_frame)
         self._states: FloatArray | None = None
-        self.on_reset: Callable[[bool], None] = lambda fingers_too: None
+        self.on_reset: list[Callable[[bool], None]] = []
         self._control = ArmControl("velocity", np.zeros(len(infos)), np.zeros(len(infos)))
-        self._told: ArmControl | None = None
+        self._applied: ArmControl | None = None
         self._prepare_dynamics()
         self.reset_configuration(description.home, [description.gripper_open] * len(fingers))
 
@@ -94,7 +95,7 @@ class SimRobot:
         return self._states
 
     def forget_measurements(self) -> None:
-        """Read anew next time: something moved."""
+        """Read the joints again at the next request, because something moved."""
         self._states = None
 
     @property
@@ -154,7 +155,7 @@ class SimRobot:
     # Commanding ------------------------------------------------------------------------------------------------------
 
     @property
-    def mode(self) -> Mode:
+    def mode(self) -> DriveMode:
         """How the arm is driven now."""
         return self._control.mode
 
@@ -168,12 +169,12 @@ class SimRobot:
         self._control = ArmControl("position", target, reference)
 
     def set_velocity_targets(self, v: Sequence[float] | FloatArray) -> None:
-        """Turn the joints at velocities (n,) [rad/s] until told otherwise; capped at the joints' velocity limits."""
+        """Turn the joints at velocities (n,) [rad/s] until the next command; capped at the joints' velocity limits."""
         target = action_vector(v, len(self._arm), "joint velocity target")
         self._control = ArmControl("velocity", np.clip(target, -self.velocity_limits, self.velocity_limits), self.joint_positions)
 
     def set_torques(self, tau: Sequence[float] | FloatArray) -> None:
-        """Apply torques (n,) [N m] in every physics step until told otherwise; capped at the joints' effort limits."""
+        """Apply torques (n,) [N m] in every physics step until the next command; capped at the joints' effort limits."""
         target = action_vector(tau, len(self._arm), "joint torque")
         self._control = ArmControl("torque", np.clip(target, -self.effort_limits, self.effort_limits), self.joint_positions)
 
@@ -196,7 +197,8 @@ class SimRobot:
             self._client.change(bullet.resetJointState, self.model.uid, index, value)
         self._control = ArmControl("position", positions, positions)
         self.forget_measurements()
-        self.on_reset(fingers is not None)
+        for callback in self.on_reset:
+            callback(fingers is not None)
 
     def set_joint_states(self, positions: FloatArray, velocities: FloatArray) -> None:
         """Put arm and fingers at positions and velocities (n + fingers,); motor commands stay."""
@@ -208,23 +210,23 @@ class SimRobot:
 
     @property
     def control(self) -> ArmControl:
-        """What the motors are told."""
+        """Command of the motors."""
         return self._control
 
     def set_control(self, control: ArmControl) -> None:
-        """Go on with a stored command."""
+        """Continue with a stored command."""
         self._control = control
-        self._told = None
+        self._applied = None
         self.forget_measurements()
 
     def begin_tick(self) -> None:
-        """Work out what the motors do in this tick."""
+        """Compute what the motors do in this tick."""
         control = self._control
         if control.mode == "position":
             self._begin_position_tick()
-        elif control is not self._told:
+        elif control is not self._applied:
             self._release_motors() if control.mode == "torque" else self._drive_velocities()
-        self._told = self._control
+        self._applied = self._control
 
     def _begin_position_tick(self) -> None:
         control = self._control
@@ -238,7 +240,7 @@ class SimRobot:
         self._start, self._increment = start, move / self.substeps
         feed = move / self.tick
         self._feed = feed.tolist()
-        self._hasty = bool(np.any(np.abs(feed - measured[1]) > _HASTE * self.velocity_limits))
+        self._speed_changes_fast = bool(np.any(np.abs(feed - measured[1]) > _FAST_CHANGE * self.velocity_limits))
         self._control = ArmControl("position", control.target, start + move if excess > 1.0 else control.target)
 
     def _allowed_lead(self, control: ArmControl) -> FloatArray:
@@ -248,9 +250,9 @@ class SimRobot:
         return spare * self.timestep / self.position_gain
 
     def _position_goals(self, substep: int) -> list[float]:
-        """Motor positions for one physics step; in hasty motions they wait for the arm."""
+        """Motor positions for one physics step; when speeds change fast they wait for the arm."""
         goals = self._start + substep * self._increment
-        if self._hasty and substep:
+        if self._speed_changes_fast and substep:
             states = bullet.getJointStates(self.model.uid, self._arm, physicsClientId=self._client.id)
             measured = np.array([s[0] for s in states])
             goals = np.clip(goals, measured - self._lead, measured + self._lead)

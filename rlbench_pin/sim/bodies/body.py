@@ -29,7 +29,7 @@ class Body:
         model: What was loaded.
         fixed: Welded to its place.
         collides: Touches other things.
-        on_move: Called with the old and the new pose when `set_pose` moved the body, to carry along what hangs on it.
+        on_move: Called with the old and the new pose when `set_pose` moved the body, to carry its descendants along.
     """
 
     def __init__(self, name: str, model: LoadedModel, *, fixed: bool, collides: bool, on_move: OnMove) -> None:
@@ -69,7 +69,7 @@ class Body:
         return np.array(linear + angular)
 
     def set_pose(self, pose: PoseLike, zero_velocity: bool = True) -> None:
-        """Put the body at a pose (7,); bodies that the scene file hangs on it come along.
+        """Put the body at a pose (7,); bodies that are its children in the scene file move along.
 
         Args:
             pose: Pose of the base link frame in the world.
@@ -218,7 +218,7 @@ class Body:
 
 
 def carried(pose: PoseLike, old: PoseLike, new: PoseLike) -> FloatArray:
-    """Where a thing at `pose` goes when what it hangs on moves from `old` to `new`."""
+    """Where a thing at `pose` goes when its parent moves from `old` to `new`."""
     return compose(new, relative(pose, old))
 
 

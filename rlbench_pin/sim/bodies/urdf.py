@@ -1,4 +1,4 @@
-"""A look at a URDF before PyBullet sees it, which ends the process on some broken ones."""
+"""Checks of a URDF before PyBullet reads it, because PyBullet ends the process on some broken ones."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def _check_joints(urdf: Urdf, links: tuple[str, ...]) -> None:
         raise AssetInvalid(urdf.path, f"it needs one link that is no joint's child, but has {', '.join(roots) or 'none'}")
     for link in links:
         if not _reaches(link, roots[0], parents):
-            raise AssetInvalid(urdf.path, f"the link '{link}' does not hang on '{roots[0]}'")
+            raise AssetInvalid(urdf.path, f"the link '{link}' is not connected to '{roots[0]}'")
 
 
 def _reaches(link: str, root: str, parents: dict[str, str]) -> bool:

@@ -12,6 +12,7 @@ from tests.sim.support import ABOVE, AROUND, build, close_on_cube, cube, cube_sc
 
 @pytest.fixture
 def world():
+    """A world with one cube that may be grasped."""
     with build() as world:
         world.body("cube").graspable = True
         yield world

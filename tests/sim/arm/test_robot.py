@@ -16,6 +16,7 @@ SIGNS = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0])
 
 @pytest.fixture
 def world():
+    """A world without objects."""
     with build(SceneSpec(format=1)) as world:
         yield world
 

@@ -11,6 +11,7 @@ from tests.sim.support import build, furniture_scene, steps
 
 @pytest.fixture
 def world():
+    """A world with furniture."""
     with build(furniture_scene()) as world:
         yield world
 

@@ -25,6 +25,7 @@ def looking(eye, target, fov=20.0, size=(128, 128), far=4.5) -> CameraView:
 
 @pytest.fixture(scope="module")
 def world():
+    """A world with one cube in the air."""
     scene = cube_scene(cube("cube", 0.3, 0.1, 1.0, fixed=True))
     with build(scene) as world:
         world.body("cube").set_pose(CUBE)

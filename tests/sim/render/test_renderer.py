@@ -16,8 +16,7 @@ from rlbench_pin.environment.observations.observe import point_cloud
 from rlbench_pin.errors import CameraError, UnknownName
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.scene.spec import SceneSpec
-from rlbench_pin.sim import EglMissing, Light, Lighting, World, look_at
-from rlbench_pin.sim.render.camera import CameraView
+from rlbench_pin.sim import CameraView, EglMissing, Light, Lighting, World, look_at
 from rlbench_pin.spatial import TABLE_HEIGHT, pose_at, pose_to_matrix
 from tests.sim.support import ABOVE, PANDA, UPRIGHT, BodySpec, build, cube, cube_scene
 
@@ -27,6 +26,7 @@ SIDE = 0.05
 
 @pytest.fixture(scope="module")
 def world():
+    """A world with one tilted cube in the air and the arm turned away."""
     with build(cube_scene(cube("cube", 0.35, 0.0, 0.95, fixed=True))) as world:
         world.body("cube").set_pose(CUBE)
         world.robot.reset_configuration(ABOVE + [0.9, 0, 0, 0, 0, 0, 0])
