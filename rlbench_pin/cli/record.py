@@ -15,7 +15,7 @@ from typing import Literal
 import tyro
 
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
-from rlbench_pin.datasets.writer import Compression
+from rlbench_pin.datasets import Compression
 from rlbench_pin.errors import MissingExtra
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.recording.config import PictureConfig, RecordConfig
@@ -89,7 +89,7 @@ class Record:
 
 
 def make_engine(name: EngineName, workers: int) -> Engine:
-    """Return who does the work.
+    """Return what does the work.
 
     Raises:
         MissingExtra: Ray is not installed.
