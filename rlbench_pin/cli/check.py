@@ -58,7 +58,7 @@ class Check:
     """File to write the whole report to."""
     out: Path | None = None
     """Folder for the whole report: report.md with its pictures, report.json, and trials.jsonl, with which the same command
-    goes on where it was stopped."""
+    continues where it was stopped."""
     pictures: bool = True
     """Draw a contact sheet and a map of each task into `out`."""
 

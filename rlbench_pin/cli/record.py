@@ -29,7 +29,7 @@ ALL_TASKS = "all"
 
 @dataclass(frozen=True)
 class Record:
-    """Plan demonstrations of tasks and write them to a dataset. Whatever kills it, `--resume` goes on where it ended."""
+    """Plan demonstrations of tasks and write them to a dataset. Whatever kills it, `--resume` continues where it ended."""
 
     tasks: tyro.conf.Positional[tuple[str, ...]] = ()
     """Task names, as `rlbench-pin list` prints them, `all`, or task files; with `--resume` alone, those recorded before."""
