@@ -55,15 +55,15 @@ def replace_folder(new: Path, old: Path) -> None:
 
 
 def build(out: Path, only: str | None = None) -> None:
-    """Build aside, then replace the folders `objects`, `room`, `textures`, `robots` and the two texts of `out`."""
+    """Build in a temporary folder, then replace the folders and the two texts of `out`."""
     with tempfile.TemporaryDirectory() as name:
-        aside = Path(name)
+        temporary = Path(name)
         if only != "panda":
-            build_objects(aside)
+            build_objects(temporary)
         if only != "objects":
-            build_robots(aside)
+            build_robots(temporary)
         out.mkdir(parents=True, exist_ok=True)
-        for made in sorted(aside.iterdir()):
+        for made in sorted(temporary.iterdir()):
             if made.is_dir():
                 replace_folder(made, out / made.name)
             else:
@@ -73,12 +73,12 @@ def build(out: Path, only: str | None = None) -> None:
 def build_families(out: Path, names: Sequence[str]) -> None:
     """Rebuild the objects of some families, each folder replaced when it is whole."""
     with tempfile.TemporaryDirectory() as name:
-        aside = Path(name)
+        temporary = Path(name)
         for model in (model for family in names for model in models_of(family)):
-            write_model(model, aside)
+            write_model(model, temporary)
             if model.folder == ROOM:
-                write_room_textures(aside)
-            replace_folder(aside / model.folder, out / model.folder)
+                write_room_textures(temporary)
+            replace_folder(temporary / model.folder, out / model.folder)
 
 
 def main() -> None:

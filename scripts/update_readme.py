@@ -1,6 +1,6 @@
 """Write what is generated from docs/results/: tables in README.md and docs/performance.md, and docs/results/demo_success.md.
 
-`make sweep` measures docs/results/demo_success.json; a kept run of `make bench` is docs/results/benchmarks.json.
+`make sweep` measures docs/results/demo_success.json; docs/results/benchmarks.json is a copy of what `make bench` wrote.
 With `--check` nothing is written; it only says whether they fit.
 """
 

@@ -1,1 +1,36 @@
 """The validator: what every task must keep, measured and reported."""
+
+from __future__ import annotations
+
+from rlbench_pin.checking.explain import explain_failure
+from rlbench_pin.checking.failures import Failure
+from rlbench_pin.checking.journal import Journal
+from rlbench_pin.checking.judge import Rest
+from rlbench_pin.checking.pool import CheckProgress, run_items
+from rlbench_pin.checking.reach import Reach
+from rlbench_pin.checking.records import DemoTrial, IdleTrial, Part, RandomTrial, ReachTrial, RepeatTrial, Trial, WordsTrial
+from rlbench_pin.checking.report import TaskReport, summarise
+from rlbench_pin.checking.statistics import Rate
+from rlbench_pin.checking.trials import Item
+
+__all__ = [
+    "CheckProgress",
+    "DemoTrial",
+    "Failure",
+    "IdleTrial",
+    "Item",
+    "Journal",
+    "Part",
+    "RandomTrial",
+    "Rate",
+    "Reach",
+    "ReachTrial",
+    "RepeatTrial",
+    "Rest",
+    "TaskReport",
+    "Trial",
+    "WordsTrial",
+    "explain_failure",
+    "run_items",
+    "summarise",
+]

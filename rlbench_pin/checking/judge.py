@@ -1,4 +1,4 @@
-"""What every task must keep, measured on one running task: shared by `rlbench-pin check` and the contract tests."""
+"""What every task must keep, measured on one running task; `rlbench-pin check` and the contract tests use it."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Rest:
     arm_speed: float
     """Largest joint speed of the arm at the reset [rad/s]."""
     drift: float
-    """How far the corner of a link that moved most had moved after `REST_TIME` [m]."""
+    """Largest distance that a corner of a link had moved after `REST_TIME` [m]."""
     drifter: str
     """The link it belongs to."""
     success: bool
@@ -103,7 +103,11 @@ def demo_bytes(demo: Demo) -> bytes:
 
 
 def shared_instructions(words: Mapping[int, Sequence[str]]) -> tuple[tuple[int, int], ...]:
-    """Return pairs of variations that are told the same, by variation -> instructions."""
+    """Return the pairs of variations that have the same instructions.
+
+    Args:
+        words: Variation -> instructions.
+    """
     first: dict[tuple[str, ...], int] = {}
     pairs = []
     for variation, sentences in words.items():
@@ -124,7 +128,7 @@ def poor_instructions(words: Mapping[int, Sequence[str]]) -> tuple[int, ...]:
 def corners(task: TaskEnvironment) -> dict[str, FloatArray]:
     """Return the corners (8, 3) of the box around every link of every body in the world [m], by `body/link`.
 
-    A ball is its centre (1, 3), since nobody sees it spin; so is the origin of every body, under its name.
+    A ball has only its centre (1, 3), since a spin of it cannot be seen; under the name of each body is its origin (1, 3).
     """
     points = {name: body.position[None] for name, body in task.world.bodies.items()}
     return points | {f"{body.name}/{link}": box for body in task.world.snapshot().bodies for link, box in _corners(body)}
@@ -140,14 +144,14 @@ def _corners(body: BodySnapshot) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _largest_move(before: Mapping[str, FloatArray], after: Mapping[str, FloatArray]) -> tuple[float, str]:
-    """Return the largest way of a corner [m] and the link it belongs to."""
+    """Return the largest displacement of a corner [m] and the link it belongs to."""
     moves = {name: float(np.linalg.norm(after[name] - box, axis=1).max()) for name, box in before.items() if name in after}
     name = max(moves, key=moves.__getitem__, default="")
     return moves.get(name, 0.0), name
 
 
 def differences(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray]) -> tuple[str, ...]:
-    """Return what differs between two `World.arrays`, in words; the clock and the engine's own state aside."""
+    """Return what differs between two `World.arrays`, in words, without the clock and the engine's own state."""
     was, now = (json.loads(np.asarray(a["meta"], dtype=np.uint8).tobytes()) for a in (before, after))
     if list(was["bodies"]) != list(now["bodies"]):
         changed = sorted(set(was["bodies"]) ^ set(now["bodies"])) or ["order of bodies"]

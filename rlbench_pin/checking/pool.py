@@ -30,7 +30,7 @@ class CheckProgress:
     """The item that was finished last, None at the start."""
 
 
-def do_all(
+def run_items(
     items: Sequence[Item], workers: int, journal: Journal, on_progress: Callable[[CheckProgress], None] | None = None
 ) -> list[Trial]:
     """Do what the journal does not hold yet, write it there, and return the trials of all items.

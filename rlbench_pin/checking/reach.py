@@ -19,13 +19,13 @@ from rlbench_pin.tasks import Waypoint
 
 @dataclass(frozen=True)
 class Reach:
-    """What can be reached of one draw of the scene, wherever it came to stand; nothing is drawn again."""
+    """What can be reached in one draw of the scene, wherever it was placed; a draw that a reset would refuse is kept."""
 
     place: tuple[float, float, float]
     """x, y [m] and yaw [rad] of the task root."""
     waypoints: tuple[int, ...]
     reached: tuple[bool, ...]
-    """Whether the arm gets to each waypoint after the ones before it, collisions left aside, as a reset asks."""
+    """Whether the arm gets to each waypoint after the ones before it, without regard to collisions, as a reset asks."""
     spots: tuple[tuple[float, float], ...]
     """x, y of each waypoint [m]."""
     free: bool

@@ -11,15 +11,10 @@ from typing import Any
 
 import tyro
 
-from rlbench_pin.checking.explain import explain_failure
-from rlbench_pin.checking.journal import Journal
+from rlbench_pin.checking import Item, Journal, Part, TaskReport, Trial, explain_failure, run_items, summarise
 from rlbench_pin.checking.pages.page import page
 from rlbench_pin.checking.pages.pictures import draw_pictures
 from rlbench_pin.checking.pages.table import table
-from rlbench_pin.checking.pool import do_all
-from rlbench_pin.checking.records import Part, Trial
-from rlbench_pin.checking.report import TaskReport, summarise
-from rlbench_pin.checking.trials import Item
 from rlbench_pin.cli.progress import CheckBar
 from rlbench_pin.environment.versions import library_versions
 from rlbench_pin.errors import TaskEnvironmentError
@@ -63,7 +58,7 @@ class Check:
     """File to write the whole report to."""
     out: Path | None = None
     """Folder for the whole report: report.md with its pictures, report.json, and trials.jsonl, with which the same command
-    goes on where it was stopped."""
+    continues where it was stopped."""
     pictures: bool = True
     """Draw a contact sheet and a map of each task into `out`."""
 
@@ -71,7 +66,7 @@ class Check:
         """Judge, print a table and the causes of failures; 1 when a task fails."""
         wanted = self._wanted()
         with closing(CheckBar()) as bar:
-            trials = do_all(list(self._items(wanted.values())), self.workers, self._journal(wanted), bar)
+            trials = run_items(list(self._items(wanted.values())), self.workers, self._journal(wanted), bar)
         of_task = {name: [t for t in trials if t.task == name] for name in wanted}
         reports = [_report(name, wanted[name], of_task[name]) for name in wanted]
         print(table(reports))

@@ -13,10 +13,8 @@ from tqdm import tqdm
 
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
 from rlbench_pin.cli.record import EngineName, make_engine, print_report
-from rlbench_pin.datasets import stored_tasks, task_faults
-from rlbench_pin.datasets.formats.common import stored_episodes
-from rlbench_pin.datasets.info import TaskInfo, task_info
-from rlbench_pin.datasets.merge import merge, plan_merge
+from rlbench_pin.datasets import TaskInfo, merge_datasets, plan_merge, stored_tasks, task_faults, task_info
+from rlbench_pin.datasets.formats import stored_episodes
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.recording.config import PictureConfig
 from rlbench_pin.recording.export import ExportFormat, export_dataset
@@ -74,7 +72,7 @@ class Merge:
     def run(self) -> int:
         """Merge and print how many episodes were copied."""
         with tqdm(total=len(plan_merge(self.roots, self.out)), unit="episode", desc="merge") as bar:
-            moves = merge(self.roots, self.out, lambda _: bar.update() and None)
+            moves = merge_datasets(self.roots, self.out, lambda _: bar.update() and None)
         print(f"{len(moves)} episodes copied to {self.out}")
         return 0
 
@@ -98,7 +96,7 @@ class Rerender:
     workers: int = 1
     """Processes; 0 works in this one."""
     engine: EngineName = "processes"
-    """Who does the work: processes of this machine, or a Ray cluster."""
+    """What does the work: processes of this machine, or a Ray cluster."""
 
     def run(self) -> int:
         """Rerender; 1 when episodes are missing at the end."""

@@ -11,7 +11,7 @@ from types import FrameType
 
 from tqdm import tqdm
 
-from rlbench_pin.checking.pool import CheckProgress
+from rlbench_pin.checking import CheckProgress
 from rlbench_pin.recording.record import RecordReport
 
 

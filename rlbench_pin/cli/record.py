@@ -15,7 +15,7 @@ from typing import Literal
 import tyro
 
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
-from rlbench_pin.datasets.writer import Compression
+from rlbench_pin.datasets import Compression
 from rlbench_pin.errors import MissingExtra
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.recording.config import PictureConfig, RecordConfig
@@ -29,7 +29,7 @@ ALL_TASKS = "all"
 
 @dataclass(frozen=True)
 class Record:
-    """Plan demonstrations of tasks and write them to a dataset. Whatever kills it, `--resume` goes on where it ended."""
+    """Plan demonstrations of tasks and write them to a dataset. Whatever kills it, `--resume` continues where it ended."""
 
     tasks: tyro.conf.Positional[tuple[str, ...]] = ()
     """Task names, as `rlbench-pin list` prints them, `all`, or task files; with `--resume` alone, those recorded before."""
@@ -89,7 +89,7 @@ class Record:
 
 
 def make_engine(name: EngineName, workers: int) -> Engine:
-    """Return who does the work.
+    """Return what does the work.
 
     Raises:
         MissingExtra: Ray is not installed.

@@ -3,39 +3,57 @@
 from __future__ import annotations
 
 from rlbench_pin.datasets.episode import Episode
+from rlbench_pin.datasets.info import TaskInfo, stored_pictures, task_info
 from rlbench_pin.datasets.layout import (
     EPISODE_SUFFIX,
     checked_task_name,
+    chosen_tasks,
     episode_files,
     episode_path,
     stored_tasks,
     stored_variations,
 )
 from rlbench_pin.datasets.manifest import EpisodeEntry, fold_journal, read_manifest
-from rlbench_pin.datasets.reader import read_demo, read_picture, stored_demos
+from rlbench_pin.datasets.merge import Move, merge_datasets, plan_merge
+from rlbench_pin.datasets.reader import check_there, counted_demo, counted_files, read_demo, read_picture, stored_demos
+from rlbench_pin.datasets.storage import hold, remove_leftovers, write_whole
 from rlbench_pin.datasets.verify import task_faults, verify_task
 from rlbench_pin.datasets.video import VideoWriter
-from rlbench_pin.datasets.writer import DatasetWriter, encode_demo, episode_entry, write_demo
+from rlbench_pin.datasets.writer import Compression, DatasetWriter, encode_demo, episode_entry, write_demo
 
 __all__ = [
     "EPISODE_SUFFIX",
+    "Compression",
     "DatasetWriter",
     "Episode",
     "EpisodeEntry",
+    "Move",
+    "TaskInfo",
     "VideoWriter",
+    "check_there",
     "checked_task_name",
+    "chosen_tasks",
+    "counted_demo",
+    "counted_files",
     "encode_demo",
     "episode_entry",
     "episode_files",
     "episode_path",
     "fold_journal",
+    "hold",
+    "merge_datasets",
+    "plan_merge",
     "read_demo",
     "read_manifest",
     "read_picture",
+    "remove_leftovers",
     "stored_demos",
+    "stored_pictures",
     "stored_tasks",
     "stored_variations",
     "task_faults",
+    "task_info",
     "verify_task",
     "write_demo",
+    "write_whole",
 ]

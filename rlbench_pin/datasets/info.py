@@ -1,4 +1,4 @@
-"""What a dataset holds, told from its manifests and the head of one file: no episode is read."""
+"""What a dataset holds, from its manifests and the head of one file: no episode is read."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ class Move:
     """How it will be listed."""
 
 
-def merge(roots: Sequence[Path], out: Path, on_episode: Callable[[Move], None] | None = None) -> tuple[Move, ...]:
+def merge_datasets(roots: Sequence[Path], out: Path, on_episode: Callable[[Move], None] | None = None) -> tuple[Move, ...]:
     """Copy the episodes of several datasets into one; it may exist, its own episodes keep their numbers.
 
     An episode that is there already, byte for byte, is not copied again.

@@ -1,4 +1,4 @@
-"""Writing to a disk that may be full, read-only or pulled out, or to a folder in use: whole or not at all."""
+"""Writing to a disk that may be full, read-only or removed, or to a folder in use: a file is whole or not there."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def storing(path: Path) -> Iterator[None]:
 
 @contextmanager
 def hold(root: Path) -> Iterator[None]:
-    """Hold the folder of a dataset against a second recording or merge; a killed one lets go by itself.
+    """Hold the folder of a dataset against a second recording or merge; the lock of a killed one is released by itself.
 
     Raises:
         DatasetConflict: Another one holds it.
@@ -45,7 +45,9 @@ def hold(root: Path) -> Iterator[None]:
 
 
 def write_whole(path: Path, data: bytes) -> Path:
-    """Write a file that appears whole or not at all, also when the machine stops: aside, to the disk, renamed.
+    """Write a file that appears whole or not at all, also when the machine stops.
+
+    The bytes go to a temporary file beside it, which is synced to the disk and then renamed.
 
     Raises:
         StorageError: The disk refused; nothing is left behind and an earlier file of that name is as it was.
@@ -65,15 +67,15 @@ def write_whole(path: Path, data: bytes) -> Path:
 
 
 def remove_leftovers(folder: Path) -> int:
-    """Delete the parts that killed writers left below a folder; return how many there were."""
+    """Delete the temporary files that killed writers left below a folder; return how many there were."""
     parts = list(folder.rglob(".*.part"))
     for part in parts:
         part.unlink(missing_ok=True)
     return len(parts)
 
 
-class PatientFile(io.FileIO):
-    """A file for libraries that do not survive a full disk, as HDF5 does not: it takes everything, and owns up at the end.
+class DeferredErrorFile(io.FileIO):
+    """A file for libraries that do not survive a full disk, as HDF5 does not: it raises an error only at the end.
 
     Use it in a `with` block, which raises what the disk said first. `check` raises it earlier, where the library can be left.
     """

@@ -70,9 +70,9 @@ def check_structure(path: Path, entry: EpisodeEntry, task: str) -> None:
     """
     with Episode(path) as episode:
         demo = episode.demo()
-    told = (task, entry.variation, entry.frames, entry.random_seed, entry.attempt)
+    listed = (task, entry.variation, entry.frames, entry.random_seed, entry.attempt)
     found = (demo.task_name, demo.variation_number, len(demo), demo.random_seed, demo.attempt)
-    if told != found:
+    if listed != found:
         raise EpisodeFileError(
-            path, f"'{path}' holds (task, variation, frames, seed, attempt) {found}, its manifest says {told}."
+            path, f"'{path}' holds (task, variation, frames, seed, attempt) {found}, its manifest says {listed}."
         )

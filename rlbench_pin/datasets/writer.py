@@ -1,4 +1,4 @@
-"""Writing demonstrations: aside first, checksummed, renamed when whole."""
+"""Writing demonstrations: to a temporary file, which is renamed when it is whole; with a checksum in the manifest."""
 
 from __future__ import annotations
 

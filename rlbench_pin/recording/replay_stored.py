@@ -9,8 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from rlbench_pin.datasets import read_demo, stored_tasks
-from rlbench_pin.datasets.reader import counted_demo, counted_files
+from rlbench_pin.datasets import counted_demo, counted_files, read_demo, stored_tasks
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.environment.replay import replay_succeeds

@@ -20,7 +20,7 @@ import pytest
 
 from rlbench_pin.cli.main import main
 from rlbench_pin.datasets import DatasetWriter, read_manifest, task_faults
-from rlbench_pin.datasets.merge import merge
+from rlbench_pin.datasets.merge import merge_datasets
 from rlbench_pin.errors import StorageError
 from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.recording.export import ExportFormat, find_exporter
@@ -110,12 +110,12 @@ def test_merging_onto_a_full_disk(disk: Path, data: Path, free: int) -> None:
     """What was copied before is whole and listed; merging again, with enough space, completes it."""
     leave_free(disk, free)
     with pytest.raises(StorageError, match=r"No space left.*Free some space"):
-        merge([data], disk / "out")
+        merge_datasets([data], disk / "out")
     assert task_faults(disk / "out", TASK) == [] if free else not list(disk.rglob("*.h5"))
     assert not list(disk.rglob("*.part"))
     (disk / "ballast").unlink()
     subprocess.run(["mount", "-o", "remount,size=2000k", str(disk)], check=True)
-    merge([data], disk / "out")
+    merge_datasets([data], disk / "out")
     assert read_manifest(disk / "out", TASK) == read_manifest(data, TASK)
     assert task_faults(disk / "out", TASK) == []
 
@@ -170,13 +170,13 @@ def test_merging_while_the_disk_fills_up(tmp_path: Path, data: Path, monkeypatch
     out, whole = tmp_path / "out", {path.read_bytes() for path in data.rglob("*.h5")}
     simulate_full_disk(monkeypatch, after)
     with pytest.raises(StorageError, match=rf"'{out}/{TASK}/.*No space left.*Free some space") as caught:
-        merge([data], out)
+        merge_datasets([data], out)
     monkeypatch.undo()
     assert caught.value.errno == errno.ENOSPC
     assert {path.read_bytes() for path in out.rglob("*.h5")} <= whole
     assert len(read_manifest(out, TASK)) == after // 2
     assert not list(tmp_path.rglob("*.part"))
-    merge([data], out)
+    merge_datasets([data], out)
     assert read_manifest(out, TASK) == read_manifest(data, TASK)
     assert task_faults(out, TASK) == []
 
@@ -184,7 +184,7 @@ def test_merging_while_the_disk_fills_up(tmp_path: Path, data: Path, monkeypatch
 def test_merging_leaves_no_half_of_an_episode(tmp_path: Path, data: Path) -> None:
     """Refused in the middle of its first file, a merge leaves no file."""
     with short_files(5000), pytest.raises(StorageError, match=r"episode0\.h5' cannot be written"):
-        merge([data], tmp_path)
+        merge_datasets([data], tmp_path)
     assert not [*tmp_path.rglob("*.h5"), *tmp_path.rglob("*.part")]
     assert read_manifest(tmp_path, TASK) == ()
 

@@ -14,7 +14,7 @@ from rlbench_pin.datasets import (
     read_manifest,
     task_faults,
 )
-from rlbench_pin.datasets.merge import Move, merge
+from rlbench_pin.datasets.merge import Move, merge_datasets
 from rlbench_pin.datasets.storage import hold
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 from tests.demos_for_tests import fill, make_demo
@@ -27,13 +27,13 @@ def test_merging_keeps_every_episode(tmp_path: Path) -> None:
     one, two = fill(tmp_path / "one", range(3)), fill(tmp_path / "two", range(2, 6))
     fill(two, range(2), variation=4)
     out = tmp_path / "out"
-    assert len(merge([one, two], out)) == 8
+    assert len(merge_datasets([one, two], out)) == 8
     entries = read_manifest(out, TASK)
     assert [(e.variation, e.episode, e.random_seed) for e in entries] == [
         *((0, n, n) for n in range(6)), (4, 0, 0), (4, 1, 1),
     ]  # fmt: skip
     assert task_faults(out, TASK) == []
-    assert merge([two, one], out) == ()
+    assert merge_datasets([two, one], out) == ()
     assert read_manifest(out, TASK) == entries
 
 
@@ -41,16 +41,16 @@ def test_merging_into_a_folder_in_use_is_refused(tmp_path: Path) -> None:
     """While a recording holds the result nothing is merged, and the other way round: both would give the same numbers."""
     one, out = fill(tmp_path / "one", range(2)), fill(tmp_path / "out", range(5, 6))
     with hold(out), pytest.raises(DatasetConflict, match=r"into '.*out' is running\. Wait for it"):
-        merge([one], out)
+        merge_datasets([one], out)
     assert len(read_manifest(out, TASK)) == len(episode_files(out, TASK)) == 1
 
     def hold_too(_: Move) -> None:
         with pytest.raises(DatasetConflict, match="is running"), hold(out):
             pass
 
-    assert len(merge([one], out, hold_too)) == 2
+    assert len(merge_datasets([one], out, hold_too)) == 2
     with hold(out):
-        assert merge([one], out) == ()  # there is nothing to write
+        assert merge_datasets([one], out) == ()  # there is nothing to write
 
 
 def test_merging_counts_on_from_a_recording_that_has_just_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -64,7 +64,7 @@ def test_merging_counts_on_from_a_recording_that_has_just_ended(tmp_path: Path, 
             yield
 
     monkeypatch.setattr("rlbench_pin.datasets.merge.hold", hold_late)
-    merge([one], out)
+    merge_datasets([one], out)
     assert [entry.random_seed for entry in read_manifest(out, TASK)] == [5, 7, 0, 1]
     assert task_faults(out, TASK) == []
 
@@ -73,16 +73,16 @@ def test_merging_refuses_what_does_not_go_together(tmp_path: Path) -> None:
     """The same seed with other content, other pictures, or a bad file: an error, and nothing is written."""
     one, two = fill(tmp_path / "one", range(3)), fill(tmp_path / "two", range(2, 5), frames=3)
     with pytest.raises(DatasetConflict, match=r"episode0\.h5.*seed 2, but differ"):
-        merge([one, two], tmp_path / "out")
+        merge_datasets([one, two], tmp_path / "out")
     plain = make_demo(frames=2, seed=9)
     for observation in plain:
         observation.front_mask = None
     DatasetWriter(tmp_path / "three").add(plain)
     with pytest.raises(DatasetConflict, match="rerender"):
-        merge([one, tmp_path / "three"], tmp_path / "out")
+        merge_datasets([one, tmp_path / "three"], tmp_path / "out")
     assert not (tmp_path / "out").exists()
     episode_files(one, TASK)[1].write_bytes(b"not it")
     with pytest.raises(EpisodeFileError, match=r"episode1\.h5.*SHA-256"):
-        merge([one], tmp_path / "out")
+        merge_datasets([one], tmp_path / "out")
     with pytest.raises(DatasetError, match="does not exist"):
-        merge([tmp_path / "nowhere"], tmp_path / "out")
+        merge_datasets([tmp_path / "nowhere"], tmp_path / "out")

@@ -21,7 +21,7 @@ from rlbench_pin.datasets import (
     stored_tasks,
     task_faults,
 )
-from rlbench_pin.datasets.merge import merge
+from rlbench_pin.datasets.merge import merge_datasets
 from rlbench_pin.errors import DatasetError, EpisodeFileError
 from rlbench_pin.recording.config import PictureConfig
 from rlbench_pin.recording.engines import SerialEngine
@@ -49,7 +49,7 @@ def test_a_manifest_that_leads_elsewhere_is_refused(root: Path, tmp_path: Path, 
     with pytest.raises(EpisodeFileError, match="Do not trust"):
         stored_demos(root, TASK, 1, 0, random_selection=False)
     with pytest.raises(EpisodeFileError, match="Do not trust"):
-        merge([root], tmp_path / "out")
+        merge_datasets([root], tmp_path / "out")
     assert "Do not trust" in str(task_faults(root, TASK)[0])
     assert not (tmp_path / "out").exists()
 
@@ -141,7 +141,7 @@ def test_a_link_out_of_the_folder_is_not_merged(root: Path, tmp_path: Path) -> N
     path.rename(tmp_path / "elsewhere.h5")
     path.symlink_to(tmp_path / "elsewhere.h5")
     with pytest.raises(EpisodeFileError, match="leads out of"):
-        merge([root], tmp_path / "out")
+        merge_datasets([root], tmp_path / "out")
 
 
 def test_a_file_that_reads_other_files_is_refused(root: Path, tmp_path: Path) -> None:

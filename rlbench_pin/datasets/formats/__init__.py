@@ -1,1 +1,22 @@
-"""Formats of others: one exporter per module, and the reader of RLBench-style folders."""
+"""Formats of others: one exporter per module, and the reader of RLBench-style folders.
+
+`lerobot` and `zarr_buffer` need extras, so they are imported by name; `rlbench_pin.recording.export` does that for every format.
+"""
+
+from __future__ import annotations
+
+from rlbench_pin.datasets.formats.common import StoredEpisode, stored_episodes
+from rlbench_pin.datasets.formats.rlbench_folders import export_rlbench
+from rlbench_pin.datasets.formats.rlbench_reader import folder_demos, folder_descriptions, folder_episodes, read_folder
+from rlbench_pin.datasets.formats.robomimic import export_robomimic
+
+__all__ = [
+    "StoredEpisode",
+    "export_rlbench",
+    "export_robomimic",
+    "folder_demos",
+    "folder_descriptions",
+    "folder_episodes",
+    "read_folder",
+    "stored_episodes",
+]

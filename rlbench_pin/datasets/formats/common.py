@@ -1,4 +1,4 @@
-"""What all exporters share: which episodes, and what a policy is told of them at every frame."""
+"""What all exporters share: which episodes, and states and actions of every frame."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rlbench_pin.observation import CAMERAS
 
 FPS = 20
 """Frames of a demonstration in a second of simulated time [1/s]."""
-Watch = Callable[[int], None]
+OnEpisode = Callable[[int], None]
 """Called with the number of episodes written so far."""
 
 
@@ -103,7 +103,7 @@ def _picture_shape(episode: Episode, field: str) -> tuple[int, int, int]:
 
 @contextmanager
 def new_folder(out: Path) -> Iterator[Path]:
-    """Yield a folder beside `out` to write to; it becomes `out` when the block ends well, and vanishes otherwise.
+    """Yield a temporary folder beside `out`; without an error in the block it is renamed to `out`, otherwise deleted.
 
     Raises:
         DatasetConflict: `out` exists.
@@ -112,19 +112,19 @@ def new_folder(out: Path) -> Iterator[Path]:
     out = Path(out)
     if out.exists():
         raise DatasetConflict(f"'{out}' exists. Choose a new folder or file for the export.")
-    aside = out.with_name(f".{out.name}.{os.getpid()}.part")
+    temporary = out.with_name(f".{out.name}.{os.getpid()}.part")
     with storing(out):
-        aside.parent.mkdir(parents=True, exist_ok=True)
-        shutil.rmtree(aside, ignore_errors=True)
-        aside.mkdir()
+        temporary.parent.mkdir(parents=True, exist_ok=True)
+        shutil.rmtree(temporary, ignore_errors=True)
+        temporary.mkdir()
         try:
-            yield aside
-            os.replace(aside, out)
+            yield temporary
+            os.replace(temporary, out)
         finally:
-            shutil.rmtree(aside, ignore_errors=True)
+            shutil.rmtree(temporary, ignore_errors=True)
 
 
-def moments(values: np.ndarray) -> dict[str, list[float]]:
+def column_statistics(values: np.ndarray) -> dict[str, list[float]]:
     """Return minimum, maximum, mean, standard deviation, quantiles and count of the rows of an array (n, k)."""
     rows = np.asarray(values, dtype=np.float64).reshape(len(values), -1)
     quantiles = np.quantile(rows, [0.01, 0.10, 0.50, 0.90, 0.99], axis=0)

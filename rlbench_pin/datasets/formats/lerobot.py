@@ -19,12 +19,12 @@ import pyarrow.parquet as pq
 from rlbench_pin.datasets.episode import Episode
 from rlbench_pin.datasets.formats.common import (
     FPS,
+    OnEpisode,
     StoredEpisode,
-    Watch,
     actions,
+    column_statistics,
     joint_names,
     joint_state,
-    moments,
     new_folder,
     rgb_cameras,
     stored_episodes,
@@ -42,7 +42,7 @@ Column = list[Any] | np.ndarray
 
 
 def export_lerobot(
-    root: Path, out: Path, *, tasks: Sequence[str] = (), cameras: Sequence[str] = (), on_episode: Watch | None = None
+    root: Path, out: Path, *, tasks: Sequence[str] = (), cameras: Sequence[str] = (), on_episode: OnEpisode | None = None
 ) -> Path:
     """Write the episodes of a dataset as a LeRobotDataset.
 
@@ -112,7 +112,7 @@ class _Export:
             "meta/episodes/chunk_index": 0,
             "meta/episodes/file_index": 0,
         }
-        statistics = {name: moments(np.asarray(values)) for name, values in columns.items()}
+        statistics = {name: column_statistics(np.asarray(values)) for name, values in columns.items()}
         for key, videos in self._videos.items():
             pictures = episode.series(key.removeprefix("observation.images.") + "_rgb")
             row.update(videos.add(pictures))
@@ -168,7 +168,7 @@ class _Export:
     def _statistics(self) -> dict[str, Any]:
         whole = {name: np.concatenate(values) for name, values in self.samples.items()}
         return {
-            name: _per_channel(values, self.frames) if name in self.pictures else moments(values)
+            name: _per_channel(values, self.frames) if name in self.pictures else column_statistics(values)
             for name, values in whole.items()
         }
 
@@ -257,8 +257,8 @@ def _channels(pictures: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def _per_channel(colours: np.ndarray, pictures: int) -> dict[str, Any]:
-    """Return moments of colours, each of shape (3, 1, 1)."""
-    shaped = {kind: [[[v]] for v in value] for kind, value in moments(colours).items() if kind != "count"}
+    """Return the statistics of colours, each of shape (3, 1, 1)."""
+    shaped = {kind: [[[v]] for v in value] for kind, value in column_statistics(colours).items() if kind != "count"}
     return {**shaped, "count": [pictures]}
 
 

@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rlbench_pin.datasets.formats.common import StoredEpisode, Watch, new_folder, stored_episodes
+from rlbench_pin.datasets.formats.common import OnEpisode, StoredEpisode, new_folder, stored_episodes
 from rlbench_pin.datasets.formats.rlbench_pickle import PickledDemo, PickledObservation, dump
 from rlbench_pin.datasets.formats.rlbench_pictures import encode_depth, encode_mask, write_png
 from rlbench_pin.errors import DatasetError
@@ -26,7 +26,7 @@ _PICTURES = tuple(f"{camera}_{product}" for camera in CAMERAS for product in (*P
 
 
 def export_rlbench(
-    root: Path, out: Path, *, tasks: Sequence[str] = (), layout: Layout = "upstream", on_episode: Watch | None = None
+    root: Path, out: Path, *, tasks: Sequence[str] = (), layout: Layout = "upstream", on_episode: OnEpisode | None = None
 ) -> Path:
     """Write the episodes of a dataset as RLBench-style folders.
 

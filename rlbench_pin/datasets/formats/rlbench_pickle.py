@@ -78,7 +78,7 @@ class _ArrayType:
 
 
 class _Dtype:
-    """A type of numbers or texts. Numpy's own may be told by a file that bytes are objects; this one may not."""
+    """A type of numbers or texts. With numpy's own, a file could declare that bytes are objects; with this one it cannot."""
 
     def __init__(self, code: str, align: object = False, copy: object = False) -> None:
         found = np.dtype(code)

@@ -115,7 +115,7 @@ def folder_descriptions(path: Path) -> tuple[str, ...]:
 
 
 def _variation_of(path: Path) -> int | None:
-    """Return the variation that the folder tells, by its name or by the file inside."""
+    """Return the variation of a folder, given by its name or by the file inside."""
     match = _VARIATION.fullmatch(path.parents[1].name)
     if match:
         return int(match[1])

@@ -10,8 +10,8 @@ import h5py
 import numpy as np
 
 from rlbench_pin.datasets.episode import Episode
-from rlbench_pin.datasets.formats.common import StoredEpisode, Watch, actions, new_folder, rgb_cameras, stored_episodes
-from rlbench_pin.datasets.storage import PatientFile, storing
+from rlbench_pin.datasets.formats.common import OnEpisode, StoredEpisode, actions, new_folder, rgb_cameras, stored_episodes
+from rlbench_pin.datasets.storage import DeferredErrorFile, storing
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import CAMERAS, LOW_DIM
 
@@ -20,7 +20,7 @@ ENV_TYPE = 2
 
 
 def export_robomimic(
-    root: Path, out: Path, *, tasks: Sequence[str] = (), cameras: Sequence[str] = (), on_episode: Watch | None = None
+    root: Path, out: Path, *, tasks: Sequence[str] = (), cameras: Sequence[str] = (), on_episode: OnEpisode | None = None
 ) -> Path:
     """Write the episodes of one task to an HDF5 file.
 
@@ -42,7 +42,7 @@ def export_robomimic(
         raise DatasetError(f"A robomimic file holds one task; name one of {sorted({e.task for e in episodes})} with `--tasks`.")
     shapes = rgb_cameras(episodes, cameras)
     low, high = _action_range(episodes)
-    with new_folder(out) as folder, PatientFile(folder / "data.hdf5") as raw, h5py.File(raw, "w") as file:
+    with new_folder(out) as folder, DeferredErrorFile(folder / "data.hdf5") as raw, h5py.File(raw, "w") as file:
         data = file.create_group("data")
         total = 0
         for index, stored in enumerate(episodes):
@@ -61,11 +61,11 @@ def export_robomimic(
 
 def _only_file(out: Path) -> Path:
     """Put the file in the place of the folder that it was written in."""
-    aside = out.with_name(f".{out.name}.folder")
+    folder = out.with_name(f".{out.name}.folder")
     with storing(out):
-        out.rename(aside)
-        (aside / "data.hdf5").rename(out)
-        aside.rmdir()
+        out.rename(folder)
+        (folder / "data.hdf5").rename(out)
+        folder.rmdir()
     return out
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from zarr.storage import LocalStore
 from rlbench_pin.datasets.episode import Episode
 from rlbench_pin.datasets.formats.common import (
     FPS,
-    Watch,
+    OnEpisode,
     actions,
     joint_names,
     joint_state,
@@ -25,7 +25,7 @@ from rlbench_pin.datasets.formats.common import (
 
 
 def export_zarr(
-    root: Path, out: Path, *, tasks: Sequence[str] = (), cameras: Sequence[str] = (), on_episode: Watch | None = None
+    root: Path, out: Path, *, tasks: Sequence[str] = (), cameras: Sequence[str] = (), on_episode: OnEpisode | None = None
 ) -> Path:
     """Write the episodes of a dataset to a Zarr group.
 
@@ -41,7 +41,7 @@ def export_zarr(
     """
     episodes = stored_episodes(root, tasks)
     shapes = rgb_cameras(episodes, cameras)
-    with new_folder(out) as folder, _patient_store(folder) as store:
+    with new_folder(out) as folder, _deferred_error_store(folder) as store:
         group = zarr.open_group(store, mode="w", zarr_format=2)
         data, meta = group.create_group("data"), group.create_group("meta")
         ends: list[int] = []
@@ -51,13 +51,7 @@ def export_zarr(
             with stored.open() as episode:
                 columns = _columns(episode, list(shapes))
                 text = episode.instructions[0] if episode.instructions else stored.task
-            for name, values in columns.items():
-                if index == 0:
-                    chunks = (1 if values.ndim > 2 else 1024, *values.shape[1:])
-                    data.create_array(name, shape=(0, *values.shape[1:]), chunks=chunks, dtype=values.dtype)
-                array = data[name]
-                assert isinstance(array, zarr.Array)
-                array.append(values)
+            _append(data, columns)
             store.check()
             ends.append((ends[-1] if ends else 0) + len(columns["action"]))
             numbers.append(sentences.setdefault(text, len(sentences)))
@@ -69,8 +63,19 @@ def export_zarr(
     return out
 
 
-class PatientStore(LocalStore):
-    """A folder that takes everything, also what the disk refuses, and owns up when asked.
+def _append(data: zarr.Group, columns: Mapping[str, np.ndarray]) -> None:
+    """Append the rows of an episode to the arrays of a group, which are made for the first one."""
+    for name, values in columns.items():
+        if name not in data:
+            chunks = (1 if values.ndim > 2 else 1024, *values.shape[1:])
+            data.create_array(name, shape=(0, *values.shape[1:]), chunks=chunks, dtype=values.dtype)
+        array = data[name]
+        assert isinstance(array, zarr.Array)
+        array.append(values)
+
+
+class DeferredErrorStore(LocalStore):
+    """A folder that raises what the disk refuses only when `check` is called.
 
     Zarr writes several chunks at a time; at an error it would leave the others to go on while the folder is being removed.
     """
@@ -93,9 +98,9 @@ class PatientStore(LocalStore):
 
 
 @contextmanager
-def _patient_store(folder: Path) -> Iterator[PatientStore]:
+def _deferred_error_store(folder: Path) -> Iterator[DeferredErrorStore]:
     """Yield a store in a folder; at the end, what the disk refused comes before what followed from it."""
-    store = PatientStore(folder)
+    store = DeferredErrorStore(folder)
     try:
         yield store
     finally:
