@@ -7,13 +7,12 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-import numpy as np
-
 from rlbench_pin.checking.judge import Rest, demo_repeats, flail_succeeds, left_over, replay_succeeds, reset_repeats, rest
 from rlbench_pin.checking.reach import Reach, reach_of
 from rlbench_pin.checking.stopwatch import Stopwatch
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.demonstrate import LegReport
+from rlbench_pin.environment.episode_seeds import drawn_variations
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import BoundaryError, ResetError
 from rlbench_pin.tasks import find_task
@@ -79,13 +78,6 @@ class Trial:
     reach: Reach | None = None
     words: tuple[str, ...] = ()
     """Instructions."""
-
-
-def drawn_variations(count: int, maximum: int) -> tuple[int, ...]:
-    """Return all variations, or `maximum` of them drawn without repeats, always the same."""
-    if count <= maximum:
-        return tuple(range(count))
-    return tuple(sorted(np.random.default_rng(0).permutation(count)[:maximum].tolist()))
 
 
 def work(item: Item) -> list[Trial]:

@@ -1,4 +1,4 @@
-"""One seed per episode, spawned by purpose, so that a new draw in one place shifts no other."""
+"""What an episode draws: its variation, and one seed spawned by purpose, so that a new draw in one place shifts no other."""
 
 from __future__ import annotations
 
@@ -23,3 +23,10 @@ class EpisodeRandom:
         """Spawn the generators of try `attempt` of episode `seed`; attempt 0 is the seed alone."""
         sequence = np.random.SeedSequence(seed) if attempt == 0 else np.random.SeedSequence((seed, attempt))
         return cls(*(np.random.default_rng(child) for child in sequence.spawn(5)))
+
+
+def drawn_variations(count: int, most: int) -> tuple[int, ...]:
+    """Return all of `count` variations, or `most` of them drawn without repeats, always the same; -1 is all."""
+    if most < 0 or count <= most:
+        return tuple(range(count))
+    return tuple(sorted(np.random.default_rng(0).permutation(count)[:most].tolist()))

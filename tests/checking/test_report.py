@@ -11,8 +11,9 @@ from rlbench_pin.checking.pages.page import page
 from rlbench_pin.checking.pages.table import table
 from rlbench_pin.checking.reach import Reach
 from rlbench_pin.checking.report import TaskReport, summarise
-from rlbench_pin.checking.trials import Trial, drawn_variations
+from rlbench_pin.checking.trials import Trial
 from rlbench_pin.environment.demonstrate import LegReport
+from rlbench_pin.environment.episode_seeds import drawn_variations
 
 LEGS = (LegReport(0, "straight", 0.06, 2.0), LegReport(1, "search", 0.04, 3.0))
 GOOD = Trial(
