@@ -12,9 +12,13 @@ class EpisodeRandom:
     """The five generators of one episode."""
 
     variation: np.random.Generator
+    """Variation of the task, where none is set."""
     placement: np.random.Generator
+    """Where things stand, and what else a task draws."""
     planning: np.random.Generator
+    """Starts of inverse kinematics and samples of the planner."""
     noise: np.random.Generator
+    """Noise of observations."""
     look: np.random.Generator
     """Domain randomisation."""
 

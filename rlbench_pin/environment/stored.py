@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -27,37 +29,51 @@ def read_stored_demos(
     from_episode_number: int,
     rng: np.random.Generator,
 ) -> list[Demo]:
-    """Read `amount` stored demonstrations of one task and variation (-1: all of either).
+    """Read stored demonstrations of one task.
 
-    The root may hold our episode files or RLBench-style folders. With `image_paths`, picture fields hold the path of a PNG file
-    in the latter, and in the former a text that `datasets.read_picture` turns into the picture.
+    The root may hold our episode files or RLBench-style folders.
+
+    Args:
+        dataset_root: Folder of the dataset.
+        task_name: Name of the task.
+        amount: How many; -1 is all.
+        variation: Variation of the task; -1 is all.
+        config: Which fields are wanted, and how pictures are.
+        image_paths: Leave pictures unread: fields hold the paths of PNG files, or what `datasets.read_picture` reads.
+        random_selection: Draw the episodes; otherwise they are read in order.
+        from_episode_number: First episode when they are read in order.
+        rng: Draws the episodes.
 
     Raises:
         DatasetError: No dataset root was given, something is missing or broken, or more are wanted than stored.
     """
-    if not dataset_root:
-        raise DatasetError(
-            "No dataset root was given, so there are no stored demonstrations. "
-            "Pass `Environment(dataset_root=...)`, or ask for `live_demos=True`."
-        )
+    root = _checked_root(dataset_root, "demonstrations", ", or ask for `live_demos=True`")
+    read = folder_demos if _holds_folders(root, task_name) else _episode_demos
+    first = None if random_selection else from_episode_number
     fields = wanted_fields(config)
-    if _holds_folders(Path(dataset_root), task_name):
-        first = None if random_selection else from_episode_number
-        demos = folder_demos(
-            dataset_root, task_name, amount, variation,
-            image_paths=image_paths, from_episode_number=first, rng=rng, fields=fields,
-        )  # fmt: skip
-    else:
-        demos = stored_demos(
-            dataset_root, task_name, amount, variation,
-            image_paths=image_paths, random_selection=random_selection, from_episode_number=from_episode_number,
-            rng=rng, fields=fields,
-        )  # fmt: skip
-    if not image_paths:
-        for demo in demos:
-            for observation in demo:
-                fit(observation, config)
+    demos = read(root, task_name, amount, variation, image_paths=image_paths, from_episode_number=first, rng=rng, fields=fields)
+    for observation in () if image_paths else chain.from_iterable(demos):
+        fit(observation, config)
     return demos
+
+
+def _episode_demos(
+    root: Path | str,
+    task: str,
+    amount: int,
+    variation: int,
+    *,
+    image_paths: bool = False,
+    from_episode_number: int | None = 0,
+    rng: np.random.Generator | None = None,
+    fields: Collection[str] | None = None,
+) -> list[Demo]:
+    """`datasets.stored_demos` with the arguments of `folder_demos`: None as the first episode draws them."""
+    drawn, first = from_episode_number is None, from_episode_number or 0
+    return stored_demos(
+        root, task, amount, variation,
+        image_paths=image_paths, random_selection=drawn, from_episode_number=first, rng=rng, fields=fields,
+    )  # fmt: skip
 
 
 def read_stored_descriptions(dataset_root: str, task_name: str, episode: int) -> list[str]:
@@ -66,9 +82,7 @@ def read_stored_descriptions(dataset_root: str, task_name: str, episode: int) ->
     Raises:
         DatasetError: There is no dataset root, or no such episode.
     """
-    root = Path(dataset_root)
-    if not dataset_root:
-        raise DatasetError("No dataset root was given, so there are no stored sentences. Pass `Environment(dataset_root=...)`.")
+    root = _checked_root(dataset_root, "sentences")
     folders = _holds_folders(root, task_name)
     paths = folder_episodes(root, task_name) if folders else list(counted_files(root, task_name))
     if not 0 <= episode < len(paths):
@@ -78,6 +92,14 @@ def read_stored_descriptions(dataset_root: str, task_name: str, episode: int) ->
     check_there(paths[episode])
     with Episode(paths[episode]) as stored:
         return list(stored.instructions)
+
+
+def _checked_root(dataset_root: str, what: str, otherwise: str = "") -> Path:
+    if not dataset_root:
+        raise DatasetError(
+            f"No dataset root was given, so there are no stored {what}. Pass `Environment(dataset_root=...)`{otherwise}."
+        )
+    return Path(dataset_root)
 
 
 def _holds_folders(root: Path, task: str) -> bool:

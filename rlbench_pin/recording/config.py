@@ -107,9 +107,11 @@ class WorkItem:
     name: str
     """Task name."""
     variation: int
+    """Variation of the task."""
     index: int
     """Number of the episode within its variation."""
     seed: int
+    """Seed of the episode."""
     attempts: tuple[int, ...]
     """Tries of the seed to make, until one succeeds."""
     source: str = ""

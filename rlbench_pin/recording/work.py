@@ -29,6 +29,7 @@ class ItemResult:
     """What became of one piece of work."""
 
     item: WorkItem
+    """What was to be made."""
     failures: tuple[str, ...]
     """Why tries failed, each as `kind: message`."""
     data: bytes | None = None
