@@ -25,7 +25,7 @@ def benchmark(actions: int = 4000) -> list[Result]:
     """Measure all loops."""
     model = RobotModel(robot_description("panda"))
     filters = [_filter(model, keep, actions) for keep in (1, 20)]
-    return [*filters, _circle(model), _impedance(model), *(_prediction(model, heed) for heed in (False, True))]
+    return [*filters, _circle(model), _impedance(model), *(_prediction(model, avoid) for avoid in (False, True))]
 
 
 def _filter(model: RobotModel, keep: int, actions: int) -> Result:
@@ -55,7 +55,7 @@ def _filter(model: RobotModel, keep: int, actions: int) -> Result:
     figures = {
         "violations": float(broken),
         "margin_mm": 1e3 * margin,
-        "heeded_distances": changed / actions,
+        "distances_active": changed / actions,
         "stops": stops / actions,
     }
     return summary(f"safety filter, actions kept {keep} ticks", seconds, note, **figures)
@@ -95,11 +95,11 @@ def _impedance(model: RobotModel) -> Result:
     return summary("impedance tick", seconds, f"5 N: displacement within {worst:.2%} of force / stiffness", relative_error=worst)
 
 
-def _prediction(model: RobotModel, heed: bool) -> Result:
+def _prediction(model: RobotModel, avoid: bool) -> Result:
     """Move to a pose among boxes, with or without distances."""
     distances = DistanceModel(model)
     distances.update(cluttered(model))
-    controller, seconds = CartesianMPC(model, distances=distances if heed else None), []
+    controller, seconds = CartesianMPC(model, distances=distances if avoid else None), []
     q, v, stops, goal = model.home.copy(), np.zeros(7), 0, np.array([0.3, 0.2, 1.1, *TOP_DOWN])
     for k in range(200):
         if k % 40 == 0:
@@ -109,7 +109,7 @@ def _prediction(model: RobotModel, heed: bool) -> Result:
         seconds.append(time.perf_counter() - began)
         q, v, stops = q + DT * command.velocity, command.velocity, stops + command.stopped
     return summary(
-        f"prediction tick{', distances' if heed else ''}", seconds, f"10 ticks ahead, {stops} stops", stops=float(stops)
+        f"prediction tick{', distances' if avoid else ''}", seconds, f"10 ticks ahead, {stops} stops", stops=float(stops)
     )
 
 

@@ -2,8 +2,8 @@
 
 Times are processor time, so that other work on the machine does not count. The plain planner and `search` find a path of
 straight joint-space edges; `complete` is `search` and all that makes a motion of it: shortcuts, rounding, proof, timing with
-torque limits. `search` looks at its edges half as often as the plain planner, every 0.1 rad, because what it finds is looked at
-more closely, mended and proven afterwards.
+torque limits. `search` looks at its edges half as often as the plain planner, every 0.1 rad, because what it finds is checked
+more closely, repaired and proven afterwards.
 """
 
 from __future__ import annotations

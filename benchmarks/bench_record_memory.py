@@ -4,7 +4,7 @@
 
 The tasks take turns, a few episodes each, so that a worker loads every task again and again. The first round warms up: meshes
 are read, caches fill. From the second on, the median of a round is compared with that of the last, and a line is fitted through
-all that was seen. After each demonstration a line of JSON goes beside the result, so that a run cut short tells what it saw.
+all that was seen. After each demonstration a line of JSON goes beside the result, so that an interrupted run keeps its figures.
 """
 
 from __future__ import annotations

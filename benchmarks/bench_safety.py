@@ -173,7 +173,7 @@ def benchmark(actions: int = 1000, tasks: Sequence[str] = TASKS[:2]) -> list[Res
 
 def _result(name: str, f: Figures) -> Result:
     nearest = f"{1e3 * f.nearest_world_m:.1f} mm from the world, {1e3 * f.nearest_self_m:.1f} mm from itself at least"
-    note = f"{f.violations()} violations, {nearest}, distances heeded in {f.avoided / f.actions:.0%}"
+    note = f"{f.violations()} violations, {nearest}, distances active in {f.avoided / f.actions:.0%}"
     times = {key: 1e-6 * value for key, value in f.tick_us.items()}
     return Result(name, f.actions, **times, note=note, extra={"violations": float(f.violations())})
 

@@ -7,8 +7,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 
-import numpy as np
-
 from rlbench_pin.checking.judge import demo_repeats, flail_succeeds, left_over, replay_succeeds, reset_repeats, rest
 from rlbench_pin.checking.reach import reach_of
 from rlbench_pin.checking.records import (
@@ -27,6 +25,7 @@ from rlbench_pin.checking.records import (
 )
 from rlbench_pin.checking.stopwatch import Stopwatch
 from rlbench_pin.environment import DemoOutcome, TaskEnvironment
+from rlbench_pin.environment.episode_seeds import drawn_variations
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import BoundaryError, ResetError
 from rlbench_pin.tasks import find_task
@@ -49,13 +48,6 @@ class Item:
     """First seed of the whole check; it has the first of the variations drawn."""
     replays: int = 1_000_000
     """Seeds, from the first on, whose demonstrations are replayed."""
-
-
-def drawn_variations(count: int, maximum: int) -> tuple[int, ...]:
-    """Return all variations, or `maximum` of them drawn without repeats, always the same."""
-    if count <= maximum:
-        return tuple(range(count))
-    return tuple(sorted(np.random.default_rng(0).permutation(count)[:maximum].tolist()))
 
 
 def work(item: Item) -> list[Trial]:

@@ -41,7 +41,9 @@ class LegReport:
     """One leg of a demonstration."""
 
     waypoint: int
+    """Number of the waypoint that it leads to."""
     method: str
+    """How it was planned: straight, direct, sampled or curve."""
     planning_time: float
     """Time of this process [s]."""
     duration: float
@@ -53,16 +55,19 @@ class DemoOutcome:
     """One try at a demonstration."""
 
     success: bool
+    """Whether the goal was reached."""
     cause: str
     """Empty, or why it failed."""
     leg: int | None
-    """Waypoint at which it failed."""
+    """Waypoint at which it failed; None when it succeeded."""
     demo: Demo | None
+    """The demonstration, None when it failed."""
     planning_time: float
     """Time of this process [s]."""
     duration: float
     """Simulated time [s]."""
     legs: tuple[LegReport, ...] = field(default=())
+    """The legs that were run."""
 
 
 class DemoPlayer:

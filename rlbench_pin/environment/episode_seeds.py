@@ -1,4 +1,4 @@
-"""One seed per episode, spawned by purpose, so that a new draw in one place shifts no other."""
+"""What an episode draws: its variation, and one seed spawned by purpose, so that a new draw in one place shifts no other."""
 
 from __future__ import annotations
 
@@ -14,9 +14,13 @@ class EpisodeRandom:
     """The five generators of one episode."""
 
     variation: np.random.Generator
+    """Variation of the task, where none is set."""
     placement: np.random.Generator
+    """Where things stand, and what else a task draws."""
     planning: np.random.Generator
+    """Starts of inverse kinematics and samples of the planner."""
     noise: np.random.Generator
+    """Noise of observations."""
     randomization: np.random.Generator
     """Domain randomization."""
 
@@ -49,3 +53,10 @@ def demo_seeds(amount: int, seed: int | None, rng: np.random.Generator) -> list[
     if seed is None:
         return [int(s) for s in rng.integers(2**31, size=amount)]
     return list(range(checked_seed(seed), seed + amount))
+
+
+def drawn_variations(count: int, most: int) -> tuple[int, ...]:
+    """Return all of `count` variations, or `most` of them drawn without repeats, always the same; -1 is all."""
+    if most < 0 or count <= most:
+        return tuple(range(count))
+    return tuple(sorted(np.random.default_rng(0).permutation(count)[:most].tolist()))

@@ -14,8 +14,11 @@ from rlbench_pin.spatial import FloatArray
 REST_SPEED = 0.05
 """Joint speed below which the arm counts as resting [rad/s]."""
 _REST_TICKS = 10
+"""Control ticks that the arm may take to come to rest after a motion."""
 _GRIPPER_TICKS = 60
+"""Control ticks that the fingers move at most."""
 _SETTLE_TICKS_AFTER_OPENING = 10
+"""Control ticks for what was let go to come to rest."""
 
 
 def follow(
@@ -28,7 +31,7 @@ def follow(
     """Track `trajectory` to its end and come to rest there.
 
     Args:
-        runtime: The scene to move in.
+        runtime: What moves.
         trajectory: Timed joint motion that starts where the arm is.
         until: Asked after every tick; True ends the motion early.
         on_tick: Called after every tick with the commanded joint positions (n,) [rad].
@@ -63,7 +66,7 @@ def move_gripper(
     Closing runs by physics until the fingers stall; then every registered graspable body between them is fixed to the hand.
 
     Args:
-        runtime: The scene to act in.
+        runtime: What moves.
         amount: Opening fraction, 0 shut to 1 open.
         release: Let go of what is held (an opening motion); otherwise hold what lies between the fingers afterwards.
         speed: Finger speed [m/s].

@@ -24,6 +24,7 @@ class EpisodeStart:
     """How an episode began."""
 
     instructions: tuple[str, ...]
+    """Sentences that say what to do."""
     attempts: int
     """Placement attempts that were needed."""
 

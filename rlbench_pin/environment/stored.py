@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +27,7 @@ class StoredSelection:
     variation: int
     """Of which variation; -1 is any."""
     image_paths: bool
-    """Leave pictures unread."""
+    """Leave pictures unread: fields hold the paths of PNG files, or what `datasets.read_picture` reads."""
     random_selection: bool
     """Pick at random."""
     from_episode_number: int
@@ -37,33 +39,48 @@ def read_stored_demos(
 ) -> list[Demo]:
     """Read stored demonstrations of one task.
 
-    The root may hold our episode files or RLBench-style folders. With `image_paths`, picture fields hold the path of a PNG file
-    in the latter, and in the former a text that `datasets.read_picture` turns into the picture.
+    The root may hold our episode files or RLBench-style folders.
+
+    Args:
+        dataset_root: Folder of the dataset.
+        task_name: Name of the task.
+        wanted: Which of them.
+        config: Which fields are wanted, and how pictures are.
+        rng: Draws the episodes.
 
     Raises:
         DatasetError: No dataset root was given, something is missing or broken, or more are wanted than stored.
     """
-    if not dataset_root:
-        raise DatasetError(
-            "No dataset root was given, so there are no stored demonstrations. "
-            "Pass `Environment(dataset_root=...)`, or ask for `live_demos=True`."
-        )
-    fields, first = wanted_fields(config), wanted.from_episode_number
-    if _holds_folders(Path(dataset_root), task_name):
-        demos = folder_demos(
-            dataset_root, task_name, wanted.amount, wanted.variation, image_paths=wanted.image_paths,
-            from_episode_number=None if wanted.random_selection else first, rng=rng, fields=fields,
-        )  # fmt: skip
-    else:
-        demos = stored_demos(
-            dataset_root, task_name, wanted.amount, wanted.variation, image_paths=wanted.image_paths,
-            random_selection=wanted.random_selection, from_episode_number=first, rng=rng, fields=fields,
-        )  # fmt: skip
-    if not wanted.image_paths:
-        for demo in demos:
-            for observation in demo:
-                fit(observation, config)
+    root = _checked_root(dataset_root, "demonstrations", ", or ask for `live_demos=True`")
+    read = folder_demos if _holds_folders(root, task_name) else _episode_demos
+    first = None if wanted.random_selection else wanted.from_episode_number
+    fields = wanted_fields(config)
+    demos = read(
+        root, task_name, wanted.amount, wanted.variation,
+        image_paths=wanted.image_paths, from_episode_number=first, rng=rng, fields=fields,
+    )  # fmt: skip
+    for observation in () if wanted.image_paths else chain.from_iterable(demos):
+        fit(observation, config)
     return demos
+
+
+def _episode_demos(
+    root: Path | str,
+    task: str,
+    amount: int,
+    variation: int,
+    *,
+    image_paths: bool = False,
+    from_episode_number: int | None = 0,
+    rng: np.random.Generator | None = None,
+    fields: Collection[str] | None = None,
+) -> list[Demo]:
+    """`datasets.stored_demos` with the arguments of `folder_demos`: None as the first episode draws them."""
+    drawn, first = from_episode_number is None, from_episode_number or 0
+    return stored_demos(
+        root, task, amount, variation,
+        image_paths=image_paths, random_selection=drawn, from_episode_number=first, rng=rng, fields=fields,
+    )  # fmt: skip
 
 
 def read_stored_descriptions(dataset_root: str, task_name: str, episode: int) -> list[str]:
@@ -72,9 +89,7 @@ def read_stored_descriptions(dataset_root: str, task_name: str, episode: int) ->
     Raises:
         DatasetError: There is no dataset root, or no such episode.
     """
-    root = Path(dataset_root)
-    if not dataset_root:
-        raise DatasetError("No dataset root was given, so there are no stored sentences. Pass `Environment(dataset_root=...)`.")
+    root = _checked_root(dataset_root, "sentences")
     folders = _holds_folders(root, task_name)
     paths = folder_episodes(root, task_name) if folders else list(counted_files(root, task_name))
     if not 0 <= episode < len(paths):
@@ -84,6 +99,14 @@ def read_stored_descriptions(dataset_root: str, task_name: str, episode: int) ->
     check_there(paths[episode])
     with Episode(paths[episode]) as stored:
         return list(stored.instructions)
+
+
+def _checked_root(dataset_root: str, what: str, otherwise: str = "") -> Path:
+    if not dataset_root:
+        raise DatasetError(
+            f"No dataset root was given, so there are no stored {what}. Pass `Environment(dataset_root=...)`{otherwise}."
+        )
+    return Path(dataset_root)
 
 
 def _holds_folders(root: Path, task: str) -> bool:

@@ -179,10 +179,8 @@ def operational_space(problem: TrackingProblem) -> Follower:
 
 def joint_impedance(problem: TrackingProblem) -> Follower:
     """`JointImpedance` in every physics step: springs along the motion, with its velocities and accelerations."""
-    controller, dt = (
-        JointImpedance(problem.model_with_payload(), np.diag(JOINT_STIFFNESS[: problem.model.size])),
-        problem.physics_dt,
-    )
+    controller = JointImpedance(problem.model_with_payload(), np.diag(JOINT_STIFFNESS[: problem.model.size]))
+    dt = problem.physics_dt
 
     def command(k: int, q: FloatArray, v: FloatArray) -> Command:
         return Command(controller.torque(q, v, *problem.trajectory.sample(k * dt)))

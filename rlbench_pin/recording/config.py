@@ -6,20 +6,19 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from rlbench_pin.datasets.writer import Compression
 from rlbench_pin.environment.actions.action_mode import MoveArmThenGripper
 from rlbench_pin.environment.actions.gripper import Discrete
 from rlbench_pin.environment.actions.joint import JointPosition
 from rlbench_pin.environment.environment import Environment
+from rlbench_pin.environment.episode_seeds import drawn_variations
 from rlbench_pin.environment.observations.config import ObservationConfig
+from rlbench_pin.environment.task_environment import ALL_VARIATIONS
 from rlbench_pin.errors import TaskEnvironmentError, UnknownName
 from rlbench_pin.observation import CAMERAS, PRODUCTS
 from rlbench_pin.sim import RENDERERS, RendererName
-from rlbench_pin.tasks import Task, load_task_file, task_class
+from rlbench_pin.tasks import find_task
 
-ALL_VARIATIONS = -1
 _SEED_BITS = 53  # so that JSON readers of every language keep the number
 
 
@@ -108,9 +107,11 @@ class WorkItem:
     name: str
     """Task name."""
     variation: int
+    """Variation of the task."""
     index: int
     """Number of the episode within its variation."""
     seed: int
+    """Seed of the episode."""
     attempts: tuple[int, ...]
     """Tries of the seed to make, until one succeeds."""
     source: str = ""
@@ -155,18 +156,6 @@ def item_seed(seed: int, task: str, variation: int, index: int) -> int:
     """Return the seed of one episode, 0 <= seed < 2^53: a hash of all that names the episode and of nothing else."""
     name = f"{seed}/{task}/{variation}/{index}".encode()
     return int.from_bytes(hashlib.sha256(name).digest()[:8], "big") >> (64 - _SEED_BITS)
-
-
-def find_task(name: str) -> type[Task]:
-    """Return the task of that name, or the one in the file when `name` ends with `.py`."""
-    return load_task_file(name) if name.endswith(".py") else task_class(name)
-
-
-def drawn_variations(count: int, most: int) -> tuple[int, ...]:
-    """Return all variations, or `most` of them drawn without repeats, always the same."""
-    if most == ALL_VARIATIONS or count <= most:
-        return tuple(range(count))
-    return tuple(sorted(np.random.default_rng(0).permutation(count)[:most].tolist()))
 
 
 def _check_names(kind: str, names: Sequence[str], known: Sequence[str]) -> None:

@@ -1,6 +1,6 @@
 """One demonstration in any action space, and the proof that it still works there.
 
-`convert_demo` needs the demonstration alone and follows the motion of the arm model. What is said relative to measured
+`convert_demo` needs the demonstration alone and follows the motion of the arm model. What is relative to measured
 velocities, and torques, drift away from such a motion; `convert_playing` finds them by playing the demonstration again.
 """
 
@@ -38,9 +38,9 @@ class Moment:
     v: FloatArray
     """Joint velocities at its start [rad/s]."""
     target: FloatArray
-    """Where the joints were told to be at its end [rad]."""
+    """Commanded joint positions at its end [rad]."""
     amount: float
-    """Where the hand was told to be, as an opening fraction."""
+    """Commanded opening fraction of the hand."""
     hand_moves: bool
     """Whether the hand moves after the tick, so that the arm comes to rest."""
 

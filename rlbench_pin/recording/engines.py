@@ -19,9 +19,10 @@ from rlbench_pin.recording.work import ItemResult, Recorder
 
 MAX_DEATHS = 3
 """Workers that one piece of work may cost before it is given up."""
-_HOPELESS = 10
-_PATIENCE = 5.0  # [s]
-_LOOK = 0.5  # [s]
+MAX_DEATHS_IN_A_ROW = 10
+"""Workers that may die one after the other, with nothing finished, before the recording ends."""
+_JOIN_TIMEOUT = 5.0  # [s]
+_POLL_INTERVAL = 0.5  # [s]
 
 
 @dataclass(frozen=True)
@@ -72,27 +73,31 @@ class SerialEngine:
             recorder.close()
 
 
-class Mourning:
-    """Keeps count of dead workers and decides what is worth another."""
+class RetryPolicy:
+    """Counts workers that died, and decides whether what they were doing is tried again."""
 
     def __init__(self) -> None:
         self._per_item: Counter[tuple[str, int, int]] = Counter()
         self._in_a_row: list[WorkerDeath] = []
 
-    def success(self) -> None:
-        """Something was finished."""
+    def on_success(self) -> None:
+        """Note that a piece of work was finished."""
         self._in_a_row.clear()
 
-    def death(self, item: WorkItem, cause: str) -> tuple[WorkerDeath, ItemResult | None]:
-        """Note a death; return it, and the result of the item when it is given up.
+    def on_death(self, item: WorkItem, cause: str) -> tuple[WorkerDeath, ItemResult | None]:
+        """Note that a worker died; return that, and the result of the item when it is given up.
+
+        Args:
+            item: What the worker was doing.
+            cause: A signal, an exit code or an exception.
 
         Raises:
-            WorkersDie: It is hopeless.
+            WorkersDie: `MAX_DEATHS_IN_A_ROW` have died with nothing finished in between.
         """
         death = WorkerDeath(item, cause)
         self._per_item[item.key] += 1
         self._in_a_row.append(death)
-        if len(self._in_a_row) >= _HOPELESS:
+        if len(self._in_a_row) >= MAX_DEATHS_IN_A_ROW:
             raise WorkersDie(self._in_a_row)
         if self._per_item[item.key] < MAX_DEATHS:
             return death, None
@@ -111,38 +116,38 @@ class ProcessEngine:
 
     def map(self, config: PictureConfig, items: Sequence[WorkItem], stop: threading.Event) -> Generator[Event, None, None]:
         """Yield results as they come."""
-        queue, mourning = deque(items), Mourning()
-        crew = [_Worker(config) for _ in range(min(self.workers, len(queue)))]
+        queue, retries = deque(items), RetryPolicy()
+        workers = [_Worker(config) for _ in range(min(self.workers, len(queue)))]
         try:
             while True:
-                for worker in crew:
+                for worker in workers:
                     if worker.item is None and queue and not stop.is_set():
                         worker.give(queue.popleft())
-                if not (busy := [worker for worker in crew if worker.item is not None]):
+                if not (busy := [worker for worker in workers if worker.item is not None]):
                     return
-                ready = wait([thing for worker in busy for thing in (worker.connection, worker.sentinel)], _LOOK)
+                ready = wait([thing for worker in busy for thing in (worker.connection, worker.sentinel)], _POLL_INTERVAL)
                 for worker in busy:
                     if worker.connection not in ready and worker.sentinel not in ready:
                         continue
                     item, result = worker.take()
                     if result is not None:
-                        mourning.success()
+                        retries.on_success()
                         yield result
                         continue
-                    crew[crew.index(worker)] = _Worker(config)
-                    death, given_up = mourning.death(item, worker.bury())
+                    workers[workers.index(worker)] = _Worker(config)
+                    death, given_up = retries.on_death(item, worker.end())
                     yield death
                     if given_up is not None:
                         yield given_up
                     else:
                         queue.appendleft(item)
         finally:
-            for worker in crew:
-                worker.dismiss()
+            for worker in workers:
+                worker.stop()
 
 
 class _Worker:
-    """One process and the line to it."""
+    """One process and the connection to it."""
 
     def __init__(self, config: PictureConfig) -> None:
         context = multiprocessing.get_context("spawn")
@@ -155,13 +160,13 @@ class _Worker:
         self.item: WorkItem | None = None
 
     def give(self, item: WorkItem) -> None:
-        """Hand it something to do; a death is noticed when the result is taken."""
+        """Assign a piece of work; if the process has died, `take` finds out."""
         self.item = item
         with suppress(OSError):
             self.connection.send(item)
 
     def take(self) -> tuple[WorkItem, ItemResult | None]:
-        """Return what it was doing and what came of it, None when it died."""
+        """Return its piece of work and the result, None when it died."""
         item, self.item = self.item, None
         assert item is not None
         try:
@@ -169,31 +174,31 @@ class _Worker:
         except (EOFError, OSError):
             return item, None
 
-    def bury(self) -> str:
-        """Make sure that it is dead, and return why."""
-        self._process.join(_PATIENCE)
-        self.dismiss()
+    def end(self) -> str:
+        """Wait for its end, and return why it ended."""
+        self._process.join(_JOIN_TIMEOUT)
+        self.stop()
         code = self._process.exitcode
         return signal.Signals(-code).name if code is not None and code < 0 else f"exit code {code}"
 
-    def dismiss(self) -> None:
-        """End it; an idle one goes by itself, a busy one is told to."""
+    def stop(self) -> None:
+        """End the process: closing the connection ends an idle one, a busy one is terminated."""
         self.connection.close()
         if self.item is not None:
             self._process.terminate()
-        self._process.join(_PATIENCE)
+        self._process.join(_JOIN_TIMEOUT)
         if self._process.is_alive():
             self._process.kill()
             self._process.join()
 
 
-def _work(line: Connection, config: PictureConfig) -> None:
-    """Do what comes along the line until it ends. Ctrl-C is for the one who gives the work."""
+def _work(connection: Connection, config: PictureConfig) -> None:
+    """Do what comes along the connection until it closes. Ctrl-C is left to the process at its other end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     recorder = Recorder(config)
     with suppress(EOFError, OSError):
         while True:
-            line.send(recorder.make(line.recv()))
+            connection.send(recorder.make(connection.recv()))
     recorder.close()
 
 

@@ -45,16 +45,16 @@ class Film:
         self._kept = False
 
     def __enter__(self) -> Film:
-        self._task.runtime.register_step_callback(self._shoot)
+        self._task.runtime.register_step_callback(self._film_tick)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
-        self._task.runtime.remove_step_callback(self._shoot)
+        self._task.runtime.remove_step_callback(self._film_tick)
         if not self._kept:
             self._video.discard()
 
     def keep(self, path: Path) -> Path:
-        """Finish the film with a second of stillness and move it to `path`."""
+        """Finish the film with a second of its last picture and move it to `path`."""
         last = side_picture(self._task.world)
         for _ in range(self._pause):
             self._video.add(last)
@@ -63,5 +63,5 @@ class Film:
         os.replace(self._video.close(), path)
         return path
 
-    def _shoot(self) -> None:
+    def _film_tick(self) -> None:
         self._video.add(side_picture(self._task.world))

@@ -11,10 +11,10 @@ from ray.actor import ActorHandle
 from ray.exceptions import RayError
 
 from rlbench_pin.recording.config import PictureConfig, WorkItem
-from rlbench_pin.recording.engines import Event, Mourning
+from rlbench_pin.recording.engines import Event, RetryPolicy
 from rlbench_pin.recording.work import ItemResult, Recorder
 
-_LOOK = 0.5  # [s]
+_POLL_INTERVAL = 0.5  # [s]
 
 
 class RayEngine:
@@ -42,8 +42,8 @@ class RayEngine:
                 ray.shutdown()
 
     def _map(self, config: PictureConfig, items: Sequence[WorkItem], stop: threading.Event) -> Generator[Event, None, None]:
-        queue, mourning = deque(items), Mourning()
-        idle = [_hire(config) for _ in range(min(self.workers, len(queue)))]
+        queue, retries = deque(items), RetryPolicy()
+        idle = [_new_actor(config) for _ in range(min(self.workers, len(queue)))]
         busy: dict[ray.ObjectRef, tuple[ActorHandle, WorkItem]] = {}
         while queue or busy:
             while idle and queue and not stop.is_set():
@@ -53,25 +53,25 @@ class RayEngine:
                 ray.kill(idle.pop())
             if not busy:
                 return
-            for reference in ray.wait(list(busy), timeout=_LOOK)[0]:
+            for reference in ray.wait(list(busy), timeout=_POLL_INTERVAL)[0]:
                 actor, item = busy.pop(reference)
                 try:
                     result: ItemResult = ray.get(reference)
                 except RayError as error:
-                    idle.append(_hire(config))
-                    death, given_up = mourning.death(item, type(error).__name__)
+                    idle.append(_new_actor(config))
+                    death, given_up = retries.on_death(item, type(error).__name__)
                     yield death
                     if given_up is not None:
                         yield given_up
                     else:
                         queue.appendleft(item)
                     continue
-                mourning.success()
+                retries.on_success()
                 idle.append(actor)
                 yield result
 
 
-def _hire(config: PictureConfig) -> ActorHandle:
+def _new_actor(config: PictureConfig) -> ActorHandle:
     options = {"num_cpus": 1, "runtime_env": {"env_vars": {"OMP_NUM_THREADS": "1"}}}
     actor: ActorHandle = ray.remote(Recorder).options(**options).remote(config)
     return actor

@@ -68,7 +68,8 @@ class RecordReport:
         return replace(report, recorded=self.recorded + 1, frames=frames, num_bytes=size)
 
 
-Watch = Callable[[RecordReport], None]
+OnProgress = Callable[[RecordReport], None]
+"""Called with the report so far."""
 
 
 def record(
@@ -77,7 +78,7 @@ def record(
     *,
     engine: Engine | None = None,
     resume: bool = False,
-    on_progress: Watch | None = None,
+    on_progress: OnProgress | None = None,
     stop: threading.Event | None = None,
 ) -> RecordReport:
     """Record demonstrations into a dataset folder.
@@ -92,7 +93,7 @@ def record(
 
     Raises:
         DatasetConflict: The folder holds these tasks, or another recording, or it is being written to.
-        StorageError: The disk refused. Every episode stored before is whole.
+        StorageError: The disk is full or cannot be written. Every episode stored before is whole.
         UnknownName: A task does not exist.
     """
     root = Path(root)
@@ -108,7 +109,7 @@ def run_items(
     root: Path,
     *,
     engine: Engine | None = None,
-    on_progress: Watch | None = None,
+    on_progress: OnProgress | None = None,
     stop: threading.Event | None = None,
 ) -> RecordReport:
     """Do the pieces of work that the folder does not hold yet and store what comes of them."""
@@ -147,8 +148,8 @@ def read_recording(root: Path | str) -> RecordConfig:
         content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
         if (version := content.pop("version")) != VERSION:
             raise ValueError(f"it has version {version}, this package reads version {VERSION}")
-        pictures = PictureConfig(**{k: _untupled(v) for k, v in content.pop("pictures").items()})
-        return RecordConfig(**{k: _untupled(v) for k, v in content.items()}, pictures=pictures)
+        pictures = PictureConfig(**{k: _as_tuple(v) for k, v in content.pop("pictures").items()})
+        return RecordConfig(**{k: _as_tuple(v) for k, v in content.items()}, pictures=pictures)
     except FileNotFoundError as error:
         raise EpisodeFileError(path, f"'{path}' does not exist, so there is no recording to resume. Name the tasks.") from error
     except (ValueError, KeyError, TypeError, AttributeError) as error:
@@ -158,12 +159,12 @@ def read_recording(root: Path | str) -> RecordConfig:
 
 
 def write_recording(root: Path, config: RecordConfig) -> None:
-    """Note the settings, so that `--resume` needs nothing more than the folder."""
+    """Write the settings, so that `--resume` needs nothing more than the folder."""
     content = {"version": VERSION, **asdict(config)}
     write_whole(root / RECORDING, (json.dumps(content, indent=1) + "\n").encode())
 
 
-def _untupled(value: Any) -> Any:
+def _as_tuple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 

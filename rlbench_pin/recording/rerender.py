@@ -14,7 +14,7 @@ from rlbench_pin.datasets.storage import hold, remove_leftovers, write_whole
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 from rlbench_pin.recording.config import PictureConfig, WorkItem
 from rlbench_pin.recording.engines import Engine
-from rlbench_pin.recording.record import RecordReport, Watch, run_items
+from rlbench_pin.recording.record import OnProgress, RecordReport, run_items
 
 SEEDS_FORMAT = "rlbench_pin.seeds"
 VERSION = 1
@@ -25,10 +25,15 @@ class EpisodeSeed:
     """All that one demonstration follows from, with the task and the versions of the libraries."""
 
     task: str
+    """Task name."""
     variation: int
+    """Variation of the task."""
     episode: int
+    """Number of the episode within its variation."""
     seed: int
+    """Seed of the episode."""
     attempt: int
+    """Which try of the seed."""
 
     def check(self) -> None:
         """Raise DatasetError or ValueError unless the name is one and the numbers are counts: they become paths."""
@@ -66,8 +71,8 @@ def read_seeds(path: Path) -> list[EpisodeSeed]:
     try:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
         if (content["format"], content["version"]) != (SEEDS_FORMAT, VERSION):
-            told = f"format {content['format']!r}, version {content['version']!r}"
-            raise ValueError(f"it has {told}, this package reads {SEEDS_FORMAT!r}, version {VERSION}")
+            found = f"format {content['format']!r}, version {content['version']!r}"
+            raise ValueError(f"it has {found}, this package reads {SEEDS_FORMAT!r}, version {VERSION}")
         seeds = [EpisodeSeed(**seed) for seed in content["episodes"]]
         for seed in seeds:
             seed.check()
@@ -85,7 +90,7 @@ def rerender(
     *,
     tasks: Sequence[str] = (),
     engine: Engine | None = None,
-    on_progress: Watch | None = None,
+    on_progress: OnProgress | None = None,
     stop: threading.Event | None = None,
 ) -> RecordReport:
     """Record the demonstrations of a dataset again, with other pictures. Goes on with what `out` holds already.

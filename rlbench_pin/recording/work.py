@@ -14,11 +14,12 @@ from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import ResetError, RlbenchPinError
 from rlbench_pin.observation import LOW_DIM, Demo
-from rlbench_pin.recording.config import PictureConfig, WorkItem, find_task
+from rlbench_pin.recording.config import PictureConfig, WorkItem
 from rlbench_pin.recording.replay import replay_demo
+from rlbench_pin.tasks import find_task
 
-_TIDY_EVERY = 5_000_000
-"""So many bytes of episodes are made before memory is tidied."""
+_FREE_EVERY = 5_000_000
+"""So many bytes of episodes are made before memory is given back."""
 _TRIM = getattr(ctypes.CDLL(None), "malloc_trim", None)
 """Hands free memory back to the system; only glibc has it."""
 
@@ -28,6 +29,7 @@ class ItemResult:
     """What became of one piece of work."""
 
     item: WorkItem
+    """What was to be made."""
     failures: tuple[str, ...]
     """Why tries failed, each as `kind: message`."""
     data: bytes | None = None
@@ -51,7 +53,7 @@ class Recorder:
         self._made = 0
 
     def make(self, item: WorkItem) -> ItemResult:
-        """Make one episode; whatever goes wrong in a try is told in the result."""
+        """Make one episode; the result says what goes wrong in a try."""
         failures: list[str] = []
         for attempt in item.attempts:
             try:
@@ -67,7 +69,7 @@ class Recorder:
                 continue
             if demo is not None:
                 data = encode_demo(demo, self.config.compression)
-                self._tidy(len(data))
+                self._free_memory(len(data))
                 return ItemResult(item, tuple(failures), data, episode_entry(demo, data, item.index, failures))
         return ItemResult(item, tuple(failures))
 
@@ -77,10 +79,10 @@ class Recorder:
             self._environment.shutdown()
         self._environment, self._task, self._loaded = None, None, ""
 
-    def _tidy(self, made: int) -> None:
+    def _free_memory(self, made: int) -> None:
         """Give memory back after an episode with pictures, whose raw frames take tens of megabytes, or after many without."""
         self._made += made
-        if self._made > _TIDY_EVERY:
+        if self._made > _FREE_EVERY:
             self._made = 0
             gc.collect()
             if _TRIM is not None:

@@ -62,7 +62,7 @@ def test_torques_and_differences_are_found_by_playing(arm: ArmActionMode) -> Non
 
 
 def test_actions_that_do_nothing_do_not_verify() -> None:
-    """The check fails when the deed is left out."""
+    """The check fails when the decisive action is left out."""
     mode = MoveArmThenGripper(JointPosition(), Discrete())
     with Environment(mode, obs_config=low_dim(), seed=0) as env:
         task = env.get_task("pick_and_lift")

@@ -16,7 +16,7 @@ import pytest
 from rlbench_pin.cli.record import make_engine
 from rlbench_pin.datasets import task_faults
 from rlbench_pin.recording.config import PictureConfig, RecordConfig, WorkItem
-from rlbench_pin.recording.engines import MAX_DEATHS, Engine, Mourning, ProcessEngine, SerialEngine, WorkersDie
+from rlbench_pin.recording.engines import MAX_DEATHS, Engine, ProcessEngine, RetryPolicy, SerialEngine, WorkersDie
 from rlbench_pin.recording.record import RecordReport, record
 
 TASKS = ("reach_target", "push_button")
@@ -43,12 +43,12 @@ def item(index: int = 0) -> WorkItem:
 
 def test_an_item_that_kills_is_given_up() -> None:
     """The third worker that dies of one item is the last; the others go on."""
-    mourning = Mourning()
+    retries = RetryPolicy()
     for _ in range(MAX_DEATHS - 1):
-        assert mourning.death(item(), "SIGSEGV")[1] is None
-        assert mourning.death(item(1), "SIGSEGV")[1] is None
-        mourning.success()
-    death, result = mourning.death(item(), "SIGSEGV")
+        assert retries.on_death(item(), "SIGSEGV")[1] is None
+        assert retries.on_death(item(1), "SIGSEGV")[1] is None
+        retries.on_success()
+    death, result = retries.on_death(item(), "SIGSEGV")
     assert death.cause == "SIGSEGV"
     assert result is not None
     assert result.entry is None
@@ -57,10 +57,10 @@ def test_an_item_that_kills_is_given_up() -> None:
 
 def test_workers_that_only_die_end_the_recording() -> None:
     """When one after the other dies without finishing anything, the error counts the causes."""
-    mourning = Mourning()
+    retries = RetryPolicy()
     with pytest.raises(WorkersDie, match="10 x SIGKILL.*--workers 0"):
         for index in range(20):
-            mourning.death(item(index), "SIGKILL")
+            retries.on_death(item(index), "SIGKILL")
 
 
 @pytest.mark.slow
@@ -90,7 +90,7 @@ def test_a_worker_that_dies_is_replaced(tmp_path: Path, serial: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_fault_in_a_task_is_told_and_survived(tmp_path: Path, serial: Path) -> None:
+def test_a_fault_in_a_task_is_reported_and_survived(tmp_path: Path, serial: Path) -> None:
     """A task file whose code raises costs its own episodes only; what it raised is in the report."""
     folder = tmp_path / "tasks"
     folder.mkdir()
@@ -142,7 +142,7 @@ def test_ray_makes_the_same(tmp_path: Path, serial: Path) -> None:
 @needs_ray
 @pytest.mark.parametrize("working", [True, False], ids=["while it works", "while it waits"])
 def test_a_ray_actor_that_dies_is_replaced(tmp_path: Path, serial: Path, working: bool) -> None:
-    """An actor that is killed costs nothing: its episode is made by another, the report tells, the manifests are the same."""
+    """An actor that is killed costs nothing: its episode is made by another, the report says so, the manifests are the same."""
     killed: list[int] = []
     done = threading.Event()
 

@@ -17,8 +17,8 @@ import pytest
 from rlbench_pin.datasets import episode_files, read_demo, read_manifest, stored_demos, task_faults, verify_task
 from rlbench_pin.datasets.layout import episode_path
 from rlbench_pin.datasets.storage import hold
-from rlbench_pin.errors import CameraError, DatasetConflict, DatasetError, StorageError, TaskEnvironmentError, UnknownName
-from rlbench_pin.recording.config import PictureConfig, RecordConfig, item_seed, plan_items
+from rlbench_pin.errors import DatasetConflict, DatasetError, StorageError
+from rlbench_pin.recording.config import PictureConfig, RecordConfig, plan_items
 from rlbench_pin.recording.engines import SerialEngine
 from rlbench_pin.recording.record import RecordReport, read_recording, record
 from tests.demos_for_tests import mounted, simulate_full_disk
@@ -39,63 +39,6 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("undisturbed")
     record(CONFIG, root, engine=MadeUpEngine(retried=[1]))
     return root
-
-
-# The plan -------------------------------------------------------------------------------------------------------------
-
-
-def test_the_seed_of_an_item_follows_from_its_name_alone() -> None:
-    """Another task, variation, number or seed of the recording is another seed; the order of the plan is no part of it."""
-    names = [(s, t, v, i) for s in (0, 1) for t in ("a", "b") for v in range(4) for i in range(50)]
-    seeds = {name: item_seed(*name) for name in names}
-    assert len(set(seeds.values())) == len(names)
-    assert all(0 <= seed < 2**53 for seed in seeds.values())
-    assert item_seed(0, "reach_target", 3, 7) == 4230836312881034
-
-
-def test_a_plan_spreads_episodes_over_variations() -> None:
-    """Variations take turns; a longer plan begins like the shorter one, so that a dataset can grow."""
-    items = plan_items(replace(CONFIG, episodes=5))
-    variations = sorted({item.variation for item in items})
-    assert len(variations) == 2
-    assert [(item.variation, item.index) for item in items] == [
-        (variations[n % 2], n // 2) for n in range(5)
-    ]  # fmt: skip
-    assert plan_items(replace(CONFIG, episodes=9))[:5] == items
-    assert len(plan_items(replace(CONFIG, per_variation=True))) == 12
-
-
-def test_several_tasks_and_the_same_one_twice() -> None:
-    """A task that is named twice is recorded once."""
-    items = plan_items(replace(CONFIG, tasks=(TASK, "push_button", TASK), episodes=2))
-    assert [item.name for item in items] == [TASK, TASK, "push_button", "push_button"]
-
-
-@pytest.mark.parametrize(
-    ("change", "error", "words"),
-    [
-        ({"tasks": ("reach_targt",)}, UnknownName, "Did you mean 'reach_target'"),
-        ({"tasks": ()}, TaskEnvironmentError, "rlbench-pin list"),
-        ({"episodes": 0}, TaskEnvironmentError, "episodes=0"),
-        ({"variations": 0}, TaskEnvironmentError, "variations=0"),
-        ({"seed": -1}, TaskEnvironmentError, "seed=-1"),
-        ({"max_attempts": 0}, TaskEnvironmentError, "max_attempts=0"),
-    ],
-)
-def test_senseless_settings_are_refused(change: dict[str, object], error: type[Exception], words: str) -> None:
-    """Each wrong setting is named with its value, before anything is made."""
-    with pytest.raises(error, match=words):
-        plan_items(replace(CONFIG, **change))  # type: ignore[arg-type]
-
-
-def test_senseless_pictures_are_refused() -> None:
-    """Unknown cameras and products and empty pictures are errors at once."""
-    with pytest.raises(UnknownName, match="Did you mean 'wrist'"):
-        PictureConfig(cameras=("wrst",))
-    with pytest.raises(UnknownName, match="product"):
-        PictureConfig(products=("rgbd",))
-    with pytest.raises(CameraError, match="image_size"):
-        PictureConfig(image_size=(0, 128))
 
 
 # The result -----------------------------------------------------------------------------------------------------------

@@ -1,0 +1,77 @@
+"""What a recording will make: its pieces of work, their seeds, and which settings are refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from rlbench_pin.environment.episode_seeds import drawn_variations
+from rlbench_pin.errors import CameraError, TaskEnvironmentError, UnknownName
+from rlbench_pin.recording import PictureConfig, RecordConfig
+from rlbench_pin.recording.config import ALL_VARIATIONS, item_seed, plan_items
+
+TASK = "reach_target"
+CONFIG = RecordConfig(tasks=(TASK,), episodes=6, variations=2, max_attempts=3, pictures=PictureConfig(products=()))
+
+
+def test_the_seed_of_an_item_follows_from_its_name_alone() -> None:
+    """Another task, variation, number or seed of the recording is another seed; the order of the plan is no part of it."""
+    names = [(s, t, v, i) for s in (0, 1) for t in ("a", "b") for v in range(4) for i in range(50)]
+    seeds = {name: item_seed(*name) for name in names}
+    assert len(set(seeds.values())) == len(names)
+    assert all(0 <= seed < 2**53 for seed in seeds.values())
+    assert item_seed(0, "reach_target", 3, 7) == 4230836312881034
+
+
+def test_a_plan_spreads_episodes_over_variations() -> None:
+    """Variations take turns; a longer plan begins like the shorter one, so that a dataset can grow."""
+    items = plan_items(replace(CONFIG, episodes=5))
+    variations = sorted({item.variation for item in items})
+    assert len(variations) == 2
+    assert [(item.variation, item.index) for item in items] == [
+        (variations[n % 2], n // 2) for n in range(5)
+    ]  # fmt: skip
+    assert plan_items(replace(CONFIG, episodes=9))[:5] == items
+    assert len(plan_items(replace(CONFIG, per_variation=True))) == 12
+
+
+def test_several_tasks_and_the_same_one_twice() -> None:
+    """A task that is named twice is recorded once."""
+    items = plan_items(replace(CONFIG, tasks=(TASK, "push_button", TASK), episodes=2))
+    assert [item.name for item in items] == [TASK, TASK, "push_button", "push_button"]
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "words"),
+    [
+        ({"tasks": ("reach_targt",)}, UnknownName, "Did you mean 'reach_target'"),
+        ({"tasks": ()}, TaskEnvironmentError, "rlbench-pin list"),
+        ({"episodes": 0}, TaskEnvironmentError, "episodes=0"),
+        ({"variations": 0}, TaskEnvironmentError, "variations=0"),
+        ({"seed": -1}, TaskEnvironmentError, "seed=-1"),
+        ({"max_attempts": 0}, TaskEnvironmentError, "max_attempts=0"),
+    ],
+)
+def test_senseless_settings_are_refused(change: dict[str, object], error: type[Exception], words: str) -> None:
+    """Each wrong setting is named with its value, before anything is made."""
+    with pytest.raises(error, match=words):
+        plan_items(replace(CONFIG, **change))  # type: ignore[arg-type]
+
+
+def test_senseless_pictures_are_refused() -> None:
+    """Unknown cameras and products and empty pictures are errors at once."""
+    with pytest.raises(UnknownName, match="Did you mean 'wrist'"):
+        PictureConfig(cameras=("wrst",))
+    with pytest.raises(UnknownName, match="product"):
+        PictureConfig(products=("rgbd",))
+    with pytest.raises(CameraError, match="image_size"):
+        PictureConfig(image_size=(0, 128))
+
+
+def test_variations_are_drawn_without_repeats() -> None:
+    """All where they are few or all are wanted; otherwise as many as wanted, always the same ones."""
+    assert drawn_variations(3, 20) == drawn_variations(3, ALL_VARIATIONS) == (0, 1, 2)
+    drawn = drawn_variations(60, 20)
+    assert len(set(drawn)) == 20
+    assert drawn == drawn_variations(60, 20)
