@@ -18,7 +18,7 @@ from rlbench_pin.checking.pages.table import table
 from rlbench_pin.checking.pool import do_all
 from rlbench_pin.checking.report import TaskReport, summarise
 from rlbench_pin.checking.trials import Item, Part, Trial
-from rlbench_pin.environment.versions import library_versions
+from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.tasks import find_task, task_class, task_names
 
