@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from rlbench_pin.environment.versions import library_versions
+from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.recording.config import PictureConfig, RecordConfig
 from rlbench_pin.recording.engines import ProcessEngine
 from rlbench_pin.recording.record import RecordReport, record

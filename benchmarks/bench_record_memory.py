@@ -25,7 +25,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rlbench_pin.environment.versions import library_versions
+from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.recording.config import PictureConfig, RecordConfig, WorkItem, plan_items
 from rlbench_pin.recording.engines import ProcessEngine, WorkerDeath
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from rlbench_pin.environment import Discrete, Environment, JointVelocity, MoveArmThenGripper, ObservationConfig
-from rlbench_pin.environment.versions import library_versions
+from rlbench_pin.environment.demos import library_versions
 
 
 @dataclass(frozen=True)

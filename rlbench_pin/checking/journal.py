@@ -15,7 +15,7 @@ from rlbench_pin.checking.reach import Reach
 from rlbench_pin.checking.records import RECORDS, Cost, FailedAttempt, Part, SolvedDemo, Trial
 from rlbench_pin.checking.trials import Item
 from rlbench_pin.environment.demonstrate import LegReport
-from rlbench_pin.environment.versions import library_versions
+from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.tasks import LIBRARY, find_task
 
 _PACKAGE = ASSETS.parent

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rlbench_pin.environment.episode_seeds import EpisodeRandom
+from rlbench_pin.environment.episode import EpisodeRandom
 from rlbench_pin.environment.reset import check_arm_is_free, lay_out
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.turns import poses_of, runs

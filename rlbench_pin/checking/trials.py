@@ -25,7 +25,7 @@ from rlbench_pin.checking.records import (
 )
 from rlbench_pin.checking.stopwatch import Stopwatch
 from rlbench_pin.environment import DemoOutcome, TaskEnvironment
-from rlbench_pin.environment.episode_seeds import drawn_variations
+from rlbench_pin.environment.episode import drawn_variations
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import BoundaryError, ResetError
 from rlbench_pin.tasks import find_task

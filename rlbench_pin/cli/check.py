@@ -16,7 +16,7 @@ from rlbench_pin.checking.pages.page import page
 from rlbench_pin.checking.pages.pictures import draw_pictures
 from rlbench_pin.checking.pages.table import table
 from rlbench_pin.cli.progress import CheckBar
-from rlbench_pin.environment.versions import library_versions
+from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.tasks import find_task, task_class, task_names
 

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.environment.versions import library_versions
 from rlbench_pin.evaluation.controller_summary import ControllerSummary, summarise, table
 from rlbench_pin.evaluation.controller_trials import LegTrial, chosen_controllers, follow_demo
 from rlbench_pin.tasks import find_task

@@ -1,18 +1,21 @@
-"""Live demonstrations: one try, tries until one succeeds, and what becomes a `Demo`."""
+"""Live demonstrations: one try, tries until one succeeds, and what becomes a `Demo`, with the versions that made it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
 from rlbench_pin.environment.demonstrate import DemoOutcome, DemoPlayer, try_play
 from rlbench_pin.environment.episode import EpisodeOrigin
 from rlbench_pin.environment.runtime import Runtime
-from rlbench_pin.environment.versions import library_versions
 from rlbench_pin.errors import DemoError, TaskEnvironmentError
 from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.tasks import Task
+
+LIBRARIES = ("rlbench_pin", "pin", "coal", "pybullet", "ompl", "toppra", "placo", "osqp", "numpy")
+"""Distributions that shape a demonstration."""
 
 
 class LiveDemoFailed(DemoError, RuntimeError):
@@ -114,3 +117,15 @@ def restore_start(runtime: Runtime, demo: Demo) -> None:
 
 def _same_arrays(a: dict[str, np.ndarray], b: dict[str, np.ndarray]) -> bool:
     return a.keys() == b.keys() and all(np.array_equal(a[k], b[k]) for k in a)
+
+
+def library_versions() -> dict[str, str]:
+    """Return name -> version of this package and the libraries that shape a demonstration; `unknown` without metadata."""
+    return {name: _version(name) for name in LIBRARIES}
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name.replace("_", "-"))
+    except PackageNotFoundError:  # a source tree that was never installed
+        return "unknown"

@@ -1,11 +1,39 @@
-"""What the loop knows of the present episode, and of a moment to go back to."""
+"""An episode: the generators that set it up, where it came from, and moments of it to go back to.
+
+One seed per episode is spawned by purpose, so that a new draw in one place shifts no other.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from rlbench_pin.environment.randomization.sample import RandomizationSample
 from rlbench_pin.environment.runtime import RuntimeState
+from rlbench_pin.errors import TaskEnvironmentError
+
+
+@dataclass(frozen=True)
+class EpisodeRandom:
+    """The five generators of one episode."""
+
+    variation: np.random.Generator
+    """Variation of the task, where none is set."""
+    placement: np.random.Generator
+    """Where things stand, and what else a task draws."""
+    planning: np.random.Generator
+    """Starts of inverse kinematics and samples of the planner."""
+    noise: np.random.Generator
+    """Noise of observations."""
+    randomization: np.random.Generator
+    """Domain randomization."""
+
+    @classmethod
+    def from_seed(cls, seed: int, attempt: int = 0) -> EpisodeRandom:
+        """Spawn the generators of try `attempt` of episode `seed`; attempt 0 is the seed alone."""
+        sequence = np.random.SeedSequence(seed) if attempt == 0 else np.random.SeedSequence((seed, attempt))
+        return cls(*(np.random.default_rng(child) for child in sequence.spawn(5)))
 
 
 @dataclass(frozen=True)
@@ -29,3 +57,34 @@ class EnvironmentState:
     episode: EpisodeOrigin
     randomization: RandomizationSample | None = None
     """What domain randomization has made of the scene."""
+
+
+def checked_seed(seed: object) -> int:
+    """Return `seed` as an int.
+
+    Raises:
+        TaskEnvironmentError: It is no whole number, or negative.
+    """
+    if not isinstance(seed, int | np.integer) or seed < 0:
+        raise TaskEnvironmentError(f"A seed is a whole number >= 0, not {seed!r}.")
+    return int(seed)
+
+
+def demo_seeds(amount: int, seed: int | None, rng: np.random.Generator) -> list[int]:
+    """Return the seeds of `amount` live demonstrations: counted from `seed`, or drawn when it is None.
+
+    Raises:
+        TaskEnvironmentError: `amount` is less than 1, or the seed is no whole number >= 0.
+    """
+    if amount < 1:
+        raise TaskEnvironmentError(f"Live demonstrations need an amount of at least 1, not {amount}.")
+    if seed is None:
+        return [int(s) for s in rng.integers(2**31, size=amount)]
+    return list(range(checked_seed(seed), seed + amount))
+
+
+def drawn_variations(count: int, most: int) -> tuple[int, ...]:
+    """Return all of `count` variations, or `most` of them drawn without repeats, always the same; -1 is all."""
+    if most < 0 or count <= most:
+        return tuple(range(count))
+    return tuple(sorted(np.random.default_rng(0).permutation(count)[:most].tolist()))

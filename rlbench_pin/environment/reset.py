@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rlbench_pin.environment.demonstrate import MAX_ROUNDS
-from rlbench_pin.environment.episode_seeds import EpisodeRandom
+from rlbench_pin.environment.episode import EpisodeRandom
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.turns import check_feasible
 from rlbench_pin.errors import BoundaryError, PlanningError, ResetError, WaypointError

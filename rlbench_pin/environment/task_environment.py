@@ -9,8 +9,7 @@ import numpy as np
 from rlbench_pin.environment import demos
 from rlbench_pin.environment.actions.action_mode import ActionMode
 from rlbench_pin.environment.demonstrate import DemoOutcome
-from rlbench_pin.environment.episode import EnvironmentState, EpisodeOrigin
-from rlbench_pin.environment.episode_seeds import EpisodeRandom, checked_seed, demo_seeds
+from rlbench_pin.environment.episode import EnvironmentState, EpisodeOrigin, EpisodeRandom, checked_seed, demo_seeds
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.randomization.randomizer import Randomizer
 from rlbench_pin.environment.reset import start_episode

@@ -8,7 +8,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
-from rlbench_pin.gym.ids import MAX_EPISODE_STEPS, gym_id, register_ids
+from rlbench_pin.gym.ids import gym_id, register_ids
 
 if TYPE_CHECKING:
     from rlbench_pin.gym.environment import GymnasiumEnv
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from rlbench_pin.gym.window import WindowMissing
 
 __all__ = [
-    "MAX_EPISODE_STEPS",
     "GymnasiumEnv",
     "LazyAsyncVectorEnv",
     "LeRobotEnv",

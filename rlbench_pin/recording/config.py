@@ -11,7 +11,7 @@ from rlbench_pin.environment.actions.action_mode import MoveArmThenGripper
 from rlbench_pin.environment.actions.gripper import Discrete
 from rlbench_pin.environment.actions.joint import JointPosition
 from rlbench_pin.environment.environment import Environment
-from rlbench_pin.environment.episode_seeds import drawn_variations
+from rlbench_pin.environment.episode import drawn_variations
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.task_environment import ALL_VARIATIONS
 from rlbench_pin.errors import TaskEnvironmentError, UnknownName

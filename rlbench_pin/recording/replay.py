@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.environment.task_environment import TaskEnvironment
-from rlbench_pin.environment.versions import library_versions
 from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import Demo
 

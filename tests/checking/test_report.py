@@ -24,7 +24,7 @@ from rlbench_pin.checking.records import (
 )
 from rlbench_pin.checking.report import TaskReport, summarise
 from rlbench_pin.environment.demonstrate import LegReport
-from rlbench_pin.environment.episode_seeds import drawn_variations
+from rlbench_pin.environment.episode import drawn_variations
 
 LEGS = (LegReport(0, "straight", 0.06, 2.0), LegReport(1, "search", 0.04, 3.0))
 DEMO = SolvedDemo(

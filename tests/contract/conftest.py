@@ -6,20 +6,13 @@ from collections.abc import Iterator
 
 import pytest
 
-from rlbench_pin.environment import Discrete, Environment, JointPosition, MoveArmThenGripper, ObservationConfig, TaskEnvironment
+from rlbench_pin.environment import Discrete, Environment, JointPosition, MoveArmThenGripper, TaskEnvironment
+from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.tasks import task_names
-
-
-def low_dim() -> ObservationConfig:
-    """All low-dimensional data, no pictures."""
-    config = ObservationConfig()
-    config.set_all_low_dim(True)
-    config.set_all_high_dim(False)
-    return config
 
 
 @pytest.fixture(scope="module", params=task_names())
 def task_env(request: pytest.FixtureRequest) -> Iterator[TaskEnvironment]:
     """Every task of the registry with absolute joint positions."""
-    with Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=low_dim(), seed=0) as env:
+    with Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=low_dim_config(), seed=0) as env:
         yield env.get_task(request.param)

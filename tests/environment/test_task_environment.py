@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from rlbench_pin.environment import Discrete, Environment, JointPosition, MoveArmThenGripper, TaskEnvironment
+from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import DatasetError, NotReset, TaskEnvironmentError, UnknownName
-from tests.environment.conftest import low_dim
 
 
 def environment(**settings: object) -> Environment:
-    return Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=low_dim(), **settings)  # type: ignore[arg-type]
+    return Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=low_dim_config(), **settings)  # type: ignore[arg-type]
 
 
 def test_step_before_reset_is_refused() -> None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from rlbench_pin.environment.episode_seeds import drawn_variations
+from rlbench_pin.environment.episode import drawn_variations
 from rlbench_pin.errors import CameraError, TaskEnvironmentError, UnknownName
 from rlbench_pin.recording import PictureConfig, RecordConfig
 from rlbench_pin.recording.config import ALL_VARIATIONS, item_seed, plan_items

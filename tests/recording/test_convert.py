@@ -16,9 +16,9 @@ from rlbench_pin.environment import (
     MoveArmThenGripper,
 )
 from rlbench_pin.environment.actions.arm_mode import ArmActionMode
+from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.recording import convert_by_playing, convert_demo, verify
-from tests.environment.conftest import low_dim
 
 MODES = [
     JointPosition(),
@@ -36,7 +36,7 @@ MODES = [
 def test_a_converted_demo_still_succeeds(arm: ArmActionMode) -> None:
     """Picking and lifting works again in another action space."""
     mode = MoveArmThenGripper(arm, Discrete())
-    with Environment(mode, obs_config=low_dim(), seed=0) as env:
+    with Environment(mode, obs_config=low_dim_config(), seed=0) as env:
         task = env.get_task("pick_and_lift")
         (demo,) = task.get_demos(1, live_demos=True, seed=3)
         actions = convert_demo(demo, mode, task.runtime.model)
@@ -52,7 +52,7 @@ PLAYED = [JointTorque(), JointTorque(absolute_mode=False), JointVelocity(absolut
 def test_torques_and_differences_are_found_by_playing(arm: ArmActionMode) -> None:
     """What drifts when it is worked out from the model alone succeeds when it was worked out from what was measured."""
     mode = MoveArmThenGripper(arm, Discrete())
-    with Environment(mode, obs_config=low_dim(), seed=0) as env:
+    with Environment(mode, obs_config=low_dim_config(), seed=0) as env:
         task = env.get_task("pick_and_lift")
         (demo,) = task.get_demos(1, live_demos=True, seed=3)
         actions = convert_by_playing(task, demo)
@@ -64,7 +64,7 @@ def test_torques_and_differences_are_found_by_playing(arm: ArmActionMode) -> Non
 def test_actions_that_do_nothing_do_not_verify() -> None:
     """The check fails when the decisive action is left out."""
     mode = MoveArmThenGripper(JointPosition(), Discrete())
-    with Environment(mode, obs_config=low_dim(), seed=0) as env:
+    with Environment(mode, obs_config=low_dim_config(), seed=0) as env:
         task = env.get_task("pick_and_lift")
         (demo,) = task.get_demos(1, live_demos=True, seed=3)
         actions = convert_demo(demo, mode, task.runtime.model)
@@ -75,7 +75,7 @@ def test_actions_that_do_nothing_do_not_verify() -> None:
 
 def test_what_cannot_be_converted_says_so() -> None:
     """Elbow control and torque changes are refused by name."""
-    with Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=low_dim(), seed=0) as env:
+    with Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=low_dim_config(), seed=0) as env:
         task = env.get_task("reach_target")
         (demo,) = task.get_demos(1, live_demos=True, seed=3)
         for arm in (ERJointViaIK(), JointTorque(absolute_mode=False)):

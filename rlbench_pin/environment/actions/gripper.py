@@ -73,7 +73,7 @@ class FingerMove:
     """A finger motion of one tick."""
 
     target: float
-    """Where the fingers were told to be [m]."""
+    """Commanded position of the fingers [m]."""
     opens: bool
     """Whether that is farther open than they were."""
 

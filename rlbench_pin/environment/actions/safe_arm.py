@@ -41,7 +41,7 @@ class Guard(BoundMode):
 class SafeArm(PartMode):
     """Runs another arm mode, each control tick of which passes the safety filter first.
 
-    The filter looks at the joint velocity that the motors were told to bring about in the next tick, and replaces it when a
+    The filter looks at the joint velocity that the motors are commanded to reach in the next tick, and replaces it when a
     joint limit or a distance would be violated. Bodies that the arm holds count as part of it.
 
     Args:

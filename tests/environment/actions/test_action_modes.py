@@ -16,16 +16,16 @@ from rlbench_pin.environment import (
     TaskEnvironment,
 )
 from rlbench_pin.environment.actions.arm_mode import ArmActionMode, calculate_delta_pose
+from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.environment.runtime import TIP_WORKSPACE
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.spatial import pose_at, rotation_distance
-from tests.environment.conftest import low_dim
 
 DOWN = np.array([0.3, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 
 
 def episode(arm: ArmActionMode, task: str = "reach_target") -> TaskEnvironment:
-    env = Environment(MoveArmThenGripper(arm, Discrete()), obs_config=low_dim(), seed=0)
+    env = Environment(MoveArmThenGripper(arm, Discrete()), obs_config=low_dim_config(), seed=0)
     task_env = env.get_task(task)
     task_env.reset(seed=1)
     return task_env

@@ -22,9 +22,9 @@ from rlbench_pin.environment import (
     TaskEnvironment,
 )
 from rlbench_pin.environment.actions.arm_mode import ArmActionMode
+from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.spatial import compose, pose_at, relative, rotation_distance
-from tests.environment.conftest import low_dim
 
 READY = np.array([0.3, 0.1, 1.0, 1.0, 0.0, 0.0, 0.0])
 IDENTITY = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
@@ -44,7 +44,7 @@ TEN = [
 
 def episode(arm: ArmActionMode) -> TaskEnvironment:
     """A scene with the hand pointing down over the table, ready to move anywhere."""
-    env = Environment(MoveArmThenGripper(EndEffectorPoseViaPlanning(), Discrete()), obs_config=low_dim(), seed=0)
+    env = Environment(MoveArmThenGripper(EndEffectorPoseViaPlanning(), Discrete()), obs_config=low_dim_config(), seed=0)
     task = env.get_task("slide_block_to_target")
     task.reset(seed=1)
     task.step(np.append(READY, 1.0))
@@ -165,7 +165,7 @@ def test_inverse_kinematics_refuses_what_it_cannot_reach() -> None:
 
 def test_joint_differences_and_fingers_share_one_tick() -> None:
     """`JointPositionActionMode` takes one tick, with 0.1 rad and 0.04 m as bounds."""
-    with Environment(JointPositionActionMode(), obs_config=low_dim(), seed=0) as env:
+    with Environment(JointPositionActionMode(), obs_config=low_dim_config(), seed=0) as env:
         task = env.get_task("reach_target")
         _, obs = task.reset(seed=0)
         low, high = env.action_bounds()
@@ -181,7 +181,7 @@ def test_joint_differences_and_fingers_share_one_tick() -> None:
 def test_finger_positions_hold_what_stops_them() -> None:
     """Closing step by step on a cube attaches it; opening lets it go."""
     mode = MoveArmThenGripper(EndEffectorPoseViaPlanning(), GripperJointPosition())
-    with Environment(mode, obs_config=low_dim(), seed=0) as env:
+    with Environment(mode, obs_config=low_dim_config(), seed=0) as env:
         task = env.get_task("pick_and_lift")
         task.reset(seed=3)
         cube = task.world.body(task.task.get_graspable_objects()[0])

@@ -14,12 +14,12 @@ from rlbench_pin.environment import (
     TaskEnvironment,
 )
 from rlbench_pin.environment.actions.arm_mode import ArmActionMode
-from tests.environment.conftest import low_dim
+from rlbench_pin.environment.presets import low_dim_config
 
 
 def drive_down(arm: ArmActionMode) -> tuple[TaskEnvironment, float]:
     """Drive the arm into the table for three seconds; return the loop and the deepest penetration [m]."""
-    task = Environment(MoveArmThenGripper(arm, Discrete()), obs_config=low_dim(), seed=0).get_task("reach_target")
+    task = Environment(MoveArmThenGripper(arm, Discrete()), obs_config=low_dim_config(), seed=0).get_task("reach_target")
     _, obs = task.reset(seed=0)
     deepest = 0.0
     for _ in range(60):
@@ -52,7 +52,7 @@ def test_with_the_filter_it_stops_in_front_of_it() -> None:
 def test_harmless_actions_pass_unchanged() -> None:
     """Slow motion in free space is not touched."""
     arm = SafeArm(JointVelocity())
-    task = Environment(MoveArmThenGripper(arm, Discrete()), obs_config=low_dim(), seed=0).get_task("reach_target")
+    task = Environment(MoveArmThenGripper(arm, Discrete()), obs_config=low_dim_config(), seed=0).get_task("reach_target")
     _, before = task.reset(seed=0)
     for _ in range(5):
         obs, _, _ = task.step([0.1] + [0.0] * 6 + [1.0])

@@ -7,7 +7,7 @@ from dataclasses import fields
 import numpy as np
 
 from rlbench_pin.environment import Discrete, Environment, JointPosition, ModelObservationConfig, MoveArmThenGripper
-from tests.environment.conftest import low_dim
+from rlbench_pin.environment.presets import low_dim_config
 
 EVERYTHING = ModelObservationConfig(
     tip_jacobian=True,
@@ -23,14 +23,14 @@ EVERYTHING = ModelObservationConfig(
 
 def test_it_is_off_by_default() -> None:
     """No key is added unless asked for."""
-    with Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=low_dim()) as env:
+    with Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=low_dim_config()) as env:
         _, obs = env.get_task("pick_and_lift").reset(seed=0)
         assert not {f.name for f in fields(ModelObservationConfig)} & set(obs.misc)
 
 
 def test_what_is_asked_for_is_right() -> None:
     """Matrices equal the model's at the measured joints; the nearest world pair is measured between its points."""
-    config = low_dim()
+    config = low_dim_config()
     config.model = EVERYTHING
     with Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=config) as env:
         task = env.get_task("pick_and_lift")
@@ -55,7 +55,7 @@ def test_what_is_asked_for_is_right() -> None:
 
 def test_the_jacobian_derivative_is_the_finite_difference() -> None:
     """dJ/dt agrees with two Jacobians along the motion within 1e-6 of its size per microsecond step."""
-    with Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=low_dim()) as env:
+    with Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=low_dim_config()) as env:
         task = env.get_task("reach_target")
         task.reset(seed=0)
         model = task.runtime.model
