@@ -10,7 +10,7 @@ from rlbench_pin.scene.model_files import UrdfNames, resolve_asset, urdf_names
 from rlbench_pin.scene.spec import ROOT, WORLD, BodySpec, Posed, SceneSpec, SensorSpec, WaypointSpec
 
 RESERVED = frozenset({ROOT, WORLD, "table", "floor", "robot"})
-"""Names that the world itself gives away."""
+"""Names that the world itself uses."""
 SENSOR_SIZES = {"box": ("x", "y", "z"), "cylinder": ("diameter", "length"), "sphere": ("diameter",)}
 
 
