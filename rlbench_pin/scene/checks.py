@@ -12,7 +12,7 @@ from rlbench_pin.scene.spec import ROOT, WORLD, BodySpec, Posed, SceneSpec, Sens
 from rlbench_pin.urdf import Urdf, read_urdf
 
 RESERVED = frozenset({ROOT, WORLD, "robot", *ROOM})
-"""Names that the world itself gives away."""
+"""Names that the world itself uses."""
 SENSOR_SIZES = {"box": ("x", "y", "z"), "cylinder": ("diameter", "length"), "sphere": ("diameter",)}
 
 

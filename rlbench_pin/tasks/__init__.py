@@ -22,9 +22,12 @@ from rlbench_pin.tasks.conditions import (
     NothingGrasped,
     TipInside,
 )
-from rlbench_pin.tasks.palette import BUTTON_COLORS, COLORS, Color, distractor_colors
-from rlbench_pin.tasks.placement import NO_ROTATION, PLACEMENT_AREA, SpawnBoundary, place_task, swap_places
+from rlbench_pin.tasks.grasps import Tray, easiest_top_grasp, free_direction
+from rlbench_pin.tasks.palette import BUTTON_COLORS, COLORS, Color, distractor_colors, fill_up_colors
+from rlbench_pin.tasks.placement import PLACEMENT_AREA, place_task, swap_places
 from rlbench_pin.tasks.registry import LIBRARY, camel_case, find_task, load_task_file, task_class, task_names, task_scene
+from rlbench_pin.tasks.settling import settle
+from rlbench_pin.tasks.spawn_boundary import NO_ROTATION, SpawnBoundary, clearance
 from rlbench_pin.tasks.task import Task, TaskState
 from rlbench_pin.tasks.waypoints import Waypoint
 
@@ -53,12 +56,18 @@ __all__ = [
     "Task",
     "TaskState",
     "TipInside",
+    "Tray",
     "Waypoint",
     "camel_case",
+    "clearance",
     "distractor_colors",
+    "easiest_top_grasp",
+    "fill_up_colors",
     "find_task",
+    "free_direction",
     "load_task_file",
     "place_task",
+    "settle",
     "swap_places",
     "task_class",
     "task_names",

@@ -7,7 +7,7 @@ from itertools import product
 
 import numpy as np
 
-from rlbench_pin.spatial import FloatArray, pose_to_se3
+from rlbench_pin.spatial import FloatArray, compose, pose_at, pose_to_se3
 
 _CORNERS: FloatArray = np.array(list(product((-1.0, 1.0), repeat=3)))
 
@@ -41,3 +41,9 @@ class OrientedBox:
         reach = np.abs(axes @ self.axes) @ self.half + np.abs(axes @ other.axes) @ other.half
         gap = np.abs(axes @ (other.center - self.center))
         return bool(np.all(gap <= reach))
+
+
+def turned(rotation: FloatArray, quaternion: FloatArray) -> FloatArray:
+    """Apply roll, pitch, yaw [rad] on top of an orientation, about the axes it is given in."""
+    turn = pose_at((0.0, 0.0, 0.0), *rotation)
+    return compose(turn, np.concatenate([np.zeros(3), quaternion]))[3:]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -52,3 +53,9 @@ def distractor_colors(rng: np.random.Generator, goal: int, count: int) -> tuple[
         raise TaskError(f"There is no colour {goal}; the palette has 0 to {len(COLORS) - 1}.")
     others = [i for i in range(len(COLORS)) if i != goal]
     return tuple(COLORS[i] for i in rng.choice(others, size=count, replace=False))
+
+
+def fill_up_colors(rng: np.random.Generator, asked: Sequence[Color], count: int, palette: Sequence[Color]) -> list[Color]:
+    """Return `count` colours: those asked for, then different ones drawn from the rest of a palette."""
+    others = [color for color in palette if color not in asked]
+    return [*asked, *(others[i] for i in rng.choice(len(others), count - len(asked), replace=False))]

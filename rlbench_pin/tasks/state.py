@@ -13,19 +13,19 @@ import numpy as np
 
 from rlbench_pin.errors import TaskError
 from rlbench_pin.scene.spec import Spec
-from rlbench_pin.sim import Body, Frame, ObjectJoint, SimGripper, SimRobot, World
 
 PLAIN = (type(None), bool, int, float, complex, str, bytes, range, slice, np.generic, Enum, PurePath, Spec, type)
 """Immutable values: kept as they are."""
 FUNCTIONS = (FunctionType, MethodType, BuiltinFunctionType)
 """Hooks and the like: kept as they are."""
-HANDLES = (World, SimRobot, SimGripper, Body, Frame, ObjectJoint)
-"""What the world hands out, regions and sensors among them: kept as they are, since the world saves what they stand for."""
+SIMULATION = "rlbench_pin.sim."
+"""Where the classes are of what the world hands out: bodies, joints, frames, regions, sensors, the arm, the hand. These are
+kept as they are, since the world saves what they stand for. Their name is enough: to list tasks, no simulator is loaded."""
 
 
 @runtime_checkable
 class Stateful(Protocol):
-    """An object that changes during an episode and says how: conditions, `SpawnBoundary`, and whatever a task file writes."""
+    """An object that changes during an episode and says how: conditions, `SpawnBoundary`, classes of a task file."""
 
     def state(self) -> object:
         """Return what is remembered, as a value that later changes do not touch."""
@@ -98,7 +98,7 @@ def _refill(container: Any, items: list[Any]) -> None:
 
 
 def _remember(value: Any, where: str) -> Memory:
-    if isinstance(value, (*PLAIN, *FUNCTIONS, *HANDLES)):
+    if isinstance(value, (*PLAIN, *FUNCTIONS)) or _is_handle(value):
         return Memory(value)
     if isinstance(value, np.ndarray) and not value.dtype.hasobject:
         return Memory(value, value.copy() if value.flags.writeable else None)
@@ -113,6 +113,10 @@ def _remember(value: Any, where: str) -> Memory:
     if is_dataclass(value) and value.__dataclass_params__.frozen:  # type: ignore[union-attr]
         return Memory(value, [_remember(getattr(value, f.name), f"{where}.{f.name}") for f in fields(value)])
     raise _Refused(where, value)
+
+
+def _is_handle(value: Any) -> bool:
+    return any(kind.__module__.startswith(SIMULATION) for kind in type(value).__mro__)
 
 
 def _remember_pair(pair: tuple[Any, Any], where: str) -> Memory:

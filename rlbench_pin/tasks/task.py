@@ -16,7 +16,7 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks.conditions import Condition
 from rlbench_pin.tasks.low_dim import LowDimState
 from rlbench_pin.tasks.state import Memory, recall, remember
-from rlbench_pin.tasks.waypoints import Waypoint, WaypointHook
+from rlbench_pin.tasks.waypoints import Waypoint, WaypointHook, waypoints_of
 
 if TYPE_CHECKING:
     from rlbench_pin.observation import Observation
@@ -55,6 +55,7 @@ class Task:
         world: The world: `body`, `joint`, `frame`, `region`, `sensor` by name.
         robot: The arm.
         gripper: The hand.
+        round: How often the waypoints were played, for tasks that call `register_rounds`.
     """
 
     solved_by_chance: ClassVar[bool] = False
@@ -71,8 +72,9 @@ class Task:
         self._end_hooks: dict[int, WaypointHook] = {}
         self._repeat: Callable[[], bool] | None = None
         self._stop_at: int | None = None
+        self.round = self._rounds = 0
         self._started = False
-        self._waypoints = _waypoints(world)
+        self._waypoints = waypoints_of(world)
         self._low_dim = LowDimState(world)
 
     # What a task file overrides ---------------------------------------------------------------------------------------
@@ -157,6 +159,16 @@ class Task:
     def register_waypoints_should_repeat(self, repeat: Callable[[], bool]) -> None:
         """Ask `repeat` after the last waypoint whether to play the list again; it may also advance a counter."""
         self._repeat = repeat
+
+    def register_rounds(self, count: int) -> None:
+        """Play the waypoints `count` times; `self.round` is 0 in the first round, and one more in each that follows."""
+        self.round = 0
+        self._rounds = count
+        self.register_waypoints_should_repeat(self._next_round)
+
+    def _next_round(self) -> bool:
+        self.round += 1
+        return self.round < self._rounds
 
     def register_stop_at_waypoint(self, index: int) -> None:
         """Leave out waypoint `index` and all later ones."""
@@ -277,12 +289,3 @@ _FIXED = frozenset({"world", "robot", "gripper", "_low_dim"})
 def snake_case(name: str) -> str:
     """Turn `ReachTarget` into `reach_target`."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
-
-
-def _waypoints(world: World) -> list[Waypoint]:
-    specs = sorted(world.spec.waypoint, key=lambda spec: int(spec.name.removeprefix("waypoint")))
-    result: list[Waypoint] = []
-    for index, spec in enumerate(specs):
-        before = result[-1].gripper_amount if result else 1.0
-        result.append(Waypoint(index, world.frame(spec.name), spec, before))
-    return result

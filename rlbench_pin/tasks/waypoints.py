@@ -11,7 +11,7 @@ from rlbench_pin.scene.spec import WaypointSpec
 from rlbench_pin.spatial import FloatArray, compose, relative
 
 if TYPE_CHECKING:
-    from rlbench_pin.sim import Frame
+    from rlbench_pin.sim import Frame, World
 
 ARC_STEP = 0.05
 """Angle between two poses of a sweep [rad]."""
@@ -117,6 +117,16 @@ class Waypoint:
         """Call the end hook, if there is one."""
         if self._end is not None:
             self._end(self)
+
+
+def waypoints_of(world: World) -> list[Waypoint]:
+    """Return the waypoints of a world in the order of their numbers."""
+    specs = sorted(world.spec.waypoint, key=lambda spec: int(spec.name.removeprefix("waypoint")))
+    result: list[Waypoint] = []
+    for index, spec in enumerate(specs):
+        before = result[-1].gripper_amount if result else 1.0
+        result.append(Waypoint(index, world.frame(spec.name), spec, before))
+    return result
 
 
 def _amount(gripper: Literal["open", "close"] | float | None, before: float) -> float:

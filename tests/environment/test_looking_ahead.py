@@ -26,7 +26,7 @@ def test_a_reset_looks_at_every_round(monkeypatch: pytest.MonkeyPatch) -> None:
         task = environment.get_task(find_task("setup_checkers"))
         task.reset(seed=0, variation=2)
         assert len(set(grasps[-3:])) == 3
-        assert vars(task.task)["placed"] == 0
+        assert task.task.round == 0
         assert task.runtime.world.frame("waypoint1").parent == f"piece{vars(task.task)['missing'][0]}"
 
 

@@ -52,7 +52,7 @@ def test_a_moved_frame_takes_its_bodies_along(world):
     before = relative(world.body("cube").pose, world.frame("spot").pose)
     world.frame("spot").set_pose(pose_at((0.1, -0.1, TABLE_HEIGHT), 0.0, 0.0, 0.3))
     np.testing.assert_allclose(relative(world.body("cube").pose, world.frame("spot").pose), before, atol=1e-9)
-    np.testing.assert_allclose(world.sensor("detector").position, [0.1, -0.1, 0.762], atol=1e-9)
+    np.testing.assert_allclose(world.sensor("detector").position, [0.1, -0.1, TABLE_HEIGHT + 0.01], atol=1e-9)
 
 
 def test_a_moved_body_takes_what_hangs_on_it():
@@ -147,7 +147,9 @@ def test_bounds_are_those_of_the_geometry(world):
 
 def test_scale():
     """A scaled body has scaled bounds and rests at the scaled height."""
-    spec = BodySpec(name="big", asset="objects/cube/cube.urdf", parent="world", pose=(0.3, 0.2, 0.80, *UPRIGHT), scale=1.5)
+    spec = BodySpec(
+        name="big", asset="objects/cube/cube.urdf", parent="world", pose=(0.3, 0.2, TABLE_HEIGHT + 0.048, *UPRIGHT), scale=1.5
+    )
     with build(cube_scene(spec)) as world:
         np.testing.assert_allclose(world.body("big").aabb_size(), 0.075, atol=1e-6)
         steps(world, 10)

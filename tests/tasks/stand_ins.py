@@ -62,7 +62,7 @@ class FakeFrame:
 
 @dataclass
 class FakeSensor:
-    """Detects the bodies it is told to, and points within a decimetre of the origin."""
+    """Detects the bodies in `seen`, and points within a decimetre of the origin."""
 
     seen: set[str] = field(default_factory=set)
 
@@ -77,7 +77,7 @@ class FakeSensor:
 
 @dataclass
 class FakeGripper:
-    """Holds what it is told to."""
+    """Holds the bodies in `grasped`."""
 
     grasped: tuple[str, ...] = ()
 

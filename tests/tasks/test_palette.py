@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.errors import TaskError
-from rlbench_pin.tasks import BUTTON_COLORS, COLORS, distractor_colors
+from rlbench_pin.tasks import BUTTON_COLORS, COLORS, distractor_colors, fill_up_colors
 
 
 def test_there_are_twenty_different_colours_in_the_known_order() -> None:
@@ -40,3 +40,14 @@ def test_an_unknown_goal_is_refused() -> None:
     """The palette says how far it goes."""
     with pytest.raises(TaskError, match="0 to 19"):
         distractor_colors(np.random.default_rng(0), 20, 1)
+
+
+def test_asked_colours_are_filled_up_from_the_rest_of_a_palette() -> None:
+    """The asked ones come first; the same draws give the same colours."""
+    asked = (BUTTON_COLORS[3], BUTTON_COLORS[1])
+    colors = fill_up_colors(np.random.default_rng(0), asked, 5, BUTTON_COLORS)
+    assert colors[:2] == list(asked)
+    assert len(set(colors)) == 5
+    assert set(colors) <= set(BUTTON_COLORS)
+    assert colors == fill_up_colors(np.random.default_rng(0), asked, 5, BUTTON_COLORS)
+    assert fill_up_colors(np.random.default_rng(0), asked, 2, BUTTON_COLORS) == list(asked)

@@ -179,7 +179,7 @@ def test_without_a_footprint_the_box_of_all_bodies_counts() -> None:
 
 
 def test_a_footprint_that_never_fits_says_so() -> None:
-    """The error tells the sizes and the remedy."""
+    """The error names the sizes and the remedy."""
     scene = SceneSpec(format=1, placement=PlacementSpec(footprint=(2.0, 0.1)))
     with (
         World(scene, robot_description("panda")) as world,

@@ -176,7 +176,7 @@ def test_graspable_bodies_are_marked_and_replaced(task: Chore) -> None:
     assert task.world.body("chest").graspable
 
 
-def test_waypoints_come_in_order_and_stop_where_told(task: Chore) -> None:
+def test_waypoints_come_in_order_and_stop_where_registered(task: Chore) -> None:
     """What the hand does is known from the order; skips are cleared by the next episode."""
     points = task.get_waypoints()
     assert [w.index for w in points] == [0, 1, 2, 3]
@@ -203,6 +203,21 @@ def test_hooks_and_repeat_are_called(task: Chore) -> None:
     assert not task.should_repeat_waypoints()
     task.register_waypoints_should_repeat(lambda: True)
     assert task.should_repeat_waypoints()
+
+
+def test_rounds_are_counted_and_come_back_with_the_state(task: Chore) -> None:
+    """The waypoints are played that many times; registering begins again."""
+    assert not task.repeats_waypoints
+    task.register_rounds(3)
+    assert task.repeats_waypoints
+    assert (task.round, task.should_repeat_waypoints(), task.round) == (0, True, 1)
+    state = task.state()
+    assert [task.should_repeat_waypoints() for _ in range(2)] == [True, False]
+    task.set_state(state)
+    assert task.round == 1
+    task.register_rounds(1)
+    assert task.round == 0
+    assert not task.should_repeat_waypoints()
 
 
 def test_the_defaults_come_from_the_scene_file(task: Chore) -> None:

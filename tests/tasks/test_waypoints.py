@@ -69,7 +69,7 @@ def test_an_arc_sweeps_the_previous_pose_about_its_axis() -> None:
 
 
 def test_hooks_get_the_waypoint() -> None:
-    """Start and end hooks run when told, and only if there are any."""
+    """Start and end hooks run when called, and only if there are any."""
     point, calls = waypoint(), []
     point.run_start_hook()
     point.run_end_hook()

@@ -22,13 +22,16 @@ class _Combined(Condition):
         return [member.met() for member in self.members]
 
     def reset(self) -> None:
+        """Reset every member."""
         for member in self.members:
             member.reset()
 
     def state(self) -> tuple[object, ...]:
+        """Return the states of the members."""
         return tuple(member.state() for member in self.members)
 
     def set_state(self, state: object) -> None:
+        """Set the states of the members."""
         for member, value in zip(self.members, cast(tuple[object, ...], state), strict=True):
             member.set_state(value)
 
@@ -37,6 +40,7 @@ class AllOf(_Combined):
     """Holds while every member holds at the same instant."""
 
     def met(self) -> bool:
+        """Return whether all members hold now; every one is asked."""
         return all(self._asked())
 
 
@@ -44,6 +48,7 @@ class AnyOf(_Combined):
     """Holds while at least one member holds."""
 
     def met(self) -> bool:
+        """Return whether a member holds now; every one is asked."""
         return any(self._asked())
 
 
@@ -59,18 +64,22 @@ class InOrder(_Combined):
         self.passed = 0
 
     def met(self) -> bool:
+        """Pass the members that hold now, in turn, and return whether all have been passed."""
         while self.passed < len(self.members) and self.members[self.passed].met():
             self.passed += 1
         return self.passed == len(self.members)
 
     def reset(self) -> None:
+        """Begin with the first member again."""
         super().reset()
         self.passed = 0
 
     def state(self) -> tuple[object, ...]:
+        """Return how many members were passed, then the states of all."""
         return (self.passed, *super().state())
 
     def set_state(self, state: object) -> None:
+        """Set how many members were passed, and the states of all."""
         passed, *members = cast(tuple[object, ...], state)
         self.passed = cast(int, passed)
         super().set_state(tuple(members))

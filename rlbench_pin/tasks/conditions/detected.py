@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from rlbench_pin.errors import TaskError
 from rlbench_pin.tasks.conditions.condition import Condition
+from rlbench_pin.tasks.solid import Solid
 
 if TYPE_CHECKING:
     from rlbench_pin.sim import Body, Frame, Sensor, SimRobot
@@ -14,9 +15,7 @@ if TYPE_CHECKING:
 
 def is_detected(thing: Body | Frame, sensor: Sensor) -> bool:
     """Return whether any part of a body touches the volume, or whether the origin of a frame lies in it."""
-    if hasattr(thing, "move_to"):  # a frame: only bodies have geometry
-        return sensor.contains(thing.position)
-    return sensor.detects(thing.name)
+    return sensor.detects(thing.name) if isinstance(thing, Solid) else sensor.contains(thing.position)
 
 
 class Detected(Condition):
@@ -32,6 +31,7 @@ class Detected(Condition):
         self.thing, self.sensor, self.negated = thing, sensor, negated
 
     def met(self) -> bool:
+        """Return whether the thing is detected now, or is not when negated."""
         return is_detected(self.thing, self.sensor) != self.negated
 
 
@@ -44,6 +44,7 @@ class DetectedSeveral(Condition):
         self.things, self.sensor, self.count = tuple(things), sensor, count
 
     def met(self) -> bool:
+        """Return whether at least `count` things are detected now."""
         return sum(is_detected(thing, self.sensor) for thing in self.things) >= self.count
 
 
@@ -54,4 +55,5 @@ class TipInside(Condition):
         self.robot, self.sensor = robot, sensor
 
     def met(self) -> bool:
+        """Return whether the tip point is inside the volume now."""
         return self.sensor.contains(self.robot.tip_pose()[:3])

@@ -44,6 +44,7 @@ class FollowPath(Condition):
         self.index, self.strikes, self.lost = 0, 0, False
 
     def met(self) -> bool:
+        """Advance over the points that the body is at now, and return whether all were visited."""
         first = True
         while self.index < len(self.points):
             distance = self._distance()
@@ -67,10 +68,13 @@ class FollowPath(Condition):
         return float(np.linalg.norm(self.body.position - point))
 
     def reset(self) -> None:
+        """Begin with the first point again, without strikes."""
         self.index, self.strikes, self.lost = 0, 0, False
 
     def state(self) -> tuple[int, int, bool]:
+        """Return the number of points visited, the strikes, and whether the path was lost."""
         return self.index, self.strikes, self.lost
 
     def set_state(self, state: object) -> None:
+        """Set the number of points visited, the strikes, and whether the path was lost."""
         self.index, self.strikes, self.lost = cast(tuple[int, int, bool], state)

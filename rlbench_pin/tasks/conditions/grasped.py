@@ -17,6 +17,7 @@ class Grasped(Condition):
         self.gripper, self.body = gripper, body
 
     def met(self) -> bool:
+        """Return whether the body is attached to the hand now."""
         return self.body.name in self.gripper.grasped
 
 
@@ -27,4 +28,5 @@ class NothingGrasped(Condition):
         self.gripper = gripper
 
     def met(self) -> bool:
+        """Return whether the hand holds nothing now."""
         return not self.gripper.grasped

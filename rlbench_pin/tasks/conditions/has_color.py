@@ -20,5 +20,6 @@ class HasColor(Condition):
         self.body, self.rgb = body, np.array(rgb, dtype=float)[:3]
 
     def met(self) -> bool:
+        """Return whether the body shows the colour now."""
         color = self.body.color
         return color is not None and np.allclose(np.asarray(color, dtype=float)[:3], self.rgb, rtol=0.0, atol=1e-9)

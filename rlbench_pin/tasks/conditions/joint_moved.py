@@ -23,13 +23,17 @@ class JointMoved(Condition):
         self.start = float(joint.position)
 
     def met(self) -> bool:
+        """Return whether the joint is far enough from its start now."""
         return abs(float(self.joint.position) - self.start) > self.distance
 
     def reset(self) -> None:
+        """Take the present value of the joint as its start."""
         self.start = float(self.joint.position)
 
     def state(self) -> float:
+        """Return the value at the start [rad] or [m]."""
         return self.start
 
     def set_state(self, state: object) -> None:
+        """Set the value at the start [rad] or [m]."""
         self.start = cast(float, state)

@@ -14,4 +14,5 @@ class ListEmpty(Condition):
         self.items = items
 
     def met(self) -> bool:
+        """Return whether the list is empty now."""
         return len(self.items) == 0

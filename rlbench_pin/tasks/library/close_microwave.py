@@ -11,12 +11,11 @@ class CloseMicrowave(Task):
     """The door stands wide open and must swing by 40 degrees."""
 
     def init_task(self) -> None:
+        """Success is a turn of the door by 40 degrees."""
         self.register_success_conditions([JointMoved(self.world.joint("microwave/door"), np.deg2rad(40.0))])
 
-    def variation_count(self) -> int:
-        return 1
-
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
         return [
             "Push the door of the microwave until it is shut.",
             "Shut the microwave oven.",

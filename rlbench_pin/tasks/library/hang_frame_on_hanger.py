@@ -11,14 +11,13 @@ class HangFrameOnHanger(Task):
     """The bar behind the frame must be on the hook and the frame let go."""
 
     def init_task(self) -> None:
+        """The frame may be grasped; success is the middle of its bar on the hook, let go."""
         hangs = Detected(self.world.frame("bar_middle"), self.world.sensor("hook"))
         self.register_graspable_objects(["frame"])
         self.register_success_conditions([hangs, NothingGrasped(self.gripper)])
 
-    def variation_count(self) -> int:
-        return 1
-
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
         return [
             "Mount the picture on the wall hook.",
             "Hook the framed photo onto the peg.",

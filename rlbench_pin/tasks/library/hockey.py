@@ -11,14 +11,13 @@ class Hockey(Task):
     """The ball must lie behind the goal line while the stick is held."""
 
     def init_task(self) -> None:
+        """The stick may be grasped; success is the ball behind the line while the stick is held."""
         stick, ball = self.world.body("stick"), self.world.body("ball")
         self.register_graspable_objects(["stick"])
         self.register_success_conditions([Detected(ball, self.world.sensor("behind_line")), Grasped(self.gripper, stick)])
 
-    def variation_count(self) -> int:
-        return 1
-
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
         return [
             "Hit the ball into the goal with the hockey stick.",
             "Pick up the stick and score.",

@@ -14,6 +14,7 @@ class InsertOntoSquarePeg(Task):
     """
 
     def init_task(self) -> None:
+        """The ring may be grasped; success is the ring on all four sides of the goal."""
         self.ring = self.world.body("ring")
         self.pillars = [self.world.body(f"pillar{i}") for i in range(3)]
         self.boundary = SpawnBoundary([self.world.region("patch")])
@@ -22,17 +23,18 @@ class InsertOntoSquarePeg(Task):
         self.register_success_conditions(sides)
 
     def variation_count(self) -> int:
+        """One for each colour of the goal."""
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Draw which pillar is the goal, colour all three, and place the ring."""
         name, rgb = COLORS[variation]
         goal, *others = (self.pillars[i] for i in rng.permutation(3))
         goal.set_color(rgb)
         for pillar, color in zip(others, distractor_colors(rng, variation, 2), strict=True):
             pillar.set_color(color.rgb)
         self.world.frame("goal").move_to(goal.name)
-        self.boundary.clear()
-        self.boundary.sample(self.ring, rng)
+        self.boundary.scatter([self.ring], rng)
         return [
             f"Thread the square ring over the {name} post.",
             f"Lower the ring onto the peg that is {name}.",

@@ -16,22 +16,23 @@ class LightBulbIn(Task):
     """
 
     def init_task(self) -> None:
+        """Both bulbs may be grasped."""
         self.holders = [self.world.body(f"holder{i}") for i in range(2)]
         self.bulbs = [self.world.body(f"bulb{i}") for i in range(2)]
         self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(bulb.name for bulb in self.bulbs)
 
     def variation_count(self) -> int:
+        """One for each colour of the asked holder."""
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Colour and place the holders; success is the asked bulb in the socket, let go."""
         goal = variation % 2
         name, rgb = COLORS[variation]
         self.holders[goal].set_color(rgb)
         self.holders[1 - goal].set_color(distractor_colors(rng, variation, 1)[0].rgb)
-        self.boundary.clear()
-        for holder in self.holders:
-            self.boundary.sample(holder, rng, min_distance=0.01)
+        self.boundary.scatter(self.holders, rng)
         self.bulb = self.bulbs[goal]
         self.world.frame("waypoint1").set_parent(self.bulb.name)
         self.in_socket = Detected(self.bulb, self.world.sensor("socket"))
@@ -43,8 +44,10 @@ class LightBulbIn(Task):
         ]
 
     def step(self) -> None:
+        """Let the asked bulb glow while it stands in the socket."""
         self.bulb.set_color(LIT if self.in_socket.met() else UNLIT, "glass")
 
     def cleanup(self) -> None:
+        """Switch both bulbs off."""
         for bulb in self.bulbs:
             bulb.set_color(UNLIT, "glass")

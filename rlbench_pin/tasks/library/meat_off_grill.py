@@ -13,12 +13,15 @@ class MeatOffGrill(Task):
     meats = ("chicken", "steak")
 
     def init_task(self) -> None:
+        """Both pieces of meat may be grasped."""
         self.register_graspable_objects(self.meats)
 
     def variation_count(self) -> int:
+        """One for each piece of meat."""
         return len(self.meats)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Aim at the asked meat; success is that it lies beside the grill, let go."""
         meat = self.world.body(self.meats[variation])
         grasp = self.world.frame("waypoint1")
         grasp.set_position([*meat.position[:2], grasp.position[2]])

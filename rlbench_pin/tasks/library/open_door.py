@@ -14,14 +14,13 @@ class OpenDoor(Task):
     """The leaf must swing by 25 degrees; it is held until the lever has been turned down by 25 degrees once."""
 
     def init_task(self) -> None:
+        """Success is a swing of the leaf by 25 degrees."""
         self.leaf = self.world.joint("door/leaf_hinge")
         self.unlatched = JointMoved(self.world.joint("door/lever"), ANGLE)
         self.register_success_conditions([JointMoved(self.leaf, ANGLE)])
 
-    def variation_count(self) -> int:
-        return 1
-
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
         return [
             "Turn the lever and push the door.",
             "Unlatch the door, then swing it open.",
@@ -29,5 +28,6 @@ class OpenDoor(Task):
         ]
 
     def step(self) -> None:
+        """Free the leaf once the lever has been turned far enough."""
         if self.leaf.locked and self.unlatched.met():
             self.leaf.unlock()

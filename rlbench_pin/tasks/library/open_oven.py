@@ -11,13 +11,12 @@ class OpenOven(Task):
     """The door must lie flat in front of the oven, and the hand must hold nothing."""
 
     def init_task(self) -> None:
+        """Success is the door down in front of the oven, and an empty hand."""
         door_is_down = Detected(self.world.body("oven"), self.world.sensor("door_down"))
         self.register_success_conditions([door_is_down, NothingGrasped(self.gripper)])
 
-    def variation_count(self) -> int:
-        return 1
-
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
         return [
             "Fold the oven's door down.",
             "Grab the bar on the oven and lower the door.",

@@ -16,15 +16,14 @@ class OpenWineBottle(Task):
     """The cap must leave the neck; the thread holds it until it has been turned by 150 degrees, anticlockwise."""
 
     def init_task(self) -> None:
+        """Success is the cap away from the neck."""
         self.held = [self.world.joint(f"cap/{name}") for name in HELD]
         self.turn = self.world.joint("cap/turn")
         self.loosened = JointMoved(self.turn, LOOSE)
         self.register_success_conditions([Detected(self.world.body("cap"), self.world.sensor("neck"), negated=True)])
 
-    def variation_count(self) -> int:
-        return 1
-
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
         return [
             "Unscrew the wine and take its cap away.",
             "Twist off the top of the bottle.",
@@ -32,6 +31,7 @@ class OpenWineBottle(Task):
         ]
 
     def step(self) -> None:
+        """Free the cap from the thread once it has been turned far enough, anticlockwise."""
         if self.held[0].locked and self.loosened.met() and self.turn.position > 0.0:
             for joint in self.held:
                 joint.unlock()

@@ -11,6 +11,7 @@ class PickAndLift(Task):
     """The block of the asked colour must be held at the marker. Blocks and marker stand anywhere in a rectangle."""
 
     def init_task(self) -> None:
+        """The block may be grasped; success is that it is held at the marker."""
         self.block, self.marker = self.world.body("block"), self.world.body("marker")
         self.distractors = [self.world.body("distractor0"), self.world.body("distractor1")]
         self.boundary = SpawnBoundary([self.world.region("boundary")])
@@ -18,9 +19,11 @@ class PickAndLift(Task):
         self.register_success_conditions([Grasped(self.gripper, self.block), Detected(self.block, self.world.sensor("goal"))])
 
     def variation_count(self) -> int:
+        """One for each colour of the block."""
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Place the marker, then colour and place the three blocks."""
         name, rgb = COLORS[variation]
         others = distractor_colors(rng, variation, len(self.distractors))
         self.boundary.clear()
@@ -35,4 +38,5 @@ class PickAndLift(Task):
         ]
 
     def get_low_dim_state(self) -> np.ndarray:
+        """Return the positions of block and marker, shape (6,) [m]."""
         return np.concatenate([self.block.position, self.marker.position])

@@ -13,6 +13,7 @@ class PlaceCups(Task):
     """The first one, two or three mugs must hang on any of three spokes by their handles."""
 
     def init_task(self) -> None:
+        """All mugs may be grasped; each round aims at the next one."""
         self.mugs = [self.world.body(f"mug{i}") for i in range(3)]
         self.sensors = [self.world.sensor(f"under_spoke{k}") for k in range(3)]
         self.boundary = SpawnBoundary([self.world.region("patch")])
@@ -21,13 +22,13 @@ class PlaceCups(Task):
         self.register_waypoints_should_repeat(lambda: self.next < self.wanted)
 
     def variation_count(self) -> int:
+        """One for each number of mugs."""
         return len(NUMBER)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Place the mugs; success is that the first ones hang on any spoke, let go."""
         self.next, self.wanted = 0, variation + 1
-        self.boundary.clear()
-        for mug in self.mugs:
-            self.boundary.sample(mug, rng, min_distance=0.1)
+        self.boundary.scatter(self.mugs, rng, min_distance=0.1)
         hung = [AnyOf([Detected(mug, sensor) for sensor in self.sensors]) for mug in self.mugs[: self.wanted]]
         self.register_success_conditions([*hung, NothingGrasped(self.gripper)])
         number = NUMBER[variation]

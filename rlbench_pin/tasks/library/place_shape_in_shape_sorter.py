@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench_pin.tasks import Detected, SpawnBoundary, Task, Waypoint
+from rlbench_pin.tasks import Detected, SpawnBoundary, Task, Waypoint, clearance
 
 FREE = 0.085
-"""Distance of the asked shape from the others [m]."""
-ATTEMPTS = 50
+"""Distance of the asked shape from the others, so that the fingers fit in [m]."""
 
 
 class PlaceShapeInShapeSorter(Task):
@@ -21,6 +20,7 @@ class PlaceShapeInShapeSorter(Task):
     words = ("cube", "cylinder", "triangular prism", "star", "moon")
 
     def init_task(self) -> None:
+        """All shapes may be grasped; the waypoints aim at the asked one and at its hole."""
         self.shape = self.shapes[0]
         self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(self.shapes)
@@ -28,31 +28,22 @@ class PlaceShapeInShapeSorter(Task):
         self.register_waypoint_ability_start(3, self._aim_at_hole)
 
     def variation_count(self) -> int:
+        """One for each shape."""
         return len(self.shapes)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Scatter the shapes, with space for the fingers around the asked one."""
         self.shape, word = self.shapes[variation], self.words[variation]
-        self._scatter(rng)
+        asked, shapes = self.world.body(self.shape), [self.world.body(name) for name in self.shapes]
+        self.boundary.scatter(shapes, rng, min_distance=0.05, accept=lambda: clearance(asked, shapes) > FREE)
         self._aim_at_shape()
         self._aim_at_hole()
-        self.register_success_conditions([Detected(self.world.body(self.shape), self.world.sensor("inside"))])
+        self.register_success_conditions([Detected(asked, self.world.sensor("inside"))])
         return [
             f"Push the {word} through the hole it fits.",
             f"Sort the {word} into the toy box.",
             f"Where does the {word} go? Drop it in there.",
         ]
-
-    def _scatter(self, rng: np.random.Generator) -> None:
-        """Sample all shapes until the fingers have room around the asked one."""
-        bodies = [self.world.body(name) for name in self.shapes]
-        asked = self.world.body(self.shape)
-        for _ in range(ATTEMPTS):
-            self.boundary.clear()
-            for body in bodies:
-                self.boundary.sample(body, rng, min_distance=0.05)
-            gaps = [np.linalg.norm(body.position - asked.position) for body in bodies if body is not asked]
-            if min(gaps) > FREE:
-                return
 
     def _aim_at_shape(self, waypoint: Waypoint | None = None) -> None:
         self.world.frame("waypoint1").set_parent(f"grasp_{self.shape}")

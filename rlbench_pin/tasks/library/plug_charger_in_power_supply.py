@@ -14,18 +14,16 @@ class PlugChargerInPowerSupply(Task):
     """
 
     def init_task(self) -> None:
+        """The charger may be grasped; success is each pin in its hole, and an empty hand."""
         self.stand = self.world.body("stand")
         self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(["charger"])
         pins = [Detected(self.world.frame(f"{side}_pin"), self.world.sensor(f"{side}_hole")) for side in ("right", "left")]
         self.register_success_conditions([*pins, NothingGrasped(self.gripper)])
 
-    def variation_count(self) -> int:
-        return 1
-
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        self.boundary.clear()
-        self.boundary.sample(self.stand, rng)
+        """Place the stand with the charger."""
+        self.boundary.scatter([self.stand], rng)
         return [
             "Plug the power adapter into the wall.",
             "Connect the charger to the socket.",

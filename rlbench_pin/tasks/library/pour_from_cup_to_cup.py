@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from rlbench_pin.tasks import COLORS, BodySpec, BoundaryError, Detected, SpawnBoundary, Task, distractor_colors
+from rlbench_pin.tasks import COLORS, BodySpec, Detected, SpawnBoundary, Task, distractor_colors, free_direction
 
 RINGS = (
     (0.0, 0.0100, (0,)),
@@ -24,30 +22,33 @@ TURNS = (
 Both lie on the same side, so that the arm does not pass its stretched posture in between."""
 LANE, DEPTH = 0.14, 0.3
 """Half breadth and length of what must be free behind a cup for the hand [m]."""
-MAX_LAYOUTS = 200
 
 
 class PourFromCupToCup(Task):
     """All twenty drops must be in the lower part of the target cup. Three more cups stand around."""
 
     def init_task(self) -> None:
+        """The source cup may be grasped."""
         self.source, self.target = self.world.body("source"), self.world.body("target")
         self.others = [self.world.body(f"distractor{i}") for i in range(3)]
+        self.cups = [self.source, self.target, *self.others]
         self.boundary = SpawnBoundary([self.world.region("patch")])
         self.drops = [f"drop{i}" for i in range(sum(len(directions) for _, _, directions in RINGS))]
         self.register_graspable_objects(["source"])
 
     def variation_count(self) -> int:
+        """One for each colour of the source cup."""
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Colour and place five cups and fill the source; success is every drop in the target."""
         source, target = COLORS[variation], COLORS[(variation + 1) % len(COLORS)]
         self.source.set_color(source.rgb)
         self.target.set_color(target.rgb)
         free = [color for color in distractor_colors(rng, variation, 4) if color != target]
         for body, color in zip(self.others, free, strict=False):
             body.set_color(color.rgb)
-        self._lay_out(rng)
+        self.boundary.scatter(self.cups, rng, min_distance=0.12, accept=self._aim)
         self._fill(rng)
         sensor = self.world.sensor("in_target")
         self.register_success_conditions([Detected(self.world.body(drop), sensor) for drop in self.drops])
@@ -57,43 +58,29 @@ class PourFromCupToCup(Task):
             f"What is in the {source.name} cup should be in the {target.name} cup.",
         ]
 
-    def _lay_out(self, rng: np.random.Generator) -> None:
-        """Place the cups so that the hand can come to source and target from somewhere in front."""
-        for _ in range(MAX_LAYOUTS):
-            self.boundary.clear()
-            for body in (self.source, self.target, *self.others):
-                self.boundary.sample(body, rng, min_distance=0.12)
-            for grip, pour in TURNS:
-                turns = self._free_turn(self.source.position, grip), self._free_turn(self.target.position, pour)
-                if turns[0] is not None and turns[1] is not None:
-                    self._aim({"grip": turns[0], "pour": turns[1]})
-                    return
-        raise BoundaryError(f"In {MAX_LAYOUTS} layouts no lane for the hand was free. Enlarge the patch of the cups.")
+    def _aim(self) -> bool:
+        """Turn the frames that the hand comes along to where no cup is in its way; say whether there are such directions."""
+        for turns in TURNS:
+            grip, pour = (
+                self._free_turn(cup.position, best) for cup, best in zip((self.source, self.target), turns, strict=True)
+            )
+            if grip is not None and pour is not None:
+                for name, turn in (("grip", grip), ("pour", pour)):
+                    frame = self.world.frame(name)
+                    frame.set_pose([*frame.position, 0.0, 0.0, np.sin(turn / 2.0), np.cos(turn / 2.0)])
+                return True
+        return False
 
-    def _aim(self, turns: dict[str, float]) -> None:
-        """Turn the frames that the hand comes along."""
-        for name, turn in turns.items():
-            frame = self.world.frame(name)
-            frame.set_pose([*frame.position, 0.0, 0.0, np.sin(turn / 2.0), np.cos(turn / 2.0)])
-
-    def _free_turn(self, place: np.ndarray, turns: Sequence[float]) -> float | None:
-        """Return the first direction in which no other cup is in the way of the hand that points to a cup."""
+    def _free_turn(self, place: np.ndarray, turns: tuple[float, ...]) -> float | None:
         x, y = (place - np.array(self.robot.description.base_pose[:3]))[:2]
-        others = [body.position[:2] - place[:2] for body in (self.source, self.target, *self.others)]
-        for turn in np.arctan2(y, x) + np.array(turns):
-            ahead, side = np.array([np.cos(turn), np.sin(turn)]), np.array([-np.sin(turn), np.cos(turn)])
-            if not any(0.0 < -(d @ ahead) < DEPTH and abs(d @ side) < LANE for d in others):
-                return float(turn)
-        return None
+        others = [cup.position[:2] for cup in self.cups]
+        return free_direction(place[:2], np.arctan2(y, x) + np.array(turns), others, LANE, DEPTH)
 
     def _fill(self, rng: np.random.Generator) -> None:
         """Create the drops in the source cup: a layer that fills its floor, one on top, turned at random."""
-        turn = rng.uniform(0.0, 2.0 * np.pi)
-        places: list[tuple[float, float, float]] = []
+        turn, places = rng.uniform(0.0, 2.0 * np.pi), []
         for radius, height, directions in RINGS:
-            angles = turn + np.radians(directions)
-            places += [(float(radius * np.cos(angle)), float(radius * np.sin(angle)), height) for angle in angles]
+            places += [(float(radius * np.cos(a)), float(radius * np.sin(a)), height) for a in turn + np.radians(directions)]
         for drop, place in zip(self.drops, places, strict=True):
-            self.world.add_body(
-                drop, BodySpec(name=drop, asset="objects/drop/drop.urdf", parent="source", pose=(*place, 0.0, 0.0, 0.0, 1.0))
-            )
+            pose = (*place, 0.0, 0.0, 0.0, 1.0)
+            self.world.add_body(drop, BodySpec(name=drop, asset="objects/drop/drop.urdf", parent="source", pose=pose))

@@ -13,14 +13,17 @@ class PushButton(Task):
     """The base has the asked colour; the red cap must go down 3 mm once, and turns green when it does."""
 
     def init_task(self) -> None:
+        """Success is that the cap has been pressed once."""
         self.button = self.world.body("button")
         self.pressed = InOrder([JointMoved(self.world.joint("button/cap_joint"), 0.003)])
         self.register_success_conditions([self.pressed])
 
     def variation_count(self) -> int:
+        """One for each colour of the base."""
         return len(BUTTON_COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Colour the base; the cap is red."""
         name, rgb = BUTTON_COLORS[variation]
         self.is_green = False
         self.button.set_color(rgb, link="base")
@@ -32,6 +35,7 @@ class PushButton(Task):
         ]
 
     def step(self) -> None:
+        """Turn the cap green when it is pressed for the first time."""
         if not self.is_green and self.pressed.met():
             self.is_green = True
             self.button.set_color(GREEN, link="cap")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench_pin.tasks import BUTTON_COLORS, Color, InOrder, JointMoved, SpawnBoundary, Task, Waypoint
+from rlbench_pin.tasks import BUTTON_COLORS, InOrder, JointMoved, SpawnBoundary, Task, Waypoint, fill_up_colors
 
 RED, GREEN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 TRAVEL = 0.003
@@ -14,49 +14,43 @@ TRIPLES = [(a, b, c) for a in BUTTON_COLORS for b in BUTTON_COLORS for c in BUTT
 
 
 class PushButtons(Task):
-    """One to three of three buttons, told apart by their bases, must go down 3 mm in the asked order."""
+    """One to three of three buttons, which differ by the colours of their bases, must go down 3 mm in the asked order."""
 
     variations_share_goals = True  # the first button of two triples may be the same
 
     def init_task(self) -> None:
+        """Each round aims at the next button."""
         self.buttons = [self.world.body(f"button{i}") for i in range(3)]
         self.presses = [JointMoved(self.world.joint(f"button{i}/cap_joint"), TRAVEL) for i in range(3)]
         self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_waypoint_ability_start(0, self._aim_at_next_button)
-        self.register_waypoints_should_repeat(self._next_round)
 
     def variation_count(self) -> int:
+        """One to three buttons of the first triples of colours."""
         return 50
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        triple, self.count = TRIPLES[variation // 3], 1 + variation % 3
-        self.pressed, self.green = 0, [False, False, False]
+        """Colour and place the buttons; success is that the asked ones were pressed in their order."""
+        asked = TRIPLES[variation // 3][: 1 + variation % 3]
+        self.green = [False, False, False]
         self.boundary.clear()
-        for button, color in zip(self.buttons, self._colors(triple, rng), strict=True):
+        for button, color in zip(self.buttons, fill_up_colors(rng, asked, 3, BUTTON_COLORS), strict=True):
             button.set_color(color.rgb, link="base")
             button.set_color(RED, link="cap")
             self.boundary.sample(button, rng, min_distance=0.1)
-        self.register_success_conditions([InOrder(self.presses[: self.count])])
-        return _sentences([color.name for color in triple[: self.count]])
+        self.register_success_conditions([InOrder(self.presses[: len(asked)])])
+        self.register_rounds(len(asked))
+        return _sentences([color.name for color in asked])
 
     def step(self) -> None:
+        """Turn each cap green when it is pressed for the first time."""
         for i, press in enumerate(self.presses):
             if not self.green[i] and press.met():
                 self.green[i] = True
                 self.buttons[i].set_color(GREEN, link="cap")
 
-    def _colors(self, triple: tuple[Color, ...], rng: np.random.Generator) -> list[Color]:
-        """Return the colours of the three bases; those that are not asked for are drawn."""
-        asked = list(triple[: self.count])
-        others = [color for color in BUTTON_COLORS if color not in asked]
-        return asked + [others[i] for i in rng.choice(len(others), 3 - self.count, replace=False)]
-
     def _aim_at_next_button(self, waypoint: Waypoint) -> None:
-        waypoint.frame.set_parent(f"button{self.pressed}")
-
-    def _next_round(self) -> bool:
-        self.pressed += 1
-        return self.pressed < self.count
+        waypoint.frame.set_parent(f"button{self.round}")
 
 
 def _sentences(names: list[str]) -> list[str]:

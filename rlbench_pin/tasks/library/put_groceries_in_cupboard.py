@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task
+from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task, clearance
 
 FREE = 0.15
-"""Distance of the asked item from the others [m]."""
-ATTEMPTS = 50
+"""Distance of the asked item from the others, so that the hand fits in [m]."""
 
 
 class PutGroceriesInCupboard(Task):
@@ -20,18 +19,22 @@ class PutGroceriesInCupboard(Task):
     items = ("crackers", "chocolate_jello", "strawberry_jello", "soup", "tuna", "spam", "coffee", "mustard", "sugar")
 
     def init_task(self) -> None:
+        """All items may be grasped."""
         self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(self.items)
 
     def variation_count(self) -> int:
+        """One for each item."""
         return len(self.items)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Scatter the items, with space for the hand around the asked one; success is that it is on the shelf, let go."""
         item = self.items[variation]
-        self._scatter(item, rng)
+        asked, bodies = self.world.body(item), [self.world.body(name) for name in self.items]
+        self.boundary.scatter(bodies, rng, min_distance=0.1, accept=lambda: clearance(asked, bodies) > FREE)
         self.world.frame("waypoint1").set_parent(f"grasp_{item}")
         self.world.frame("waypoint4").set_parent(f"stow_{item}")
-        stowed = Detected(self.world.body(item), self.world.sensor("low_shelf"))
+        stowed = Detected(asked, self.world.sensor("low_shelf"))
         self.register_success_conditions([stowed, NothingGrasped(self.gripper)])
         word = item.replace("_", " ")
         return [
@@ -39,14 +42,3 @@ class PutGroceriesInCupboard(Task):
             f"The {word} goes on the lowest shelf.",
             f"Clear the {word} away into the cupboard.",
         ]
-
-    def _scatter(self, item: str, rng: np.random.Generator) -> None:
-        """Sample all items until the hand has room around the asked one."""
-        asked, bodies = self.world.body(item), [self.world.body(name) for name in self.items]
-        for _ in range(ATTEMPTS):
-            self.boundary.clear()
-            for body in bodies:
-                self.boundary.sample(body, rng, min_distance=0.1)
-            gaps = [np.linalg.norm((body.position - asked.position)[:2]) for body in bodies if body is not asked]
-            if min(gaps) > FREE:
-                return

@@ -11,15 +11,14 @@ class PutRubbishInBin(Task):
     """The paper must lie at the bottom of the bin. It stands in any of three places; tomatoes stand in the others."""
 
     def init_task(self) -> None:
+        """The paper may be grasped; success is that it lies at the bottom of the bin."""
         self.rubbish = self.world.body("rubbish")
         self.tomatoes = [self.world.body("tomato0"), self.world.body("tomato1")]
         self.register_graspable_objects(["rubbish"])
         self.register_success_conditions([Detected(self.rubbish, self.world.sensor("bottom"))])
 
-    def variation_count(self) -> int:
-        return 1
-
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Draw which of the three places the paper has."""
         choice = int(rng.integers(3))
         if choice > 0:
             swap_places(self.rubbish, self.tomatoes[choice - 1])

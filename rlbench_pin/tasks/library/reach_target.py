@@ -13,15 +13,18 @@ class ReachTarget(Task):
     solved_by_chance = True
 
     def init_task(self) -> None:
+        """Success is the tip inside the target ball."""
         self.target = self.world.body("target")
         self.distractors = [self.world.body("distractor0"), self.world.body("distractor1")]
         self.boundary = SpawnBoundary([self.world.region("boundary")])
         self.register_success_conditions([TipInside(self.robot, self.world.sensor("goal"))])
 
     def variation_count(self) -> int:
+        """One for each colour of the target."""
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Colour and place the three balls, 20 cm apart at least."""
         name, rgb = COLORS[variation]
         others = distractor_colors(rng, variation, len(self.distractors))
         self.boundary.clear()
@@ -35,7 +38,9 @@ class ReachTarget(Task):
         ]
 
     def reward(self) -> float:
+        """Return minus the distance from the tip to the target [m]."""
         return -float(np.linalg.norm(self.robot.tip_pose()[:3] - self.target.position))
 
     def get_low_dim_state(self) -> np.ndarray:
+        """Return the position of the target, shape (3,) [m]."""
         return np.array(self.target.position)

@@ -11,15 +11,14 @@ class ScrewNail(Task):
     """The screwdriver must have been taken in hand, then the screw must turn by more than 1.4 rad."""
 
     def init_task(self) -> None:
+        """The screwdriver may be grasped; success is a grasp, then a turn of the screw by 1.4 rad."""
         self.register_graspable_objects(["screwdriver"])
         held = Grasped(self.gripper, self.world.body("screwdriver"))
         turned = JointMoved(self.world.joint("block/screw"), 1.4)
         self.register_success_conditions([InOrder([held, turned])])
 
-    def variation_count(self) -> int:
-        return 1
-
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
         return [
             "Drive the screw in with the screwdriver.",
             "Give the screw a quarter turn using the driver.",

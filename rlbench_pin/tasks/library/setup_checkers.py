@@ -17,21 +17,23 @@ class SetupCheckers(Task):
     """
 
     def init_task(self) -> None:
+        """All pieces may be grasped; success is every piece on its own square, let go."""
         self.missing: list[int] = []
-        self.placed = 0
         self.pieces = [self.world.body(f"piece{i}") for i in range(24)]
         self.register_graspable_objects(piece.name for piece in self.pieces)
         on_squares = [Detected(piece, self.world.sensor(f"square{i}")) for i, piece in enumerate(self.pieces)]
         self.register_success_conditions([NothingGrasped(self.gripper), *on_squares])
         self.register_waypoint_ability_start(0, self._aim_at_next_piece)
-        self.register_waypoints_should_repeat(self._next_round)
 
     def variation_count(self) -> int:
+        """One for each number of loose pieces."""
         return 3
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Draw the loose pieces and put them beside the board."""
         count = variation + 1
-        self.missing, self.placed = sorted(int(i) for i in rng.choice(24, count, replace=False)), 0
+        self.missing = sorted(int(i) for i in rng.choice(24, count, replace=False))
+        self.register_rounds(count)
         place = self.world.frame("beside")
         for k, index in enumerate(self.missing):
             place.set_local([FIRST[0] + k * STEP, FIRST[1], 0.006, 0.0, 0.0, 0.0, 1.0])
@@ -45,10 +47,6 @@ class SetupCheckers(Task):
         ]
 
     def _aim_at_next_piece(self, waypoint: Waypoint | None = None) -> None:
-        index = self.missing[self.placed]
+        index = self.missing[self.round]
         self.world.frame("waypoint1").set_parent(f"piece{index}")
         self.world.frame("waypoint4").set_parent(f"square{index}")
-
-    def _next_round(self) -> bool:
-        self.placed += 1
-        return self.placed < len(self.missing)

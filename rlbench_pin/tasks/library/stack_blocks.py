@@ -19,6 +19,7 @@ class StackBlocks(Task):
     """
 
     def init_task(self) -> None:
+        """All eight blocks may be grasped; each round aims at the next one."""
         self.blocks = [self.world.body(f"block{i}") for i in range(4)]
         self.distractors = [self.world.body(f"distractor{i}") for i in range(4)]
         self.boundary = SpawnBoundary([self.world.region(f"patch{i}") for i in range(4)])
@@ -26,23 +27,23 @@ class StackBlocks(Task):
         self.register_waypoint_ability_start(0, self._aim_at_next_block)
         self.register_waypoint_ability_start(3, self._rise_over_tower)
         self.register_waypoint_ability_start(5, self._stay_after_last_block)
-        self.register_waypoints_should_repeat(self._next_round)
 
     def variation_count(self) -> int:
+        """One for each colour and height of the tower."""
         return 3 * len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Colour and scatter the blocks; success is a tower of the asked height, let go."""
         color, self.height = variation // 3, 2 + variation % 3
-        self.placed = 0
         name, rgb = COLORS[color]
         other = distractor_colors(rng, color, 1)[0].rgb
-        self.boundary.clear()
         for bodies, body_color in ((self.blocks, rgb), (self.distractors, other)):
             for body in bodies:
                 body.set_color(body_color)
-                self.boundary.sample(body, rng, min_distance=0.1)
+        self.boundary.scatter([*self.blocks, *self.distractors], rng, min_distance=0.1)
         tower = DetectedSeveral(self.blocks, self.world.sensor("column"), self.height)
         self.register_success_conditions([tower, NothingGrasped(self.gripper)])
+        self.register_rounds(self.height)
         return [
             f"Make a tower of {self.height} {name} cubes on the green square.",
             f"Pile {self.height} {name} blocks one over another.",
@@ -50,15 +51,11 @@ class StackBlocks(Task):
         ]
 
     def _aim_at_next_block(self, waypoint: Waypoint) -> None:
-        self.world.frame("waypoint1").set_parent(f"block{self.placed}")
+        self.world.frame("waypoint1").set_parent(f"block{self.round}")
 
     def _rise_over_tower(self, waypoint: Waypoint) -> None:
         x, y, z = self.world.body("square").position
-        waypoint.frame.set_position([x, y, z + CLEARANCE + CUBE * self.placed])
+        waypoint.frame.set_position([x, y, z + CLEARANCE + CUBE * self.round])
 
     def _stay_after_last_block(self, waypoint: Waypoint) -> None:
-        waypoint.skip = self.placed == self.height - 1
-
-    def _next_round(self) -> bool:
-        self.placed += 1
-        return self.placed < self.height
+        waypoint.skip = self.round == self.height - 1

@@ -11,14 +11,13 @@ class StraightenRope(Task):
     """Both ends of the rope must lie on their marks, which are nearly the length of the rope apart."""
 
     def init_task(self) -> None:
+        """Success is each end of the rope on its mark."""
         head = Detected(self.world.frame("head"), self.world.sensor("at_head_mark"))
         tail = Detected(self.world.frame("tail"), self.world.sensor("at_tail_mark"))
         self.register_success_conditions([head, tail])
 
-    def variation_count(self) -> int:
-        return 1
-
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
         return [
             "Pull the rope straight.",
             "Lay both ends of the rope on the green rings.",

@@ -13,14 +13,13 @@ class SweepToDustpan(Task):
     """All five crumbs must lie in the dustpan."""
 
     def init_task(self) -> None:
+        """The broom may be grasped; success is every crumb in the pan."""
         self.register_graspable_objects(["broom"])
         pan = self.world.sensor("pan")
         self.register_success_conditions([Detected(self.world.body(f"crumb{i}"), pan) for i in range(CRUMBS)])
 
-    def variation_count(self) -> int:
-        return 1
-
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
         return [
             "Sweep the crumbs into the dustpan.",
             "Take the broom and brush all five crumbs onto the pan.",

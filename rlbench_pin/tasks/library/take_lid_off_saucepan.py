@@ -11,14 +11,13 @@ class TakeLidOffSaucepan(Task):
     """The lid must be held by its knob, well above the pan."""
 
     def init_task(self) -> None:
+        """The lid may be grasped; success is that it is held above the pan."""
         self.lid, self.above = self.world.body("lid"), self.world.sensor("above")
         self.register_graspable_objects(["lid"])
         self.register_success_conditions([Grasped(self.gripper, self.lid), Detected(self.lid, self.above)])
 
-    def variation_count(self) -> int:
-        return 1
-
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
         return [
             "Lift the cover from the pot.",
             "Let the steam out, raise the saucepan's lid.",
@@ -26,6 +25,7 @@ class TakeLidOffSaucepan(Task):
         ]
 
     def reward(self) -> float:
+        """Return minus the distances from tip to knob and from knob to goal [m]."""
         knob = self.lid.position
         to_knob = np.linalg.norm(self.robot.tip_pose()[:3] - knob)
         to_goal = np.linalg.norm(knob - self.above.pose[:3])

@@ -19,6 +19,7 @@ class WeighingScales(Task):
     colors = ("green", "red", "yellow")
 
     def init_task(self) -> None:
+        """All peppers may be grasped."""
         self.tray, self.needle = self.world.joint("scales/tray"), self.world.joint("scales/needle")
         self.unloaded, self.zero = self.tray.position, self.needle.position
         self.peppers = [self.world.body(f"pepper_{color}") for color in self.colors]
@@ -26,13 +27,13 @@ class WeighingScales(Task):
         self.register_graspable_objects(pepper.name for pepper in self.peppers)
 
     def variation_count(self) -> int:
+        """One for each colour."""
         return len(self.colors)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Place the peppers; success is the asked one on the tray, let go, and the needle at its weight."""
         color, pepper = self.colors[variation], self.peppers[variation]
-        self.boundary.clear()
-        for body in self.peppers:
-            self.boundary.sample(body, rng, min_distance=0.12)
+        self.boundary.scatter(self.peppers, rng, min_distance=0.12)
         self.world.frame("waypoint0").set_parent(pepper.name)
         weighed = Detected(self.world.frame("needle_end"), self.world.sensor("needle_zone"))
         self.register_success_conditions([NothingGrasped(self.gripper), weighed, Detected(pepper, self.world.sensor("tray"))])
@@ -43,4 +44,5 @@ class WeighingScales(Task):
         ]
 
     def step(self) -> None:
+        """Turn the needle as far as the tray has sunk."""
         self.needle.set_position(self.zero - NEEDLE_TURN * (self.tray.position - self.unloaded))

@@ -15,15 +15,14 @@ class WipeDesk(Task):
     """Fifty stains in a patch of the table must all have been under the sponge, which takes them away."""
 
     def init_task(self) -> None:
+        """The sponge may be grasped; success is that no stain is left."""
         self.wiper, self.boundary = self.world.sensor("under_sponge"), SpawnBoundary([self.world.region("patch")])
         self.stains: list[str] = []
         self.register_graspable_objects(["sponge"])
         self.register_success_conditions([ListEmpty(self.stains)])
 
-    def variation_count(self) -> int:
-        return 1
-
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Spread the stains over the patch."""
         self.boundary.clear()
         self.stains[:] = [f"stain{i}" for i in range(STAINS)]
         place = tuple(self.world.region("patch").local)
@@ -38,6 +37,7 @@ class WipeDesk(Task):
         ]
 
     def step(self) -> None:
+        """Remove the stains under the sponge while it is on the table."""
         if self.wiper.position[2] > self.world.root.position[2] + WIPING:
             return
         for name in [name for name in self.stains if self.wiper.detects(name)]:
@@ -45,6 +45,7 @@ class WipeDesk(Task):
             self.world.remove_body(name)
 
     def cleanup(self) -> None:
+        """Remove the stains that are left."""
         for name in self.stains:
             self.world.remove_body(name)
         self.stains.clear()

@@ -1,0 +1,136 @@
+"""Where a hand that points down can grip one of several bodies in a tray, and from where it can come to one on the table."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rlbench_pin.errors import BoundaryError
+from rlbench_pin.spatial import FloatArray, PoseLike
+
+if TYPE_CHECKING:
+    from rlbench_pin.sim import Body
+
+SIDES = (0.0, -1.0, 1.0)
+"""Where a body may be between the fingers: in the middle, or nearly at one of them."""
+OPEN, FINGER = 0.028, 0.053
+"""How far the middle of the hand may be from a side of a body, and from the middle of an open finger [m]."""
+PAD = np.array([0.014, 0.016])
+"""Half size of the place that a finger needs, along its breadth and its thickness [m]."""
+CORNERS = np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]])
+ANGLES = 24
+"""Turns of the hand that are judged."""
+
+
+@dataclass(frozen=True, eq=False)
+class TopGrasp:
+    """A grasp from above."""
+
+    cost: float
+    """How wide the body is between the fingers, half of how far from their middle, and tenfold how far the fingers stand in
+    a wall or in another body [m]."""
+    position: FloatArray
+    """Middle between the fingers (3,) in the world [m], at the height of the body."""
+    angle: float
+    """Turn of the hand about the vertical [rad]."""
+
+    def tip_pose(self, height: float | None = None) -> FloatArray:
+        """Return the tip pose (7,) in the world, at a height [m] if one is given."""
+        x, y, z = self.position
+        turn = self.angle / 2.0
+        return np.array([x, y, z if height is None else height, np.cos(turn), np.sin(turn), 0.0, 0.0])
+
+
+@dataclass(frozen=True, eq=False)
+class Tray:
+    """A tray that the fingers must stay inside."""
+
+    pose: FloatArray
+    """Pose (7,) in the world; it is turned about the vertical alone."""
+    half: FloatArray
+    """Half size (2,) of its inside [m]."""
+
+
+def easiest_top_grasp(wanted: Sequence[Body], bodies: Sequence[Body], tray: Tray) -> TopGrasp:
+    """Return the grasp that is easiest: across a narrow side, with space for the fingers.
+
+    Args:
+        wanted: Bodies that may be gripped.
+        bodies: Everything that lies in the tray, the wanted ones included.
+        tray: Where they lie.
+
+    Raises:
+        BoundaryError: Nothing is wanted.
+    """
+    grasps = [grasp for n in range(ANGLES) for grasp in _top_grasps(n * np.pi / ANGLES, wanted, bodies, tray)]
+    if not grasps:
+        raise BoundaryError("There is no body to grip. Ask for a grasp while something is left.")
+    return min(grasps, key=lambda grasp: grasp.cost)
+
+
+def free_direction(
+    place: FloatArray, directions: Iterable[float], others: Iterable[FloatArray], half_width: float, length: float
+) -> float | None:
+    """Return the first direction in which the lane that ends at a place is free of other things.
+
+    Args:
+        place: Where the hand wants to come to, its x and y (2,) in the world [m].
+        directions: Headings of the hand to try, best first [rad].
+        others: x and y (2,) of what may be in the way [m]; the place itself is never in its own way.
+        half_width: Half width of the lane [m].
+        length: Length of the lane before the place [m].
+
+    Returns:
+        The direction [rad], or None when every lane is taken.
+    """
+    distances = [other - place for other in others]
+    for direction in directions:
+        ahead, side = np.array([np.cos(direction), np.sin(direction)]), np.array([-np.sin(direction), np.cos(direction)])
+        if not any(0.0 < -(d @ ahead) < length and abs(d @ side) < half_width for d in distances):
+            return float(direction)
+    return None
+
+
+def _top_grasps(angle: float, wanted: Sequence[Body], bodies: Sequence[Body], tray: Tray) -> list[TopGrasp]:
+    """Judge grasps with the hand turned by `angle`, every wanted body in its middle or nearly at one of the fingers."""
+    turn = _turn_by(angle)
+    tray_turn = _turn_by(2.0 * np.arctan2(tray.pose[5], tray.pose[6]))
+    boxes = {body.name: body.bounds_from(_about_z(angle))[:, :2] for body in bodies}
+    grasps = []
+    for body in wanted:
+        position = body.position
+        along = (position[:2] @ turn)[0]
+        low, high = boxes[body.name][:, 1]
+        others = np.array([box for name, box in boxes.items() if name != body.name]).reshape(-1, 2, 2)
+        for side in SIDES:
+            shift = side * max(OPEN - 0.5 * (high - low), 0.0)
+            fingers = np.array([[along, 0.5 * (low + high) + shift + finger] for finger in (-FINGER, FINGER)])
+            corners = (fingers[:, None] + CORNERS * PAD) @ turn.T - tray.pose[:2]
+            crossed = _depth_in_walls(corners @ tray_turn, tray.half) + _depth_in_boxes(fingers, others)
+            cost = float(high - low) + 0.5 * abs(shift) + 10.0 * crossed
+            grasps.append(TopGrasp(cost, np.append(turn @ fingers.mean(axis=0), position[2]), angle))
+    return grasps
+
+
+def _about_z(angle: float) -> PoseLike:
+    return [0.0, 0.0, 0.0, 0.0, 0.0, np.sin(angle / 2.0), np.cos(angle / 2.0)]
+
+
+def _turn_by(angle: float) -> FloatArray:
+    """Return the rotation of a plane (2, 2) by an angle [rad]."""
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
+def _depth_in_walls(corners: FloatArray, half: FloatArray) -> float:
+    """Return how far two fingers, their corners (2, 4, 2) given in the axes of the tray, stand in its walls [m]."""
+    return float(np.maximum(np.abs(corners) - half, 0.0).max(axis=(1, 2)).sum())
+
+
+def _depth_in_boxes(fingers: FloatArray, boxes: FloatArray) -> float:
+    """Return how far two fingers (2, 2) stand in boxes (n, 2, 2) [[min], [max]], all in the axes of the hand [m]."""
+    middles = fingers[:, None]
+    depth = np.minimum(boxes[:, 1] - middles, middles - boxes[:, 0]) + PAD
+    return float(np.maximum(depth.min(axis=-1), 0.0).sum())

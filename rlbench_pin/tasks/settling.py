@@ -1,0 +1,73 @@
+"""Bring bodies that were dropped to rest, with nothing left on an edge."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rlbench_pin.errors import BoundaryError
+from rlbench_pin.spatial import FloatArray
+
+if TYPE_CHECKING:
+    from rlbench_pin.sim import Body, World
+
+FALL_TICKS = 20
+"""Control ticks, a second, until bodies have fallen or moved on."""
+KNOCK_SPEED, KNOCKS = 3.0, 2
+"""Speed of turning with which what stands on an edge is knocked over [rad/s], and how often."""
+PUSH_SPEED, MAX_PUSHES = 0.4, 8
+"""Speed with which bodies are pushed apart that do not come to rest [m/s], and how often at most."""
+MAX_DRIFT = 2e-4
+"""What a body at rest may move [m] or turn (part of a quaternion) within a second."""
+
+
+def settle(world: World, bodies: Sequence[Body], rng: np.random.Generator) -> None:
+    """Let bodies fall, knock over what stands on an edge, and push apart what leans and creeps.
+
+    Args:
+        world: The world, which is stepped for several seconds.
+        bodies: What was dropped.
+        rng: Source of chance for the directions of the knocks.
+
+    Raises:
+        BoundaryError: The bodies still move after `MAX_PUSHES` pushes.
+    """
+    _wait(world, bodies)
+    for _ in range(KNOCKS):
+        _knock(world, bodies, rng)
+    drift = _wait(world, bodies)
+    for _ in range(MAX_PUSHES):
+        if drift < MAX_DRIFT:
+            return
+        _knock(world, bodies, rng, PUSH_SPEED)
+        drift = _wait(world, bodies)
+    if drift >= MAX_DRIFT:
+        names = ", ".join(body.name for body in bodies)
+        raise BoundaryError(
+            f"After {MAX_PUSHES} pushes one of {names} still moves by {drift:.1e} m a second. "
+            "Drop fewer bodies, or into more space."
+        )
+
+
+def _knock(world: World, bodies: Sequence[Body], rng: np.random.Generator, push: float = 0.0) -> None:
+    """Turn every body about a random horizontal axis, push it away from the others [m/s], and wait."""
+    for angle, body in zip(rng.uniform(0.0, 2.0 * np.pi, len(bodies)), bodies, strict=True):
+        along = push * _away(body, bodies)
+        body.set_velocity([*along, 0.0, KNOCK_SPEED * np.cos(angle), KNOCK_SPEED * np.sin(angle), 0.0])
+    _wait(world, bodies)
+
+
+def _away(body: Body, bodies: Sequence[Body]) -> FloatArray:
+    """Return the horizontal direction (2,) from the middle of all bodies to one of them."""
+    away = (body.position - np.mean([other.position for other in bodies], axis=0))[:2]
+    return away / max(float(np.linalg.norm(away)), 1e-6)
+
+
+def _wait(world: World, bodies: Sequence[Body]) -> float:
+    """Wait a second, and return how much any body has moved or turned, the largest change of a number of its pose."""
+    before = [body.pose for body in bodies]
+    for _ in range(FALL_TICKS):
+        world.step()
+    return max(float(np.abs(body.pose - pose).max()) for body, pose in zip(bodies, before, strict=True))

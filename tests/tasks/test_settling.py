@@ -1,0 +1,71 @@
+"""Dropped bodies come to rest, or an error says that they do not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rlbench_pin.errors import BoundaryError
+from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.scene.spec import BodySpec, SceneSpec
+from rlbench_pin.sim import World
+from rlbench_pin.tasks import settle, settling
+
+SCENE = SceneSpec(
+    format=2,
+    body=tuple(
+        BodySpec(name=f"cube{i}", asset="objects/cube/cube.urdf", pose=(0.1 * i, 0.0, 0.1 + 0.05 * i, 0.5, 0.3, 0.2, 0.787401))
+        for i in range(2)
+    ),
+)
+
+
+def test_bodies_lie_flat_and_still_afterwards() -> None:
+    """The same seed gives the same places."""
+    places = []
+    for _ in range(2):
+        with World(SCENE, robot_description("panda")) as world:
+            bodies = list(world.bodies.values())
+            settle(world, bodies, np.random.default_rng(0))
+            before = [body.pose for body in bodies]
+            for _ in range(settling.FALL_TICKS):
+                world.step()
+            for body, pose in zip(bodies, before, strict=True):
+                np.testing.assert_allclose(body.pose, pose, atol=settling.MAX_DRIFT)
+            places.append(np.concatenate(before))
+    np.testing.assert_array_equal(*places)
+
+
+def test_bodies_that_never_rest_are_an_error() -> None:
+    """The number of pushes is bounded."""
+
+    class Restless:
+        """A body that is elsewhere whenever one looks."""
+
+        name, looks, pushes = "restless", 0, 0
+
+        @property
+        def pose(self) -> np.ndarray:
+            """A new place each time."""
+            self.looks += 1
+            return np.array([self.looks, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+
+        @property
+        def position(self) -> np.ndarray:
+            """Origin."""
+            return self.pose[:3]
+
+        def set_velocity(self, velocity: list[float]) -> None:
+            """Count."""
+            self.pushes += 1
+
+    class Still:
+        """A world that does nothing."""
+
+        def step(self) -> None:
+            """Do nothing."""
+
+    body = Restless()
+    with pytest.raises(BoundaryError, match="After 8 pushes one of restless still moves"):
+        settle(Still(), [body], np.random.default_rng(0))  # type: ignore[arg-type, list-item]
+    assert body.pushes == settling.KNOCKS + settling.MAX_PUSHES
