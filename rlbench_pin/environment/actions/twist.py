@@ -12,9 +12,6 @@ from rlbench_pin.environment.actions.specification import TWIST_NAMES, TWIST_UNI
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.spatial import FloatArray
 
-LINEAR_SPEED, ANGULAR_SPEED = 1.7, 2.5
-"""Largest tip speeds that an action may ask for [m/s], [rad/s]; the arm's data sheet."""
-
 
 class EndEffectorVelocity(SpecifiedMode):
     """Tip velocity `[linear, angular]` (6,) for one tick, or a change of the present one; then the arm stops.
@@ -30,7 +27,7 @@ class EndEffectorVelocity(SpecifiedMode):
 
     def action_spec(self, runtime: Runtime) -> ActionSpec:
         """Linear, then angular velocity."""
-        high = np.array([LINEAR_SPEED] * 3 + [ANGULAR_SPEED] * 3)
+        high = np.repeat([runtime.description.linear_speed, runtime.description.angular_speed], 3)
         return ActionSpec(TWIST_NAMES, TWIST_UNITS, -high, high, "end effector" if self.frame is RelativeFrame.EE else "world", 1)
 
     def action(self, runtime: Runtime, action: FloatArray) -> None:
