@@ -18,7 +18,7 @@ from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.environment.observations.camera_config import CameraConfig
 from rlbench_pin.environment.observations.cameras import camera_view
 from rlbench_pin.errors import CameraError, RlbenchPinError
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import World
 
@@ -77,7 +77,7 @@ def check_renderer(renderer: Literal["cpu", "egl"]) -> str:
     Raises:
         CameraError: There is no such renderer here, or its pictures are black or flat.
     """
-    robot = robot_description("panda")
+    robot = robot_description(DEFAULT_ROBOT)
     with World(SceneSpec(format=1), robot, renderer=renderer) as world:
         world.robot.reset_configuration(np.array(robot.home))
         view = camera_view("front", CameraConfig(), world, robot)

@@ -31,8 +31,6 @@ from rlbench_pin.spatial import FloatArray
 BoolArray = NDArray[np.bool_]
 RESOLUTION = 2e-3
 """Motion [m] of a piece that is not halved any more; its pairs may be below their floor by half of it, and are so by far less."""
-CARRIERS = 2
-"""Joints at the base whose load can keep their motors from reaching a velocity at once; the others bear little."""
 TOLERANCE = 1e-6
 """Distances below the floor by this much are forgiven [m]: rounding."""
 
@@ -89,14 +87,17 @@ class Way:
         return Piece(self.q[i], self.start[i], self.end[i], self.dt)
 
 
-def ways_to_standstill(bounds: JointBounds, q: FloatArray, v: FloatArray, command: FloatArray) -> Iterator[Way]:
+def ways_to_standstill(
+    bounds: JointBounds, q: FloatArray, v: FloatArray, command: FloatArray, loaded_joints: int
+) -> Iterator[Way]:
     """Yield the ways that `command` and the braking after it may take, from `q` [rad] moving at `v` [rad/s].
 
-    One, or with `hold="any"` two: all joints reach velocities at once, and those that carry the arm only at the end of a tick.
+    One, or with `hold="any"` two: all joints reach velocities at once, and the first `loaded_joints`, which carry the arm, only
+    at the end of a tick.
     """
     yield Way(bounds, q, v, command, np.full(len(command), bounds.hold == "acceleration"))
     if bounds.hold == "any":
-        late = np.arange(len(command)) < CARRIERS
+        late = np.arange(len(command)) < loaded_joints
         yield Way(bounds, q, np.where(np.abs(command) > np.abs(v), command, v), command, late)
 
 
@@ -137,7 +138,7 @@ class BrakingCheck:
         if not keep.any():
             return which[:0]
         pairs, now = Pairs(which, levers, floors[which])[keep], now[keep]
-        for way in ways_to_standstill(self.bounds, q, v, command):
+        for way in ways_to_standstill(self.bounds, q, v, command, model.model.description.loaded_joints):
             after, broken = self._measured(way.q[-1], pairs)
             if not len(broken):
                 broken = self._between(way, 0, len(way), pairs, pairs.levers @ way.turns.T, now, after)

@@ -9,7 +9,6 @@ from itertools import zip_longest
 
 import numpy as np
 
-from rlbench_pin.environment.actions.gripper import GRIP_SPEED
 from rlbench_pin.environment.leg_planning import LegPlanner
 from rlbench_pin.environment.motion import follow, move_gripper
 from rlbench_pin.environment.runtime import Runtime
@@ -174,7 +173,7 @@ class DemoPlayer:
             self.runtime,
             self._amount,
             release=waypoint.releases,
-            speed=GRIP_SPEED,
+            speed=self.runtime.description.grip_speed,
             on_tick=self._gripper_tick,
         )
         if not self.record_gripper:

@@ -25,7 +25,7 @@ from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DatasetError, EnvironmentClosed, TaskEnvironmentError, UnknownName
 from rlbench_pin.observation import CAMERAS, Demo
 from rlbench_pin.planning.planner import MotionPlanner, PlannerConfig
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import RENDERERS, RendererName, World
@@ -65,7 +65,7 @@ class Environment:
         obs_config: ObservationConfig | None = None,
         headless: bool = False,
         static_positions: bool = False,
-        robot_setup: str = "panda",
+        robot_setup: str = DEFAULT_ROBOT,
         randomize_every: RandomizeEvery | None = None,
         frequency: int = 1,
         visual_randomization_config: VisualRandomizationConfig | None = None,

@@ -38,8 +38,6 @@ from rlbench_pin.spatial import FloatArray, pose_to_se3, se3_to_pose
 
 MARGIN = 0.003
 """Distance to the world that filters and predictions keep [m]; small, because planned motions come near what they grasp."""
-JOINT_STIFFNESS = (600.0, 600.0, 600.0, 600.0, 250.0, 150.0, 50.0)
-"""[N m/rad]: springs of joint impedance control; stiff, to follow, and softer than the motors' own position control."""
 TIP_STIFFNESS = (3000.0, 3000.0, 3000.0, 150.0, 150.0, 150.0)
 """[N/m, N m/rad]: the spring of Cartesian impedance control."""
 ELBOW_STIFFNESS = 10.0
@@ -179,8 +177,7 @@ def operational_space(problem: TrackingProblem) -> Follower:
 
 def joint_impedance(problem: TrackingProblem) -> Follower:
     """`JointImpedance` in every physics step: springs along the motion, with its velocities and accelerations."""
-    controller = JointImpedance(problem.model_with_payload(), np.diag(JOINT_STIFFNESS[: problem.model.size]))
-    dt = problem.physics_dt
+    controller, dt = JointImpedance(problem.model_with_payload(), problem.model.description.joint_stiffness), problem.physics_dt
 
     def command(k: int, q: FloatArray, v: FloatArray) -> Command:
         return Command(controller.torque(q, v, *problem.trajectory.sample(k * dt)))

@@ -31,7 +31,16 @@ def _panda() -> RobotDescription:
         base_pose=(-0.273, 0.0, TABLE_HEIGHT, 0.0, 0.0, 0.0, 1.0),
         gripper_open=0.04,
         gripper_force=40.0,
+        finger_speed=0.2,
+        grip_speed=0.04,
+        pad_size=(0.012, 0.012),
         acceleration=(15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0),
+        reach=1.6,  # 1.2 m, and what the hand holds
+        linear_speed=1.7,
+        angular_speed=2.5,
+        loaded_joints=2,
+        loaded_share=0.65,
+        joint_stiffness=(600.0, 600.0, 600.0, 600.0, 250.0, 150.0, 50.0),
     )
 
 
@@ -55,6 +64,8 @@ class _Catalogue(Mapping[str, RobotDescription]):
 
 
 SUPPORTED_ROBOTS: Mapping[str, RobotDescription] = _Catalogue({"panda": _panda})
+DEFAULT_ROBOT = "panda"
+"""The arm where none is named."""
 
 
 def robot_description(name: str) -> RobotDescription:

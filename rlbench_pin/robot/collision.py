@@ -27,8 +27,6 @@ DEEPEST = 1e-2
 """A start that penetrates the room, or the arm itself, by more than this is refused [m]."""
 SURE = 2e-4
 """Margins of at least this can be told from contact [m]."""
-ROOM_REACH = 1.6
-"""Parts of the room farther from the base than this are never met [m]; the arm reaches 1.2 m."""
 GOAL_TOLERANCE = 5e-4
 """Penetration accepted in a goal configuration [m]; a held body, which may be set down, gets `SLACK`."""
 _FEW = 100
@@ -153,7 +151,7 @@ class CollisionModel:
 
     def _is_beyond_reach(self, body: BodySnapshot) -> bool:
         """Say whether nothing the arm carries can get near a part of the room, such as a far wall."""
-        return body.in_room and body_distance(body, self.model.base.translation) > ROOM_REACH
+        return body.in_room and body_distance(body, self.model.base.translation) > self.model.description.reach
 
     def _allow(self, names: Collection[str]) -> None:
         named = np.array([o.body in names and o.kind == "thing" for o in self._geometry.owners], dtype=bool)

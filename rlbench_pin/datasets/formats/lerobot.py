@@ -42,7 +42,13 @@ Column = list[Any] | np.ndarray
 
 
 def export_lerobot(
-    root: Path, out: Path, *, tasks: Sequence[str] = (), cameras: Sequence[str] = (), on_episode: OnEpisode | None = None
+    root: Path,
+    out: Path,
+    *,
+    tasks: Sequence[str] = (),
+    cameras: Sequence[str] = (),
+    robot_type: str = "panda",
+    on_episode: OnEpisode | None = None,
 ) -> Path:
     """Write the episodes of a dataset as a LeRobotDataset.
 
@@ -51,6 +57,7 @@ def export_lerobot(
         out: The new folder; `LeRobotDataset(repo_id, root=out)` loads it.
         tasks: Only these; all when none is named.
         cameras: Cameras whose colours go along; all stored ones when none is named.
+        robot_type: What LeRobot is to call the arm; stored episodes do not name it.
         on_episode: Called after each episode.
 
     Raises:
@@ -59,7 +66,7 @@ def export_lerobot(
     episodes = stored_episodes(root, tasks)
     shapes = rgb_cameras(episodes, cameras)
     with new_folder(out) as folder:
-        export = _Export(folder, {f"observation.images.{name}": shape for name, shape in shapes.items()})
+        export = _Export(folder, {f"observation.images.{name}": shape for name, shape in shapes.items()}, robot_type)
         try:
             for index, stored in enumerate(episodes):
                 with stored.open() as episode:
@@ -80,6 +87,8 @@ class _Export:
     folder: Path
     pictures: dict[str, tuple[int, int, int]]
     """Feature -> shape of its pictures."""
+    robot_type: str
+    """Name of the arm."""
     instructions: dict[str, int] = field(default_factory=dict)
     """Sentence -> number."""
     rows: list[dict[str, Any]] = field(default_factory=list)
@@ -175,7 +184,7 @@ class _Export:
     def _info(self) -> dict[str, Any]:
         return {
             "codebase_version": VERSION,
-            "robot_type": "panda",
+            "robot_type": self.robot_type,
             "total_episodes": len(self.rows),
             "total_frames": self.frames,
             "total_tasks": len(self.instructions),

@@ -14,11 +14,6 @@ from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.spatial import FloatArray
 
-FINGER_SPEED = 0.2
-"""Finger speed of actions [m/s]."""
-GRIP_SPEED = 0.04
-"""Finger speed of closing on something, the one of demonstrations [m/s]: fast fingers knock light things away."""
-
 
 class GripperActionMode(ActionPart, Protocol):
     """Turns numbers into finger motion."""
@@ -58,11 +53,12 @@ class Discrete(GripperMode):
         wants_open = bool(values[0] > 0.5)
         if wants_open == runtime.gripper.is_open:
             return
+        arm = runtime.description
         move_gripper(
             runtime,
             1.0 if wants_open else 0.0,
             release=wants_open,
-            speed=GRIP_SPEED if not wants_open and runtime.gripper.closes_on_something() else FINGER_SPEED,
+            speed=arm.grip_speed if not wants_open and runtime.gripper.closes_on_something() else arm.finger_speed,
             attach=self.attaches(runtime),
             detach_before_open=self.detach_before_open,
         )
@@ -106,7 +102,7 @@ class GripperJointPosition(GripperMode):
         if opens and self.detach_before_open:
             runtime.gripper.release()
         if not runtime.gripper.grasped or opens:
-            runtime.gripper.set_target(target / reach, FINGER_SPEED)
+            runtime.gripper.set_target(target / reach, runtime.description.finger_speed)
         return FingerMove(target, opens)
 
     def after(self, runtime: Runtime, move: FingerMove) -> None:

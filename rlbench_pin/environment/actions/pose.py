@@ -123,12 +123,12 @@ class ERJointViaIK(PoseMode):
         self.commanded_joints, self.eps, self.delta_angle = tuple(commanded_joints), eps, delta_angle
         if delta_angle and absolute_mode:
             raise InvalidActionError("delta_angle=True needs absolute_mode=False.")
-        if delta_angle and self.commanded_joints not in ((0,), (6,)):
-            raise NotImplementedError("delta_angle is offered for one commanded joint, 0 or 6.")
 
     def make_spec(self, runtime: Runtime) -> ActionSpec:
         """The pose, then the pinned angles."""
-        joints = list(self.commanded_joints)
+        joints, last = list(self.commanded_joints), runtime.model.size - 1
+        if self.delta_angle and joints not in ([0], [last]):
+            raise NotImplementedError(f"delta_angle is offered for one commanded joint, 0 or {last}.")
         limits = runtime.model.limits
         names = tuple(runtime.description.arm_joints[j] for j in joints)
         low, high = limits.lower[joints], limits.upper[joints]

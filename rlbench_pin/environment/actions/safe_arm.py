@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rlbench_pin.control.braking import CARRIERS
 from rlbench_pin.control.safety_filter import FilterCounts, SafeCommand, SafetyConfig, SafetyFilter
 from rlbench_pin.environment.actions.arm_mode import ArmActionMode
 from rlbench_pin.environment.actions.mode import BoundMode, ChecksValues, PartMode, execute
@@ -19,8 +18,6 @@ LIMIT_MARGIN = 0.02
 """Distance kept from joint limits, for what motors overshoot [rad]."""
 SHARE = 0.95
 """Share of the velocity and acceleration limits that is used, for what motors miss."""
-LOADED_SHARE = 0.65
-"""Share of the acceleration limit that is used of joints that carry the arm: braking a fall takes torque for gravity, too."""
 
 
 @dataclass
@@ -60,8 +57,8 @@ class SafeArm(PartMode):
 
     def bind(self, runtime: Runtime) -> Guard:
         """Make the filter of this arm and tick."""
-        limits = runtime.model.limits
-        shares = np.where(np.arange(len(limits.acceleration)) < CARRIERS, LOADED_SHARE, SHARE)
+        limits, arm = runtime.model.limits, runtime.description
+        shares = np.where(np.arange(len(limits.acceleration)) < arm.loaded_joints, arm.loaded_share, SHARE)
         reduced = replace(limits, velocity=SHARE * limits.velocity, acceleration=shares * limits.acceleration)
         config = replace(self.config, dt=runtime.world.control_dt, hold="any")
         safety_filter = SafetyFilter(runtime.model, config, limits=reduced)

@@ -14,9 +14,6 @@ from rlbench_pin.environment.actions.specification import TWIST_NAMES, TWIST_UNI
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.spatial import FloatArray
 
-LINEAR_SPEED, ANGULAR_SPEED = 1.7, 2.5
-"""Largest tip speeds that an action may ask for [m/s], [rad/s]; the arm's data sheet."""
-
 
 @dataclass
 class BoundVelocity(BoundMode):
@@ -42,7 +39,7 @@ class EndEffectorVelocity(PartMode):
 
     def make_spec(self, runtime: Runtime) -> ActionSpec:
         """Linear, then angular velocity."""
-        high = np.array([LINEAR_SPEED] * 3 + [ANGULAR_SPEED] * 3)
+        high = np.repeat([runtime.description.linear_speed, runtime.description.angular_speed], 3)
         return ActionSpec(TWIST_NAMES, TWIST_UNITS, -high, high, "end effector" if self.frame is RelativeFrame.EE else "world", 1)
 
     def execute(self, runtime: Runtime, values: FloatArray) -> None:

@@ -13,7 +13,7 @@ import yaml
 
 from rlbench_pin.errors import ProblemFileError
 from rlbench_pin.planning.problems.problem import PlanningProblem, solid_body
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.scene.snapshot import BodySnapshot, Shape, WorldSnapshot
 from rlbench_pin.spatial import FloatArray, compose
@@ -22,7 +22,7 @@ _KINDS = {1: "box", 2: "sphere", 3: "cylinder"}
 _NOWHERE = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
-def read_motion_bench(scene: Path, request: Path, robot: str = "panda") -> PlanningProblem:
+def read_motion_bench(scene: Path, request: Path, robot: str = DEFAULT_ROBOT) -> PlanningProblem:
     """Read one problem; the arm's base is the origin.
 
     Args:

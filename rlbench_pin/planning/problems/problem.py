@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from rlbench_pin.errors import ProblemFileError
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
 from rlbench_pin.robot.collision_geometry import body_geometry
 from rlbench_pin.robot.geometry import as_shape
 from rlbench_pin.robot.model import RobotModel
@@ -33,7 +33,7 @@ class PlanningProblem:
     """Equally good goal poses of the tip (k, 7)."""
     allowed: tuple[str, ...] = ()
     """Bodies that may be touched."""
-    robot: str = "panda"
+    robot: str = DEFAULT_ROBOT
     base_pose: tuple[float, ...] | None = None
     """Where the arm stands; None as in its description."""
 

@@ -22,7 +22,6 @@ _GAIN = 0.05
 _PAD_FRICTION = 1.0
 _OPEN = 0.9  # fraction of the range above which a finger counts as open
 _MOVED = 1e-3  # motion in a tick above which the hand counts as moving [m]
-_PAD = (0.012, 0.012)  # size of the box between the pads along tip x and z [m]
 _GEAR_FORCE = 200.0  # of the coupling between the fingers [N]
 
 
@@ -58,7 +57,7 @@ class SimGripper:
         infos = [self._model.joints[name] for name in description.gripper_joints]
         self._joints = [info.index for info in infos]
         self._range = description.gripper_open
-        self._default_force = description.gripper_force
+        self._default_force, self._default_speed = description.gripper_force, description.grip_speed
         self._attachments = Attachments(self._model, description)
         self._attachments.restore_order(bodies())
         self._couple()
@@ -93,29 +92,30 @@ class SimGripper:
         least = min(_MOVED, 0.5 * self._control.speed * self._robot.tick)
         return bool((np.abs(self._robot.fingers - self._control.last) > least).any())
 
-    def set_target(self, amount: float, speed: float = 0.04, force: float | None = None) -> None:
+    def set_target(self, amount: float, speed: float | None = None, force: float | None = None) -> None:
         """Drive the fingers to an opening fraction in the coming ticks.
 
         Args:
             amount: 0 shut to 1 open.
-            speed: Finger speed [m/s].
+            speed: Finger speed [m/s]; None is the one of closing on something.
             force: Largest force of one finger [N]; None is the hand's own.
 
         Raises:
             InvalidActionError: `amount` is not in 0..1, or speed or force is not positive and finite.
         """
         strength = self._default_force if force is None else float(force)
+        speed = self._default_speed if speed is None else float(speed)
         if not 0.0 <= amount <= 1.0:
             raise InvalidActionError(f"The opening fraction is {amount}; it must lie between 0 (shut) and 1 (open).")
         if not (0.0 < speed < float("inf") and 0.0 < strength < float("inf")):
             raise InvalidActionError(f"Finger speed {speed} m/s and force {strength} N must be positive and finite.")
         here = self._robot.fingers
-        self._control = FingerControl(np.full(2, amount * self._range), here, float(speed), strength, here)
+        self._control = FingerControl(np.full(2, amount * self._range), here, speed, strength, here)
 
     def hold(self) -> None:
         """Keep the fingers where they are."""
         here = self._robot.fingers
-        self._control = FingerControl(here, here, 0.04, self._default_force, here)
+        self._control = FingerControl(here, here, self._default_speed, self._default_force, here)
 
     # Holding ---------------------------------------------------------------------------------------------------------
 
@@ -134,7 +134,8 @@ class SimGripper:
 
     def _in_gap(self, body: Body) -> bool:
         left, right = self._robot.fingers
-        box = geometry.volume("box", (_PAD[0], max(left + right - 0.002, 0.001), _PAD[1]))
+        width, height = self._robot.description.pad_size
+        box = geometry.volume("box", (width, max(left + right - 0.002, 0.001), height))
         T_world_tip = pose_to_se3(self._robot.tip_pose())
         return volume_meets(box, T_world_tip * pin.SE3(np.eye(3), np.array([0.0, 0.5 * (left - right), 0.0])), body)
 

@@ -147,7 +147,7 @@ def test_elbow_control_pins_the_named_joint() -> None:
     assert after.joint_positions[0] == pytest.approx(angle, abs=5e-3)
     assert np.linalg.norm(after.gripper_pose[:3] - obs.gripper_pose[:3]) < 5e-3
     with pytest.raises(NotImplementedError, match="0 or 6"):
-        ERJointViaIK(absolute_mode=False, commanded_joints=[3], delta_angle=True)
+        ERJointViaIK(absolute_mode=False, commanded_joints=[3], delta_angle=True).action_spec(task.runtime)
     with pytest.raises(InvalidActionError, match="absolute_mode=False"):
         ERJointViaIK(delta_angle=True)
 
