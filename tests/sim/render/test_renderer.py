@@ -16,7 +16,8 @@ from rlbench_pin.environment.observations.observe import point_cloud
 from rlbench_pin.errors import CameraError, UnknownName
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.scene.spec import SceneSpec
-from rlbench_pin.sim import CameraView, EglMissing, Light, Lighting, World, look_at
+from rlbench_pin.sim import EglMissing, Light, Lighting, World, look_at
+from rlbench_pin.sim.render.camera import CameraView
 from rlbench_pin.spatial import pose_at, pose_to_matrix
 from tests.sim.support import ABOVE, PANDA, UPRIGHT, BodySpec, build, cube, cube_scene
 
