@@ -36,7 +36,7 @@ class $cls(Task):
         self.register_success_conditions([TipInside(self.robot, self.world.sensor("goal"))])
 
     def variation_count(self) -> int:
-        """How many goals there are."""
+        """How many goals there are; leave it out where there is one."""
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:

@@ -131,7 +131,7 @@ def test_everything_beside_the_physics_comes_back():
         assert world.time == pytest.approx(0.1)
         steps(world, 5)
         np.testing.assert_allclose(world.robot.joint_positions, HOME, atol=1e-3)
-        assert world.body("cube").position[2] > 0.77
+        assert world.body("cube").position[2] > TABLE_HEIGHT + 0.018
 
 
 def test_bodies_added_later_are_removed_and_missing_ones_come_back():
