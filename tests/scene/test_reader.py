@@ -1,4 +1,4 @@
-"""Scene files: what is read, and what every mistake is told."""
+"""Scene files: what is read, and what is said about every mistake."""
 
 from __future__ import annotations
 
