@@ -37,6 +37,27 @@ def test_every_public_name_resolves(name: str) -> None:
     assert name in dir(rlbench_pin)
 
 
+@pytest.mark.parametrize(
+    "package",
+    [
+        "robot",
+        "planning",
+        "planning.kinematics",
+        "planning.problems",
+        "planning.search",
+        "planning.timing",
+        "control",
+        "control.qp",
+    ],
+)
+def test_parts_have_front_doors(package: str) -> None:
+    """A part of the package is imported by itself, and its public names resolve."""
+    code = f"import rlbench_pin.{package} as part; print(part.__all__ and [n for n in part.__all__ if not hasattr(part, n)])"
+    result = _run(code)
+    assert result.returncode == 0, result.stderr
+    assert result.stdout.strip() == "[]"
+
+
 def test_unknown_name_is_an_attribute_error() -> None:
     """A misspelt name fails as python users expect."""
     with pytest.raises(AttributeError, match="Enviroment"):

@@ -14,7 +14,7 @@ from rlbench_pin.control.impedance import CartesianImpedance, JointImpedance
 from rlbench_pin.control.operational_space import OperationalSpaceConfig, OperationalSpaceQP, TorqueCommand
 from rlbench_pin.control.pose_ik import PoseIK, PoseIKConfig, PoseSolution
 from rlbench_pin.control.predictive import CartesianMPC, PredictiveCommand, PredictiveConfig
-from rlbench_pin.control.qp.constraints import Hold, JointBounds
+from rlbench_pin.control.qp.constraints import HeldQuantity, JointBounds
 from rlbench_pin.control.qp.objectives import PostureObjective, TipObjective
 from rlbench_pin.control.qp.osqp_solver import OsqpSolver
 from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram
@@ -31,7 +31,7 @@ __all__ = [
     "GripperCommand",
     "GripperConfig",
     "GripperController",
-    "Hold",
+    "HeldQuantity",
     "JointBounds",
     "JointImpedance",
     "OperationalSpaceConfig",

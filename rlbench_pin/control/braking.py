@@ -63,7 +63,7 @@ class Way:
     def __init__(self, bounds: JointBounds, q: FloatArray, v: FloatArray, command: FloatArray, late: BoolArray) -> None:
         """Follow `command` from `q` [rad] moving at `v` [rad/s]; velocities of `late` joints (n,) change linearly in a tick."""
         speed, lagging = np.abs(command), bool(late.any())
-        braking = math.ceil((speed / bounds.step).max())  # so many ticks later all joints stand
+        braking = math.ceil((speed / bounds.step).max())  # ticks until all joints stand
         ticks = np.arange(1 + braking if lagging else max(1, braking))[:, None]
         self.end = np.sign(command) * np.maximum(speed - ticks * bounds.step, 0.0)
         """Velocity at the end of each tick, shape (ticks, n), [rad/s]."""
@@ -116,7 +116,7 @@ class Pairs:
 
 
 class BrakingCheck:
-    """Tells whether a command leaves a safe way to standstill."""
+    """Checks whether a command leaves a safe way to standstill."""
 
     def __init__(self, distances: DistanceModel, bounds: JointBounds) -> None:
         """Use distances already placed at the arm's configuration, and the limits of braking."""

@@ -29,7 +29,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from rlbench_pin.control.checks import as_pose, as_state, as_vector
-from rlbench_pin.control.qp.constraints import Hold, JointBounds
+from rlbench_pin.control.qp.constraints import HeldQuantity, JointBounds
 from rlbench_pin.control.qp.objectives import Manipulability, PostureObjective, TipApproach, TipObjective, moved
 from rlbench_pin.control.qp.placo_arm import PlacoArm
 from rlbench_pin.errors import InfeasibleControl
@@ -51,7 +51,7 @@ class DifferentialIKConfig:
     posture: PostureObjective = field(default_factory=PostureObjective)
     limit_margin: float = 0.0
     """Distance kept from the joint position limits [rad]."""
-    hold: Hold = "velocity"
+    hold: HeldQuantity = "velocity"
     """Whether a velocity command is reached at once and held, linearly over the tick, or anywhere between."""
 
 

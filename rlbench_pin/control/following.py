@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rlbench_pin.control.checks import as_state
-from rlbench_pin.control.qp.constraints import Hold, JointBounds
+from rlbench_pin.control.qp.constraints import HeldQuantity, JointBounds
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.robot.trajectory import Trajectory
@@ -39,7 +39,7 @@ class FollowingBackend(Protocol):
 class VelocityFollowing:
     """Commands joint velocities [rad/s]."""
 
-    def __init__(self, limits: JointLimits, dt: float = 0.05, gain: float = 5.0, hold: Hold = "velocity") -> None:
+    def __init__(self, limits: JointLimits, dt: float = 0.05, gain: float = 5.0, hold: HeldQuantity = "velocity") -> None:
         """Choose the tick [s] and the share of the error to remove per second [1/s]."""
         self.dt, self.gain = dt, gain
         self.bounds = JointBounds(limits, dt, hold)

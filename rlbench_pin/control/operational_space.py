@@ -12,7 +12,7 @@ With inertia M, Coriolis and gravity h, tip Jacobian J, the torques tau = M a + 
   the speed at which the damping equals the bound.
 * a_p = omega_p^2 (q_p - q) - 2 omega_p v keeps the freedom that is left near a posture; w is small, and damps near
   singularities.
-* [u_min, u_max] is the interval of next velocities that keeps position, velocity and acceleration limits for ever
+* [u_min, u_max] is the interval of next velocities that keeps position, velocity and acceleration limits at all times
   (`constraints`).
 
 Torque limits and the interval may exclude each other, for a heavy payload say. Then the command is the safe stop: brake

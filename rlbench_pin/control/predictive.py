@@ -59,7 +59,7 @@ class PredictiveConfig:
     slack_weight: float = 100.0
     """w_s, of 1 m."""
     pairs: int = 6
-    """Nearest pairs heeded at each tick of the horizon, when distances are given."""
+    """Nearest pairs that are constrained at each tick of the horizon, when distances are given."""
     margin: float = 0.02
     """d_min to the world [m]."""
     self_margin: float = 0.01
@@ -100,7 +100,7 @@ class CartesianMPC:
         Args:
             model: The arm.
             config: Settings.
-            distances: The world to keep clear of; None heeds none.
+            distances: The world to keep clear of; None keeps clear of nothing.
             limits: Joint limits; None takes the arm's.
             posture: Preferred configuration (n,), [rad]; None takes the arm's home.
         """

@@ -1,4 +1,4 @@
-"""A filter in front of any policy: the joint velocity nearest to the wanted one that cannot hurt.
+"""A filter in front of any policy: the joint velocity nearest to the wanted one that breaks no limit and touches nothing.
 
 At configuration q the filter passes on the next velocity u that solves
 
@@ -30,7 +30,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rlbench_pin.control.braking import BrakingCheck
 from rlbench_pin.control.checks import as_state, as_vector
-from rlbench_pin.control.qp.constraints import Hold, JointBounds
+from rlbench_pin.control.qp.constraints import HeldQuantity, JointBounds
 from rlbench_pin.control.qp.osqp_solver import OsqpSolver
 from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram
 from rlbench_pin.errors import InfeasibleControl
@@ -42,11 +42,11 @@ from rlbench_pin.spatial import FloatArray
 
 Reason = Literal["limits", "distance", "braking", "infeasible"]
 """Why a command was changed: joint limits; velocity dampers; the way to standstill was not clear; the QP had no solution."""
-BETWEEN = (0.5, 0.0)
-"""Shares of the QP's solution, the rest braking, that are tried when the way is not clear."""
+BETWEEN = (0.5,)
+"""Shares of the QP's solution, the rest braking, that are tried before braking itself when the way is not clear."""
 ROWS = 32
-"""Pairs that take part in the QP, the most pressing first."""
-NONE: IndexArray = np.zeros(0, dtype=np.intp)
+"""Pairs that take part in the QP, those nearest to breaking a damper first."""
+NO_PAIRS: IndexArray = np.zeros(0, dtype=np.intp)
 SLACK = 1e-5
 """How much nearer than it is a pair below the minimum may come [m]."""
 
@@ -57,7 +57,7 @@ class SafetyConfig:
 
     dt: float = 0.05
     """Control tick [s]."""
-    hold: Hold = "velocity"
+    hold: HeldQuantity = "velocity"
     """Whether a commanded velocity is reached at once and held, linearly over the tick, or anywhere between."""
     margin: float = 0.01
     """Minimum distance to the world [m]."""
@@ -87,7 +87,7 @@ class SafeCommand:
     pairs: tuple[tuple[str, str], ...]
     """What came too near, as names."""
     stopped: bool
-    """Whether the command is the hardest braking, for want of anything better."""
+    """Whether the command is the hardest braking, because nothing better was found."""
 
     @property
     def intervened(self) -> bool:
@@ -131,7 +131,7 @@ class SafetyFilter:
         limits: JointLimits | None = None,
         solver: QPSolver | None = None,
     ) -> None:
-        """Prepare a filter for an empty world; `distances.update` tells it the world.
+        """Prepare a filter for an empty world; `distances.update` gives it the world.
 
         Args:
             model: The arm.
@@ -155,7 +155,7 @@ class SafetyFilter:
         Args:
             q: Configuration (n,), [rad].
             v: Joint velocity (n,) now, that is, the last command; [rad/s].
-            wanted: Joint velocity (n,) that somebody would like, [rad/s].
+            wanted: Joint velocity (n,) as a policy asks for it, [rad/s].
 
         Raises:
             InvalidTarget: NaN or a wrong shape.
@@ -187,22 +187,22 @@ class SafetyFilter:
     def _damped(
         self, v: FloatArray, wanted: FloatArray, lowest: FloatArray, highest: FloatArray
     ) -> tuple[FloatArray, tuple[Reason, ...], IndexArray, FloatArray]:
-        """Return the velocity in the box nearest to `wanted` that keeps the dampers, why it differs, and the pairs it heeds.
+        """Return the velocity in the box nearest to `wanted` that keeps the dampers, why it differs, and because of which pairs.
 
         The last are the smallest distances that braking has to keep, shape (pairs,), [m].
         """
         allowed = self._floors()
-        heeded = allowed + self.config.buffer
-        pressing = self.distances.motion.approach(np.abs(wanted)) / self.config.gain  # within this, a damper may break
-        if not self._breakable(heeded, pressing):
-            return wanted, (), NONE, allowed
+        onset = allowed + self.config.buffer
+        closing = self.distances.motion.approach(np.abs(wanted)) / self.config.gain  # within this, a damper may break
+        if not self._breakable(onset, closing):
+            return wanted, (), NO_PAIRS, allowed
         floors = self._lowered(allowed)
-        which, gradients, least = self._dampers(heeded, pressing)
+        which, gradients, least = self._dampers(onset, closing)
         if self.config.hold == "acceleration":  # the tick moves by the mean of both velocities
             gradients, least = 0.5 * gradients, least - 0.5 * gradients @ v
         slack = gradients @ wanted - least
         if slack.min(initial=0.0) >= 0.0:
-            return wanted, (), NONE, floors
+            return wanted, (), NO_PAIRS, floors
         infinite = np.full(len(which), np.inf)
         problem = QuadraticProgram(np.diag(self._weight), -self._weight * wanted, gradients, least, infinite, lowest, highest)
         self.counts.solves += 1
@@ -212,18 +212,18 @@ class SafetyFilter:
             return self.bounds.braking(v), ("infeasible",), which[slack < 0.0], floors
         return velocity, ("distance",), which[gradients @ velocity - least < 1e-4], floors
 
-    def _breakable(self, heeded: FloatArray, pressing: FloatArray) -> bool:
-        """Whether any pair is nearer than `heeded` + `pressing`, both (pairs,), [m]."""
-        limit = heeded + pressing
+    def _breakable(self, onset: FloatArray, closing: FloatArray) -> bool:
+        """Whether any pair is nearer than `onset` + `closing`, both (pairs,), [m]."""
+        limit = onset + closing
         near = (self.distances.bounds < limit).nonzero()[0]  # perhaps
         return len(near) > 0 and bool((self.distances.measure(near) < limit[near]).any())
 
-    def _dampers(self, heeded: FloatArray, pressing: FloatArray) -> tuple[IndexArray, FloatArray, FloatArray]:
+    def _dampers(self, onset: FloatArray, closing: FloatArray) -> tuple[IndexArray, FloatArray, FloatArray]:
         """Return pairs that are near or might come near, gradients of their distances, and the least rates of change [m/s]."""
         model, config = self.distances, self.config
-        reach = np.maximum(pressing, config.influence)
-        near = (model.bounds - heeded < reach).nonzero()[0]
-        spare = model.measure(near) - heeded[near]
+        reach = np.maximum(closing, config.influence)
+        near = (model.bounds - onset < reach).nonzero()[0]
+        spare = model.measure(near) - onset[near]
         keep = spare < reach[near]
         near, spare = near[keep], spare[keep]
         if len(near) > ROWS:
@@ -259,7 +259,7 @@ class SafetyFilter:
         if not len(refused):
             return command, refused, False
         brake = self.bounds.braking(v)
-        for share in BETWEEN[:-1]:
+        for share in BETWEEN:
             between = brake + share * (command - brake)
             if not len(self._braking.unsafe(q, v, between, floors)):
                 return between, refused, False

@@ -91,24 +91,24 @@ def along(vertices: FloatArray, radius: float | FloatArray) -> JointPath:
 
 
 def round_off(
-    vertices: FloatArray, trouble: Callable[[JointPath], float | None], radius: float = 0.4, least: float = 0.01
+    vertices: FloatArray, first_violation: Callable[[JointPath], float | None], radius: float = 0.4, least: float = 0.01
 ) -> JointPath | None:
-    """Round the corners of a polyline, each as far as the curve makes no trouble.
+    """Round the corners of a polyline, each as far as the curve keeps the rules.
 
     Args:
         vertices: Corners (m, n), the ends among them.
-        trouble: Returns where on a path (0..1) something is wrong, None for nowhere.
+        first_violation: Returns where on a path (0..1) a rule is broken, None for nowhere.
         radius: Where rounding begins before a corner, at most [rad].
         least: Smaller roundings are not tried [rad].
 
     Returns:
-        The curve, or None when even tight corners make trouble.
+        The curve, or None when even tight corners break a rule.
     """
     vertices = distinct(vertices)
     radii = np.full(len(vertices), radius)
     while True:
         path = along(vertices, radii)
-        where = trouble(path)
+        where = first_violation(path)
         if where is None:
             return path
         corner = int(np.argmin(np.linalg.norm(vertices - path(where), axis=1)))

@@ -1,4 +1,4 @@
-"""What planning is told and what it gives: settings, plan, report."""
+"""Input and output of planning: settings, plan, report."""
 
 from __future__ import annotations
 

@@ -197,7 +197,7 @@ class MotionPlanner:
         return path
 
     def _require_free(self, path: JointPath, rules: Rules | None) -> None:
-        hit = None if rules is None else rules.trouble(path)
+        hit = None if rules is None else rules.first_violation(path)
         if hit is not None:
             raise NotStraight(hit, "something is in the way", self.collision.colliding_pairs(path(hit)))
 
@@ -228,7 +228,7 @@ class MotionPlanner:
         return sorted(found, key=lambda item: cost(self.model, q, item[0]))[:wanted]
 
     def _with_elbows(self, solutions: list[FloatArray], collision: CollisionModel | None) -> list[FloatArray]:
-        """Add what the redundant arm reaches by moving its elbow about the nearest solution, when that is wished for."""
+        """Add what the redundant arm reaches by moving its elbow about the nearest solution, when the settings ask for it."""
         if self.config.elbows == 0:
             return solutions
         more = self_motions(self.model, solutions[0], count=self.config.elbows)
@@ -250,7 +250,7 @@ class MotionPlanner:
                 self.collision.relax(goal)
                 if edge_is_free(q, goal, rules.is_free, self.config.edge_step):
                     path = along(np.array([q, goal]), 1.0)
-                    if rules.trouble(path) is None:
+                    if rules.first_violation(path) is None:
                         return _Found(path, "direct", index)
         path = self._around(q, [g for g, _ in goals], rules, rng, stages)
         return _Found(path, "sampled", _index_of(path.end, goals))
@@ -258,7 +258,7 @@ class MotionPlanner:
     def _around(
         self, q: FloatArray, goals: list[FloatArray], rules: Rules, rng: np.random.Generator, stages: Stages
     ) -> JointPath:
-        """Search with the clearance that is wished for, and where that fails with the least that is asked for."""
+        """Search with the preferred clearance, and where that fails with the smallest that is allowed."""
         config, collision = self.config, self.collision
         if config.clearance > config.margin:
             try:

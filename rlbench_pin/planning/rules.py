@@ -25,7 +25,7 @@ class Rules:
         """Say whether a configuration (n,) keeps the rules."""
         return not self.collision.in_collision(q)
 
-    def trouble(self, path: JointPath) -> float | None:
+    def first_violation(self, path: JointPath) -> float | None:
         """Return where on a path (0..1) the rules are broken, or not proven to be kept; None when the path is good."""
         hit = path.first_collision(self.is_free, self.config.check_step)
         if hit is None and self.config.certify:

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
 
 from rlbench_pin.errors import StartInCollision
-from rlbench_pin.robot.collision_geometry import CollisionGeometry, Owner, body_distance
+from rlbench_pin.robot.collision_geometry import CollisionGeometry, Distance, Owner, body_distance
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import BodySnapshot, WorldSnapshot
 from rlbench_pin.spatial import FloatArray
@@ -26,28 +25,11 @@ SLACK = 2e-3
 DEEPEST = 1e-2
 """A start that penetrates the room, or the arm itself, by more than this is refused [m]."""
 SURE = 2e-4
-"""Margins of at least this can be told from contact [m]."""
+"""Margins of at least this can be distinguished from contact [m]."""
 GOAL_TOLERANCE = 5e-4
 """Penetration accepted in a goal configuration [m]; a held body, which may be set down, gets `SLACK`."""
 _FEW = 100
 """Up to this many shapes, comparing all boxes is faster than keeping a tree of them."""
-
-
-@dataclass(frozen=True, eq=False)
-class Distance:
-    """The nearest points of two things; negative when they overlap."""
-
-    a: str
-    """A link of the arm, or a held body."""
-    b: str
-    """A body of the world, or another link of the arm."""
-    distance: float
-    """[m]."""
-    point_a: FloatArray
-    """World position (3,) on `a`."""
-    point_b: FloatArray
-    normal: FloatArray
-    """Unit vector (3,) from `a` to `b`."""
 
 
 class CollisionModel:
@@ -162,7 +144,7 @@ class CollisionModel:
         """Loosen the rules where the start already breaks them."""
         refused: dict[tuple[str, str], float] = {}
         for k, depth in self._near(q_start):
-            a, b = self._owners_of(k)
+            a, b = self._geometry.owners_of(k)
             kinds = {a.kind, b.kind}
             if "thing" in kinds and "held" not in kinds:
                 if depth < TOUCH:
@@ -239,20 +221,20 @@ class CollisionModel:
         if not self.in_collision(q):
             return False
         for k, depth in self._near(q):
-            tolerance = SLACK if "held" in {o.kind for o in self._owners_of(k)} else GOAL_TOLERANCE
+            tolerance = SLACK if "held" in {o.kind for o in self._geometry.owners_of(k)} else GOAL_TOLERANCE
             if depth < min(-tolerance, self._margins[self._geometry.pairs[k]]):
                 return True
         return False
 
     def colliding_pairs(self, q: FloatArray) -> list[tuple[str, str]]:
         """Return the names of what touches what in configuration `q`, links of the arm first."""
-        return sorted({(a.label, b.label) for a, b in map(self._owners_of, self._breaking(q))})
+        return sorted({(a.label, b.label) for a, b in map(self._geometry.owners_of, self._breaking(q))})
 
     def penetrations(self, q: FloatArray) -> tuple[list[tuple[str, str]], list[float]]:
         """Return the names of what touches what, deepest first, and how deep [m]; negative where only a margin is broken."""
         deepest: dict[tuple[str, str], float] = {}
         for k, distance in self._near(q):
-            a, b = self._owners_of(k)
+            a, b = self._geometry.owners_of(k)
             deepest[a.label, b.label] = max(-distance, deepest.get((a.label, b.label), -np.inf))
         pairs = sorted(deepest, key=lambda pair: (-deepest[pair], pair))
         return pairs, [deepest[pair] for pair in pairs]
@@ -263,7 +245,7 @@ class CollisionModel:
         geometry = self._geometry
         pin.computeDistances(self.model.full, self._data, geometry.model, geometry.data, self._q)
         found = [
-            self._distance(k, result)
+            geometry.nearest_points(k, result)
             for k, result in enumerate(geometry.data.distanceResults)
             if result.min_distance < within and self._active[geometry.pairs[k]]
         ]
@@ -272,10 +254,6 @@ class CollisionModel:
     def distance(self, q: FloatArray) -> Distance | None:
         """Return the smallest distance between the arm or what it holds and anything; None when there is nothing."""
         return next(iter(self.distances(q)), None)
-
-    def _owners_of(self, k: int) -> tuple[Owner, Owner]:
-        i, j = self._geometry.pairs[k]
-        return self._geometry.owners[i], self._geometry.owners[j]
 
     def _breaking(self, q: FloatArray) -> list[int]:
         """Return the indices of the active pairs that break their margin."""
@@ -289,11 +267,6 @@ class CollisionModel:
         """Return pair index and distance [m] of the active pairs that break their margin."""
         geometry = self._geometry
         return [(k, pin.computeDistance(geometry.model, geometry.data, k).min_distance) for k in self._breaking(q)]
-
-    def _distance(self, k: int, result: object) -> Distance:
-        a, b = self._owners_of(k)
-        points = np.array(result.getNearestPoint1()), np.array(result.getNearestPoint2())  # type: ignore[attr-defined]
-        return Distance(a.label, b.label, float(result.min_distance), *points, np.array(result.normal))  # type: ignore[attr-defined]
 
 
 def _as_slice(index: FloatArray) -> slice | FloatArray:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
+import coal
 import numpy as np
 import pinocchio as pin
 
@@ -36,6 +37,23 @@ class Owner:
     def moves(self) -> bool:
         """Whether the arm carries it."""
         return self.kind in ("arm", "hand", "held")
+
+
+@dataclass(frozen=True, eq=False)
+class Distance:
+    """The nearest points of two things; negative when they overlap."""
+
+    a: str
+    """A link of the arm, or a held body."""
+    b: str
+    """A body of the world, or another link of the arm."""
+    distance: float
+    """[m]."""
+    point_a: FloatArray
+    """World position (3,) on `a`."""
+    point_b: FloatArray
+    normal: FloatArray
+    """Unit vector (3,) from `a` to `b`."""
 
 
 class CollisionGeometry:
@@ -106,6 +124,17 @@ class CollisionGeometry:
                     for k, (_, placement) in enumerate(parts):
                         objects[index + k].placement = T_joint_link * placement
                 index += len(parts)
+
+    def owners_of(self, k: int) -> tuple[Owner, Owner]:
+        """Return what the shapes of pair `k` belong to."""
+        i, j = self.pairs[k]
+        return self.owners[i], self.owners[j]
+
+    def nearest_points(self, k: int, result: coal.DistanceResult) -> Distance:
+        """Return what Coal found for pair `k` as a record."""
+        a, b = self.owners_of(k)
+        points = np.array(result.getNearestPoint1()), np.array(result.getNearestPoint2())
+        return Distance(a.label, b.label, float(result.min_distance), *points, np.array(result.normal))
 
     @property
     def hand_joint(self) -> int:

@@ -8,7 +8,7 @@ where V are spatial twists, and p is either point: both lie on one line along n.
 body (a: +1, b: -1 the other way) contributes its column of the spatial Jacobian, so that one product gives the gradients
 of all pairs.
 
-Measuring costs; `motion_bounds` tells without it which pairs are far enough.
+Measuring costs; `motion_bounds` finds without it which pairs are far enough.
 """
 
 from __future__ import annotations
@@ -19,8 +19,7 @@ from collections.abc import Collection
 import numpy as np
 import pinocchio as pin
 
-from rlbench_pin.robot.collision import Distance
-from rlbench_pin.robot.collision_geometry import CollisionGeometry
+from rlbench_pin.robot.collision_geometry import CollisionGeometry, Distance
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.robot.motion_bounds import IndexArray, MotionBounds, cross
 from rlbench_pin.scene.snapshot import WorldSnapshot
@@ -85,7 +84,7 @@ class DistanceModel:
         self._measured = np.zeros(len(self.bounds), dtype=bool)
 
     def visit(self, q: FloatArray) -> None:
-        """Put the arm at `q` for `probe` only: what `place` and `measure` told stays."""
+        """Put the arm at `q` for `probe` only: what `place` and `measure` found stays."""
         self._q[self._columns] = q
         pin.updateGeometryPlacements(self.model.full, self._data, self._geometry.model, self._geometry.data, self._q)
 
@@ -121,9 +120,8 @@ class DistanceModel:
 
     def names(self, k: int) -> tuple[str, str]:
         """Return the names of pair `k`: a link of the arm or a held body, and what it is near to."""
-        i, j = self._geometry.pairs[k]
-        owners = self._geometry.owners
-        return owners[i].label, owners[j].label
+        a, b = self._geometry.owners_of(k)
+        return a.label, b.label
 
     def nearest(self, q: FloatArray, count: int = 1) -> list[Distance]:
         """Return the `count` smallest distances of pairs that count, at `q` (n,) [rad], nearest first."""

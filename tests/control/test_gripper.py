@@ -1,4 +1,4 @@
-"""The gripper's logic, on fingers that do what they are told unless something is in between."""
+"""The gripper's logic, on fingers that do what is commanded unless something is in between."""
 
 from __future__ import annotations
 

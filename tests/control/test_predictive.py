@@ -31,7 +31,7 @@ def test_a_pose_is_reached_within_limits(model: RobotModel) -> None:
 
 
 def test_a_moving_reference_is_followed_without_lag(model: RobotModel) -> None:
-    """Told the next poses, the tip stays within a few millimetres of a line at 0.2 m/s."""
+    """Given the next poses, the tip stays within a few millimetres of a line at 0.2 m/s."""
     controller, q, v = CartesianMPC(model), model.home.copy(), np.zeros(7)
     for _ in range(60):
         v = controller.command(q, v, GOAL).velocity
@@ -52,11 +52,11 @@ def test_distances_are_kept(model: RobotModel) -> None:
     block = box("block", (0.2, 0.2, 0.15), (0.3, 0.2, TABLE_TOP + 0.075))
     world = WorldSnapshot((table(), block), model.home, np.full(2, 0.04))
     nearest = []
-    for heed in (True, False):
+    for aware in (True, False):
         distances, judge = DistanceModel(model), DistanceModel(model)
         distances.update(world)
         judge.update(world)
-        controller, q, v = CartesianMPC(model, distances=distances if heed else None), model.home.copy(), np.zeros(7)
+        controller, q, v = CartesianMPC(model, distances=distances if aware else None), model.home.copy(), np.zeros(7)
         smallest = np.inf
         for _ in range(60):
             v = controller.command(q, v, [0.3, 0.2, TABLE_TOP + 0.05, *TOP_DOWN]).velocity

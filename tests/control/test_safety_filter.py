@@ -1,4 +1,4 @@
-"""The safety filter: nothing it passes on can hurt, and it says what it did."""
+"""The safety filter: nothing it passes on breaks a limit or touches, and it says what it did."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.control import DifferentialIK, SafetyConfig, SafetyFilter
-from rlbench_pin.control.qp.constraints import Hold
+from rlbench_pin.control.qp.constraints import HeldQuantity
 from rlbench_pin.control.qp.quadratic_program import QuadraticProgram
 from rlbench_pin.errors import InfeasibleControl, InvalidTarget
 from rlbench_pin.robot.distances import DistanceModel
@@ -22,7 +22,7 @@ CONFIG = SafetyConfig()
 class Judge:
     """Moves an arm with the commands of a filter and measures what breaks."""
 
-    def __init__(self, model: RobotModel, world: WorldSnapshot, hold: Hold = "velocity") -> None:
+    def __init__(self, model: RobotModel, world: WorldSnapshot, hold: HeldQuantity = "velocity") -> None:
         self.model, self.hold, self.limits = model, hold, model.limits
         self.filter = SafetyFilter(model, SafetyConfig(hold=hold))
         self.filter.distances.update(world)
@@ -50,7 +50,7 @@ class Judge:
 
 @pytest.mark.parametrize("hold", ["velocity", "acceleration", "any"])
 @pytest.mark.parametrize("keep", [1, 30])
-def test_random_actions_break_nothing(model: RobotModel, hold: Hold, keep: int) -> None:
+def test_random_actions_break_nothing(model: RobotModel, hold: HeldQuantity, keep: int) -> None:
     """Random velocities of full range, new at each tick or kept for long, among boxes: limits and distances hold."""
     rng = np.random.default_rng(keep)
     for seed in range(3):

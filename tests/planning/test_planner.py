@@ -107,7 +107,7 @@ def test_the_best_of_several_goals_is_taken(planner: MotionPlanner, boxes: Boxes
 
 
 def test_errors_say_what_is_wrong(planner: MotionPlanner, boxes: Boxes, rng: np.random.Generator) -> None:
-    """Out of reach, blocked goal and blocked start are told apart."""
+    """Out of reach, blocked goal and blocked start are different errors."""
     planner.update(boxes.snapshot(boxes.box("rock", (0.2, 0.2, 0.3), (0.35, 0.25, TABLE_TOP + 0.15))))
     with pytest.raises(NoIkSolution):
         planner.plan_to_pose(HOME, pose_at((1.5, 0.0, 1.0), np.pi), rng=rng)

@@ -1,4 +1,4 @@
-"""Velocity bounds that keep joint position, velocity and acceleration limits for ever, not only for the next tick.
+"""Velocity bounds that keep joint position, velocity and acceleration limits at all times, not only in the next tick.
 
 A joint at position q, velocity v chooses its next velocity u, then at most the braking a dt per tick until it stands.
 With velocities held over a tick (`hold="velocity"`), stopping from u takes n = floor(u / (a dt)) more moving ticks and
@@ -33,8 +33,8 @@ import numpy as np
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.spatial import FloatArray
 
-Hold = Literal["velocity", "acceleration", "any"]
-"""What stays constant over a control tick: motors reach the next velocity at once, at its end, or nobody knows when."""
+HeldQuantity = Literal["velocity", "acceleration", "any"]
+"""What motors keep constant over a control tick: they reach the next velocity at its begin, at its end, or at any time in it."""
 
 
 def largest_step(room: float, unit: float) -> float:
@@ -58,7 +58,7 @@ class JointBounds:
     """The interval of next velocities of n joints, equation (3)."""
 
     def __init__(
-        self, limits: JointLimits, dt: float, hold: Hold = "velocity", margin: float = 0.0, *, sudden: bool = False
+        self, limits: JointLimits, dt: float, hold: HeldQuantity = "velocity", margin: float = 0.0, *, sudden: bool = False
     ) -> None:
         """Prepare the constants.
 

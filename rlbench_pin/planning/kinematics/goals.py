@@ -13,7 +13,7 @@ from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3, se3_to_pose
 
 
 def symmetric_poses(pose: PoseLike, order: int) -> list[FloatArray]:
-    """Return the `order` poses (7,) that a hand or an object of that symmetry about the tip's z axis cannot tell apart."""
+    """Return the `order` poses (7,) that are alike for a hand or an object of that symmetry about the tip's z axis."""
     T = pose_to_se3(pose)
     turns = (pin.SE3(pin.utils.rotate("z", 2.0 * np.pi * k / order), np.zeros(3)) for k in range(order))
     return [se3_to_pose(T * turn) for turn in turns]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -103,25 +104,28 @@ def solve_ik(
     target = pose_to_se3(pose)
     found: list[FloatArray] = []
     colliding: list[FloatArray] = []
-    closest: Descent | None = None
+    failed: list[Descent] = []
     for k in range(starts):
         end = descend(model, target, seed_q if k == 0 else draw_start(model, seed_q, rng, k))
         if not end.converged:
-            closest = end if closest is None or end.error @ end.error < closest.error @ closest.error else closest
-            continue
-        if any(np.abs(end.q - q).max() < SAME for q in (*found, *colliding)):
-            continue
-        (colliding if collision is not None and collision.goal_in_collision(end.q) else found).append(end.q)
-        if len(found) >= max_solutions:
-            break
-    if found:
-        return sorted(found, key=lambda q: cost(model, seed_q, q))
-    if colliding and collision is not None:
+            failed.append(end)
+        elif not any(np.abs(end.q - q).max() < SAME for q in (*found, *colliding)):
+            (colliding if collision is not None and collision.goal_in_collision(end.q) else found).append(end.q)
+            if len(found) >= max_solutions:
+                break
+    if not found and collision is not None and colliding:
         pairs, depths = collision.penetrations(min(colliding, key=lambda q: cost(model, seed_q, q)))
         raise GoalInCollision(pairs, len(colliding), depths)
-    assert closest is not None
+    if not found:
+        raise _unreached(model, pose, failed)
+    return sorted(found, key=lambda q: cost(model, seed_q, q))
+
+
+def _unreached(model: RobotModel, pose: PoseLike, failed: Sequence[Descent]) -> NoIkSolution:
+    """Return the error of a pose that no descent reached, with the one that came nearest."""
+    closest = min(failed, key=lambda end: float(end.error @ end.error))
     position, rotation = (float(np.linalg.norm(part)) for part in (closest.error[:3], closest.error[3:]))
-    raise NoIkSolution(np.asarray(pose), position, rotation, starts, model.tip_pose(closest.q))
+    return NoIkSolution(np.asarray(pose), position, rotation, len(failed), model.tip_pose(closest.q))
 
 
 def cost(model: RobotModel, q_from: FloatArray, q: FloatArray) -> float:

@@ -1,4 +1,4 @@
-"""Inverse kinematics with some joints pinned to given angles."""
+"""Inverse kinematics with some joints pinned to given angles; the package says how it differs from `ik`."""
 
 from __future__ import annotations
 

@@ -34,15 +34,15 @@ def read_motion_bench(scene: Path, request: Path, robot: str = DEFAULT_ROBOT) ->
         ProblemFileError: A file is missing or no YAML, lacks a joint, or holds shapes that are not known.
     """
     description = robot_description(robot)
-    world, wish = _load(scene), _load(request)
-    wish = wish.get("motion_plan_request", wish)  # type: ignore[assignment]
+    world, query = _load(scene), _load(request)
+    query = query.get("motion_plan_request", query)  # type: ignore[assignment]
     try:
         bodies = _bodies(scene, world)
     except (KeyError, TypeError, ValueError) as error:
         raise ProblemFileError(scene, f"{type(error).__name__}: {error}") from error
     try:
-        start = _start(wish, description)
-        goal = _goal(wish, description)
+        start = _start(query, description)
+        goal = _goal(query, description)
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise ProblemFileError(request, f"{type(error).__name__}: {error}") from error
     size = len(description.arm_joints)

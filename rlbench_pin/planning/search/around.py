@@ -1,4 +1,4 @@
-"""Smooth paths around obstacles: search with coarse checks, shorten, mend where the finer check objects, round the corners."""
+"""Smooth paths around obstacles: search with coarse checks, shorten, repair where the finer check fails, round the corners."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rlbench_pin.planning.stages import Stages
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.spatial import FloatArray
 
-_MENDINGS = 3
+_REPAIRS = 3
 
 
 def path_around(
@@ -45,20 +45,20 @@ def path_around(
             left -= rules.collision.checks - began
         with stages.stage("shorten"):
             path = shorten(path, rules.is_free, rng, step=step, checks=config.simplify_checks)
-            mended = mend(path, rules, limits, rng)
-        if mended is None:
+            repaired = repair(path, rules, limits, rng)
+        if repaired is None:
             continue
         with stages.stage("smooth"):
-            smooth = round_off(mended, rules.trouble)
+            smooth = round_off(repaired, rules.first_violation)
         if smooth is not None:
             return smooth
     raise NoPath(f"{config.attempts} paths were found, but none could be smoothed", config.checks - left)
 
 
-def mend(path: FloatArray, rules: Rules, limits: JointLimits, rng: np.random.Generator) -> FloatArray | None:
+def repair(path: FloatArray, rules: Rules, limits: JointLimits, rng: np.random.Generator) -> FloatArray | None:
     """Replace the edges that only a coarse check let pass by ways around, checked finely; None when one has no such way."""
     config = rules.config
-    for _ in range(_MENDINGS):
+    for _ in range(_REPAIRS):
         blocked = rules.blocked_edges(path, config.check_step)
         if not blocked:
             return path

@@ -1,7 +1,7 @@
 """Joint-space paths around obstacles: by an RRT-Connect of our own, and by the sampling-based planners of OMPL.
 
-Left out are PRM and PRM*, whose second thread waits for Python forever and would make results vary, and AORRTC, which was seen
-to loop without end once its path could not be improved.
+Left out are PRM and PRM*, whose second thread never ends its wait for Python and would make results vary, and AORRTC, which was
+seen to loop without end once its path could not be improved.
 """
 
 from __future__ import annotations
@@ -90,19 +90,16 @@ def sample_path(
     Raises:
         NoPath: The budget was spent without reaching a goal.
     """
+    search: Connector | _Budget
     if algorithm == "rrt_connect":
         search = Connector(is_free, checks=checks, step=step, reach=range_ or _REACH)
         path = search.search(q_start, np.array(goals), limits.lower, limits.upper, np.random.default_rng(seed))
-        used = checks - max(0, search.left)
     else:
-        budget = _Budget(is_free, len(q_start), checks)
+        search = _Budget(is_free, len(q_start), checks)
         ou.RNG.setSeed(seed)
-        try:
-            path = _solve(q_start, goals, budget, limits, algorithm, step, range_ or _OMPL_RANGE)
-        finally:
-            used = checks - max(0, budget.left)
-            budget.left = 0
+        path = _solve(q_start, goals, search, limits, algorithm, step, range_ or _OMPL_RANGE)
     if path is None:
+        used = checks - max(0, search.left)
         raise NoPath(f"{algorithm} found no connection to {len(goals)} goal configurations", used)
     return path
 

@@ -1,11 +1,11 @@
-"""Velocity bounds that keep joint limits for ever."""
+"""Velocity bounds that keep joint limits at all times."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from rlbench_pin.control.qp.constraints import Hold, JointBounds, largest_step, stopping_room
+from rlbench_pin.control.qp.constraints import HeldQuantity, JointBounds, largest_step, stopping_room
 from rlbench_pin.robot.model import RobotModel
 
 DT = 0.05
@@ -22,7 +22,7 @@ def test_the_largest_step_is_the_one_that_just_stops() -> None:
 
 @pytest.mark.parametrize("hold", ["velocity", "acceleration", "any"])
 @pytest.mark.parametrize("policy", ["random", "outward"])
-def test_limits_hold_whatever_is_chosen_inside_the_interval(model: RobotModel, hold: Hold, policy: str) -> None:
+def test_limits_hold_whatever_is_chosen_inside_the_interval(model: RobotModel, hold: HeldQuantity, policy: str) -> None:
     """Choosing any point of the interval for long keeps position, velocity and acceleration limits, and never empties it."""
     rng, limits = np.random.default_rng(1), model.limits
     bounds = JointBounds(limits, DT, hold)

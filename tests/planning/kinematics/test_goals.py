@@ -41,7 +41,7 @@ def test_a_region_is_reached_somewhere(model: RobotModel, boxes: Boxes, rng: np.
 
 
 def test_clearance_is_kept_where_it_can_be(model: RobotModel, boxes: Boxes) -> None:
-    """Paths around a screen stay farther away when that is wished for, and the report says how far."""
+    """Paths around a screen stay farther away when the settings ask for it, and the report says how far."""
     shares = []
     for clearance in (0.0, 0.03):
         planner = MotionPlanner(model, PlannerConfig(clearance=clearance, measure_clearance=True))
