@@ -36,6 +36,7 @@ class MotionPlanner:
     """Plans motions of one arm. The same arguments and generator state give the same plan."""
 
     def __init__(self, model: RobotModel, config: PlannerConfig | None = None) -> None:
+        """Prepare a planner of one arm in an empty world; None takes the default settings."""
         self.model = model
         self.config = config or PlannerConfig()
         self.collision = CollisionModel(model)
