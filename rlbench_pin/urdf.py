@@ -63,9 +63,13 @@ class UrdfLink:
     """One rigid part."""
 
     name: str
+    """Unique in a sound file."""
     visuals: tuple[UrdfShape, ...]
+    """What is seen, in file order."""
     collisions: tuple[UrdfShape, ...]
+    """What is touched, in file order."""
     inertial: UrdfInertial | None
+    """None where the file has none."""
 
 
 @dataclass(frozen=True)
@@ -73,10 +77,13 @@ class UrdfJoint:
     """One connection of two links."""
 
     name: str
+    """Unique in a sound file."""
     kind: str
     """`fixed`, `revolute`, `continuous`, `prismatic`, ..."""
     parent: str
+    """Name of the link nearer to the base; empty where the file has none."""
     child: str
+    """Name of the link that it moves; empty where the file has none."""
     limits: tuple[float, float]
     """Smallest and largest position [rad] or [m]."""
 
@@ -86,6 +93,7 @@ class Urdf:
     """What one URDF file says."""
 
     path: Path
+    """The file."""
     links: tuple[UrdfLink, ...]
     """In file order."""
     joints: tuple[UrdfJoint, ...]

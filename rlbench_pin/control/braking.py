@@ -42,7 +42,9 @@ class Piece:
     q: FloatArray
     """Configuration at its begin."""
     start: FloatArray
+    """Velocity at its begin (n,), [rad/s]."""
     end: FloatArray
+    """Velocity at its end (n,), [rad/s]."""
     duration: float
     """[s]."""
 
@@ -80,6 +82,7 @@ class Way:
         self.dt = bounds.dt
 
     def __len__(self) -> int:
+        """Return the number of ticks."""
         return len(self.end)
 
     def tick(self, i: int) -> Piece:
@@ -106,12 +109,14 @@ class Pairs:
     """Pairs of bodies under examination, and what is known of each."""
 
     which: IndexArray
+    """Numbers of the pairs, shape (pairs,)."""
     levers: FloatArray
     """Shape (pairs, n), [m/rad]."""
     floors: FloatArray
     """Smallest distances allowed, shape (pairs,), [m]."""
 
     def __getitem__(self, keep: BoolArray) -> Pairs:
+        """Return the pairs where `keep` (pairs,) is true."""
         return Pairs(self.which[keep], self.levers[keep], self.floors[keep])
 
 

@@ -48,7 +48,9 @@ class DifferentialIKConfig:
     dt: float = 0.05
     """Control tick [s]."""
     tip: TipObjective = field(default_factory=TipObjective)
+    """How the tip approaches its goal."""
     posture: PostureObjective = field(default_factory=PostureObjective)
+    """What the arm does with the freedom that the tip leaves."""
     limit_margin: float = 0.0
     """Distance kept from the joint position limits [rad]."""
     hold: HeldQuantity = "velocity"

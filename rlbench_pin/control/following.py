@@ -72,6 +72,7 @@ class TrackingReport:
     """How far the arm was from its trajectory, over all commands so far."""
 
     ticks: int
+    """Control ticks that were run."""
     largest: float
     """Largest error of any joint [rad]."""
     rms: float

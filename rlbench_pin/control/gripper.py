@@ -66,6 +66,7 @@ class GripperCommand:
     force: float
     """Largest force of a finger [N]."""
     state: GripperState
+    """What the gripper does now."""
 
     def fingers(self) -> tuple[float, float]:
         """Return the two finger positions [m] that make the width."""

@@ -97,6 +97,7 @@ class JointImpedance:
 
     @stiffness.setter
     def stiffness(self, value: ArrayLike) -> None:
+        """Set it from one number, a diagonal (n,) or a symmetric matrix (n, n) without negative directions, [N m/rad]."""
         self._stiffness = as_stiffness(value, self.model.size)
 
     def torque(
@@ -162,6 +163,7 @@ class CartesianImpedance:
 
     @stiffness.setter
     def stiffness(self, value: ArrayLike) -> None:
+        """Set it from one number, a diagonal (6,) or a symmetric matrix (6, 6) without negative directions, [N/m, N m/rad]."""
         self._stiffness = as_stiffness(value, 6)
 
     def torque(self, q: ArrayLike, v: ArrayLike, pose: ArrayLike, twist: ArrayLike | None = None) -> FloatArray:

@@ -59,7 +59,9 @@ class PoseSolution:
     rotation_error: float
     """[rad]."""
     starts: int
+    """Descents that were begun."""
     steps: int
+    """Steps of all descents."""
 
 
 class PoseIK:

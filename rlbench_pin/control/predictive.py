@@ -67,6 +67,7 @@ class PredictiveConfig:
     tolerance: float = 1e-4
     """Residual at which OSQP stops."""
     iterations: int = 4000
+    """Iterations of OSQP at most."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

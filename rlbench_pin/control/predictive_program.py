@@ -22,7 +22,9 @@ class ProgramSize:
     """How large the program is."""
 
     joints: int
+    """Number of joints n."""
     ticks: int
+    """Ticks of the horizon."""
     pairs: int
     """Distance rows per tick."""
 

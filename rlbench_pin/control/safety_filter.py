@@ -82,6 +82,7 @@ class SafeCommand:
     velocity: FloatArray
     """Joint velocity of the next tick (n,), [rad/s]."""
     wanted: FloatArray
+    """Joint velocity that was asked for (n,), [rad/s]."""
     reasons: tuple[Reason, ...]
     """Empty when the wanted velocity passed unchanged."""
     pairs: tuple[tuple[str, str], ...]
@@ -105,11 +106,15 @@ class FilterCounts:
     """What a filter did so far."""
 
     ticks: int = 0
+    """Commands in all."""
     interventions: int = 0
+    """Commands that were changed."""
     solves: int = 0
     """QPs solved."""
     stops: int = 0
+    """Commands that were the hardest braking."""
     reasons: dict[str, int] = field(default_factory=dict)
+    """Reason -> number of commands that were changed for it."""
 
     def add(self, command: SafeCommand) -> None:
         """Count one command."""

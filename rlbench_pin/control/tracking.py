@@ -14,6 +14,7 @@ class TrajectoryTracker(Iterator[FloatArray]):
     """Iterates over the configurations of a trajectory at t = dt, 2 dt, ...; the last one is exactly its end."""
 
     def __init__(self, trajectory: Trajectory, dt: float) -> None:
+        """Start before the first command; a command per `dt` [s]."""
         if dt <= 0.0:
             raise ValueError(f"the control tick is > 0 s, not {dt}")
         self.trajectory, self.dt = trajectory, dt
@@ -32,6 +33,7 @@ class TrajectoryTracker(Iterator[FloatArray]):
         return min(self._done * self.dt, self.trajectory.duration)
 
     def __len__(self) -> int:
+        """Return how many commands are left."""
         return self.ticks - self._done
 
     def __next__(self) -> FloatArray:

@@ -32,6 +32,7 @@ class Certificate:
     doubt: float | None
     """Where on the path (0..1) nothing could be proven; None when all of it is free."""
     checks: int
+    """Configurations that were checked."""
 
 
 @dataclass(eq=False)

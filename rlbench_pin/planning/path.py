@@ -17,6 +17,7 @@ class JointPath:
     """A cubic spline q(s) on 0 <= s <= 1, twice continuously differentiable."""
 
     def __init__(self, spline: BSpline) -> None:
+        """Take a cubic spline on 0..1 with values of shape (n,), [rad]."""
         self._orders = (spline, spline.derivative(1), spline.derivative(2))
 
     def __call__(self, s: FloatArray | float, order: int = 0) -> FloatArray:

@@ -96,6 +96,8 @@ class Plan:
     """A motion ready to be executed."""
 
     trajectory: Trajectory
+    """The timed motion."""
     path: FloatArray
     """Configurations along the way (m, n), [rad]."""
     report: PlanReport
+    """How it came about."""

@@ -38,6 +38,7 @@ class MotionPlanner:
     """Plans motions of one arm. The same arguments and generator state give the same plan."""
 
     def __init__(self, model: RobotModel, config: PlannerConfig | None = None) -> None:
+        """Prepare a planner of one arm in an empty world; None takes the default settings."""
         self.model = model
         self.config = config or PlannerConfig()
         self.collision = CollisionModel(model)
@@ -253,7 +254,8 @@ class MotionPlanner:
                     if rules.first_violation(path) is None:
                         return _Found(path, "direct", index)
         path = self._around(q, [g for g, _ in goals], rules, rng, stages)
-        return _Found(path, "sampled", _index_of(path.end, goals))
+        nearest = min(goals, key=lambda item: float(np.abs(item[0] - path.end).max()))
+        return _Found(path, "sampled", nearest[1])
 
     def _around(
         self, q: FloatArray, goals: list[FloatArray], rules: Rules, rng: np.random.Generator, stages: Stages
@@ -289,10 +291,6 @@ class MotionPlanner:
     def _clearance(self, path: JointPath) -> float:
         """Return the smallest distance that counts along a path, looking every 0.1 rad [m]."""
         return min((d.distance for q in path.spread(0.1)[1] for d in self.collision.distances(q)[:1]), default=float("inf"))
-
-
-def _index_of(q: FloatArray, goals: list[tuple[FloatArray, int]]) -> int:
-    return min(goals, key=lambda item: float(np.abs(item[0] - q).max()))[1]
 
 
 def _as_poses(pose: PoseLike | Sequence[PoseLike]) -> list[FloatArray]:

@@ -17,7 +17,9 @@ class Rules:
     """The rules of one motion, which `collision` has begun."""
 
     collision: CollisionModel
+    """Checks configurations."""
     config: PlannerConfig
+    """Resolution and budget of the checks."""
     doubts: int = 0
     """Paths that passed every sample and could not be certified."""
 

@@ -15,6 +15,7 @@ class Stages:
     """Measures how long each stage takes."""
 
     seconds: dict[str, float] = field(default_factory=dict)
+    """Stage -> time spent in it [s]."""
     checks: int = 0
     """Collision checks that the model had counted before."""
     plan: Plan | None = None

@@ -36,6 +36,7 @@ class CollisionModel:
     """Collision checks for one arm in a changing world. Not thread-safe."""
 
     def __init__(self, model: RobotModel) -> None:
+        """Start in an empty world, at home, fingers open."""
         self.model = model
         self.checks = 0
         """Number of configurations checked so far."""

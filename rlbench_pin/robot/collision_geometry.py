@@ -25,8 +25,11 @@ class Owner:
     """What a shape belongs to."""
 
     body: str
+    """Name of the body, or of the arm."""
     link: str
+    """Name of the link."""
     kind: Kind
+    """Part of the arm, of its hand, a held body, an object of the scene, or the room."""
 
     @property
     def label(self) -> str:
@@ -52,6 +55,7 @@ class Distance:
     point_a: FloatArray
     """World position (3,) on `a`."""
     point_b: FloatArray
+    """World position (3,) on `b`."""
     normal: FloatArray
     """Unit vector (3,) from `a` to `b`."""
 

@@ -16,7 +16,9 @@ class DynamicsDerivatives:
     """Partial derivatives of a torque or an acceleration (n,), each of shape (n, n)."""
 
     by_q: FloatArray
+    """By the configuration, shape (n, n)."""
     by_v: FloatArray
+    """By the joint velocity, shape (n, n)."""
     by_input: FloatArray
     """By the acceleration for inverse dynamics (the inertia), by the torque for forward dynamics (its inverse)."""
 

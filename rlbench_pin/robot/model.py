@@ -24,6 +24,15 @@ class RobotModel:
     """Kinematics and dynamics of one arm. Not thread-safe: it reuses its work space between calls."""
 
     def __init__(self, description: RobotDescription, base_pose: PoseLike | None = None) -> None:
+        """Build the models.
+
+        Args:
+            description: The arm.
+            base_pose: Where its base stands in the world (7,); None takes the description's.
+
+        Raises:
+            RobotModelError: Description and URDF disagree, or home is outside the joint limits.
+        """
         self.description = description
         self.base = pose_to_se3(description.base_pose if base_pose is None else base_pose)
         self.full = _load(description, self.base)

@@ -17,9 +17,13 @@ class Trajectory:
     """
 
     times: FloatArray
+    """Shape (m,), [s]."""
     q: FloatArray
+    """Positions (m, n), [rad]."""
     v: FloatArray
+    """Velocities (m, n), [rad/s]."""
     a: FloatArray
+    """Accelerations (m, n), [rad/s^2]."""
 
     @property
     def duration(self) -> float:

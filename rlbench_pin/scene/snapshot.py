@@ -21,9 +21,11 @@ class Shape:
     """A solid in the frame of its body, as plain numbers."""
 
     kind: Literal["box", "cylinder", "sphere", "capsule", "convex"]
+    """Which solid."""
     size: tuple[float, ...]
     """box: x, y, z; cylinder, capsule: radius, length along z without caps; sphere: radius; convex: x, y, z of corners [m]."""
     pose: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    """Placement (7,) in the frame of the link."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,14 +33,19 @@ class BodySnapshot:
     """One object: its model file, or its shapes, and where each of its links is."""
 
     name: str
+    """Name in the scene, or of a part of the room."""
     urdf: Path
+    """Model file, or `NO_FILE`."""
     link_names: tuple[str, ...]
     """Links that carry collision geometry, base first."""
     link_poses: FloatArray
     """Pose of each link frame (the URDF frame, not the inertial one) in the world, shape (n, 7)."""
     scale: float = 1.0
+    """Factor of all lengths of the model file."""
     collides: bool = True
+    """Whether anything can touch it."""
     fixed: bool = False
+    """Whether it cannot move."""
     shapes: tuple[Shape, ...] = ()
     """Shapes of the only link, instead of those of a model file."""
     in_room: bool = False
@@ -55,6 +62,7 @@ class WorldSnapshot:
     """All bodies but the robot, the robot's configuration, and what the hand holds."""
 
     bodies: tuple[BodySnapshot, ...]
+    """In the order of the world: room first."""
     arm: FloatArray
     """Arm joint positions [rad], shape (n,)."""
     fingers: FloatArray

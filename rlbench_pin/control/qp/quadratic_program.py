@@ -25,9 +25,13 @@ class QuadraticProgram:
     A: FloatArray
     """Rows (m, n); m may be 0."""
     lower: FloatArray
+    """Smallest values of the rows (m,)."""
     upper: FloatArray
+    """Largest values of the rows (m,)."""
     x_lower: FloatArray
+    """Smallest values of the unknowns (n,)."""
     x_upper: FloatArray
+    """Largest values of the unknowns (n,)."""
 
     def cost(self, x: FloatArray) -> float:
         """Return the objective at `x`."""

@@ -3,7 +3,7 @@
 Three descents solve inverse kinematics:
 
 * `ik.descend` (damped least squares, many starts) is what planning uses: exact to 1e-6, bounded steps, given up early, because
-  there is always another start and most starts fail.
+  there is always another start.
 * `pinned_ik.solve_pinned_ik` has one start and joints that must not move: damped ten times less, never given up early. With the
   damping and the early end of `ik.descend`, 2 % of random poses that it reaches would be lost.
 * `control.PoseIK` solves a QP in each step, by PlaCo, with joint limits and a trust region as its constraints.

@@ -30,9 +30,11 @@ class Descent:
     """Where one descent ended."""
 
     q: FloatArray
+    """Configuration (n,), [rad]."""
     error: FloatArray
     """Pose error `[linear, angular]` in the tip frame, shape (6,)."""
     converged: bool
+    """Whether the pose was reached."""
 
 
 def descend(model: RobotModel, target: pin.SE3, q_start: FloatArray, iterations: int = _ITERATIONS) -> Descent:

@@ -25,6 +25,7 @@ class PlanningProblem:
     """From where the arm stands to where it should be, among obstacles."""
 
     name: str
+    """What it is called in reports."""
     world: WorldSnapshot
     """Obstacles, the start configuration, and what is held."""
     goal: FloatArray | None = None
@@ -34,6 +35,7 @@ class PlanningProblem:
     allowed: tuple[str, ...] = ()
     """Bodies that may be touched."""
     robot: str = DEFAULT_ROBOT
+    """Catalogue name of the arm."""
     base_pose: tuple[float, ...] | None = None
     """Where the arm stands; None as in its description."""
 

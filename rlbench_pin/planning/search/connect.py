@@ -59,6 +59,14 @@ class Connector:
     """One search. Budgets are counted in collision checks, never in seconds."""
 
     def __init__(self, is_free: IsFree, *, checks: int, step: float, reach: float) -> None:
+        """Prepare a search.
+
+        Args:
+            is_free: Collision check.
+            checks: Budget of collision checks.
+            step: Resolution of edge checks, in the norm of all joints [rad].
+            reach: Longest edge [rad].
+        """
         self.is_free, self.left, self.step, self.reach = is_free, checks, step, reach
 
     def search(
