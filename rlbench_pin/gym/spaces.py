@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium import spaces
 
 from rlbench_pin.environment.actions.specification import ActionSpec
-from rlbench_pin.environment.observations.config import ObservationConfig
+from rlbench_pin.environment.observations.config import LOW_DIM_FIELDS, Instant, ObservationConfig
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import InvalidActionError, TaskError
 from rlbench_pin.observation import LOW_DIM, Observation
@@ -18,14 +18,6 @@ from rlbench_pin.spatial import FloatArray
 CAMERAS = ("left_shoulder", "right_shoulder", "wrist", "front")
 """Cameras of vision observations unless others are asked for."""
 
-JOINT_SPEED = 100.0
-"""The simulator lets no joint turn faster [rad/s]."""
-TOUCH_FORCE = 1e5
-"""Bound of contact forces [N]."""
-STATE = 1e3
-"""Bound of the numbers that describe objects: positions [m], joint values [m] or [rad]."""
-POSITION = 3.0
-"""Bound of each coordinate of the tip, which the arm cannot leave [m]."""
 _QUATERNION = ("qx", "qy", "qz", "qw")
 
 GymObservation = dict[str, np.ndarray]
@@ -56,33 +48,15 @@ def observation_space(task: TaskEnvironment, cameras: Sequence[str], image_size:
 
     The bounds are those of the simulation: joint torques are capped at the effort limits, joint speeds by the simulator.
     """
-    boxes: dict[str, spaces.Space[Any]] = {}
-    for name, (low, high) in _bounds(task).items():
-        boxes[name] = spaces.Box(*_float32(low, high))
+    runtime = task.runtime
+    instant = Instant(runtime.world, runtime.model, runtime.task)
+    boxes: dict[str, spaces.Space[Any]] = {
+        name: spaces.Box(*_float32(*part.bounds(instant))) for name, part in LOW_DIM_FIELDS.items() if name in LOW_DIM
+    }
     width, height = image_size
     for name in cameras:
         boxes[f"{name}_rgb"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
     return spaces.Dict(boxes)
-
-
-def _bounds(task: TaskEnvironment) -> dict[str, tuple[FloatArray, FloatArray]]:
-    description, limits = task.runtime.description, task.runtime.model.limits
-    n, fingers = len(limits.lower), len(description.gripper_joints)
-    pose = np.array([POSITION] * 3 + [1.0] * 4)
-    return {
-        "joint_velocities": _symmetric(np.full(n, JOINT_SPEED)),
-        "joint_positions": _symmetric(np.full(n, 2.0 * np.pi)),
-        "joint_forces": _symmetric(np.array(limits.effort)),
-        "gripper_open": (np.zeros(1), np.ones(1)),
-        "gripper_pose": _symmetric(pose),
-        "gripper_joint_positions": _symmetric(np.full(fingers, 2.0 * description.gripper_open)),
-        "gripper_touch_forces": _symmetric(np.full(3 * len(description.finger_links), TOUCH_FORCE)),
-        "task_low_dim_state": _symmetric(np.full(len(task.task.get_low_dim_state()), STATE)),
-    }
-
-
-def _symmetric(high: FloatArray) -> tuple[FloatArray, FloatArray]:
-    return -high, high
 
 
 def _float32(low: FloatArray, high: FloatArray) -> tuple[np.ndarray, np.ndarray]:

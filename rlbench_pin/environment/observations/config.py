@@ -1,8 +1,11 @@
-"""Which parts of an observation are delivered, and how."""
+"""Which parts of an observation are delivered, and how; what low-dimensional data are read from, and in which bounds."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+
+import numpy as np
 
 from rlbench_pin.environment.observations.camera_config import CameraConfig
 from rlbench_pin.environment.observations.extra_cameras import ExtraCamera
@@ -10,7 +13,85 @@ from rlbench_pin.environment.observations.model_based import ModelObservationCon
 from rlbench_pin.environment.observations.noise import Identity, NoiseModel
 from rlbench_pin.errors import CameraError, UnknownName
 from rlbench_pin.observation import CAMERAS
-from rlbench_pin.sim import Lighting
+from rlbench_pin.robot import RobotModel
+from rlbench_pin.sim import Lighting, World
+from rlbench_pin.spatial import FloatArray, pose_to_matrix
+from rlbench_pin.tasks import Task
+
+JOINT_SPEED = 100.0
+"""The simulator lets no joint turn faster [rad/s]."""
+TOUCH_FORCE = 1e5
+"""Bound of contact forces [N]."""
+TASK_STATE = 1e3
+"""Bound of the numbers that describe objects: positions [m], joint values [m] or [rad]."""
+TIP_POSE = np.array([3.0] * 3 + [1.0] * 4)
+"""Bound of the tip pose, which the arm cannot leave: positions [m], then the quaternion."""
+OPEN = 0.9
+"""Fraction of its range above which the first finger counts as open."""
+
+
+@dataclass(frozen=True)
+class Instant:
+    """What low-dimensional data are read from."""
+
+    world: World
+    """The simulated world."""
+    model: RobotModel
+    """Analytic model of its robot."""
+    task: Task
+    """The running task."""
+
+
+@dataclass(frozen=True)
+class LowDimField:
+    """A low-dimensional field of `Observation`; `ObservationConfig` switches it by its name."""
+
+    read: Callable[[Instant], FloatArray | float]
+    """Value at an instant, not shared with the simulation."""
+    bound: Callable[[Instant], FloatArray]
+    """Largest magnitude of each number, shape (n,)."""
+    lowest: float | None = None
+    """Smallest value; None is minus the bound."""
+
+    def bounds(self, instant: Instant) -> tuple[FloatArray, FloatArray]:
+        """Return lowest and highest values, each of shape (n,)."""
+        high = self.bound(instant)
+        return (-high if self.lowest is None else np.full(len(high), self.lowest)), high
+
+
+def _per_joint(value: float) -> Callable[[Instant], FloatArray]:
+    return lambda now: np.full(now.model.size, value)
+
+
+LOW_DIM_FIELDS: Mapping[str, LowDimField] = {
+    "joint_velocities": LowDimField(lambda now: np.array(now.world.robot.joint_velocities), _per_joint(JOINT_SPEED)),
+    "joint_positions": LowDimField(lambda now: np.array(now.world.robot.joint_positions), _per_joint(2.0 * np.pi)),
+    "joint_forces": LowDimField(
+        lambda now: np.array(now.world.robot.joint_torques), lambda now: np.array(now.model.limits.effort)
+    ),
+    "gripper_open": LowDimField(
+        lambda now: float(now.world.robot.fingers[0] / now.model.description.gripper_open > OPEN), lambda now: np.ones(1), 0.0
+    ),
+    "gripper_pose": LowDimField(lambda now: np.array(now.world.robot.tip_pose()), lambda now: TIP_POSE),
+    "gripper_matrix": LowDimField(
+        lambda now: pose_to_matrix(now.world.robot.tip_pose()), lambda now: np.append(TIP_POSE[:3], 1.0)
+    ),
+    "gripper_joint_positions": LowDimField(
+        lambda now: np.array(now.world.robot.fingers),
+        lambda now: np.full(len(now.model.description.gripper_joints), 2.0 * now.model.description.gripper_open),
+    ),
+    "gripper_touch_forces": LowDimField(
+        lambda now: np.array(now.world.robot.touch_forces()),
+        lambda now: np.full(3 * len(now.model.description.finger_links), TOUCH_FORCE),
+    ),
+    "task_low_dim_state": LowDimField(
+        lambda now: np.array(now.task.get_low_dim_state(), dtype=float),
+        lambda now: np.full(len(now.task.get_low_dim_state()), TASK_STATE),
+    ),
+}
+"""Every low-dimensional field, in the order in which their noise is drawn."""
+
+_NO_NOISE = Identity()
 
 
 @dataclass
@@ -97,19 +178,13 @@ class ObservationConfig:
 
     def set_all_low_dim(self, value: bool) -> None:
         """Switch all joint, gripper and task data."""
-        for name in (
-            "joint_velocities",
-            "joint_positions",
-            "joint_forces",
-            "gripper_open",
-            "gripper_pose",
-            "gripper_matrix",
-            "gripper_joint_positions",
-            "gripper_touch_forces",
-            "wrist_camera_matrix",
-            "task_low_dim_state",
-        ):
+        for name in (*LOW_DIM_FIELDS, "wrist_camera_matrix"):
             setattr(self, name, value)
+
+    def noise_of(self, name: str) -> NoiseModel:
+        """Return the noise of a low-dimensional field, none where it has no setting."""
+        noise: NoiseModel = getattr(self, f"{name}_noise", _NO_NOISE)
+        return noise
 
     def check(self) -> None:
         """Raise CameraError or UnknownName when a camera cannot be served."""
@@ -119,4 +194,4 @@ class ObservationConfig:
             extra.check(name)
 
 
-__all__ = ["CameraConfig", "ExtraCamera", "ObservationConfig"]
+__all__ = ["LOW_DIM_FIELDS", "CameraConfig", "ExtraCamera", "Instant", "LowDimField", "ObservationConfig"]

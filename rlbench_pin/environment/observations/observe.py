@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from rlbench_pin.environment.observations.cameras import camera_view
-from rlbench_pin.environment.observations.config import CameraConfig, ObservationConfig
+from rlbench_pin.environment.observations.config import LOW_DIM_FIELDS, CameraConfig, Instant, ObservationConfig
 from rlbench_pin.environment.observations.model_based import ModelObserver
 from rlbench_pin.environment.observations.noise import Identity
 from rlbench_pin.observation import CAMERAS, Observation
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.sim import CameraView, Lighting, ShadowMap, World
-from rlbench_pin.spatial import FloatArray, compose, pose_to_matrix
+from rlbench_pin.spatial import FloatArray, compose
 from rlbench_pin.tasks import Task
 
 
@@ -39,23 +39,21 @@ class Observer:
         world: The world to look at.
         model: Analytic model of its robot.
         config: What to deliver; read at each call, so changes take effect at once.
-        gripper_open_threshold: Fraction of its range above which the first finger counts as open.
     """
 
-    def __init__(self, world: World, model: RobotModel, config: ObservationConfig, gripper_open_threshold: float = 0.9) -> None:
-        self._world, self._robot, self._config = world, model.description, config
+    def __init__(self, world: World, model: RobotModel, config: ObservationConfig) -> None:
+        self._world, self._arm, self._robot, self._config = world, model, model.description, config
         self._model = ModelObserver(world, model)
-        self._threshold = gripper_open_threshold
         self._shadows: ShadowMap | None = None
         self.look = Look()
 
     def observe(self, task: Task, variation: int, rng: np.random.Generator) -> Observation:
         """Return what is seen and felt now; every array is the caller's own."""
         observation = Observation(misc={"variation_index": variation})
-        self._add_joints(observation, rng)
-        self._add_gripper(observation)
-        if self._config.task_low_dim_state:
-            observation.task_low_dim_state = np.array(task.get_low_dim_state(), dtype=float)
+        instant = Instant(self._world, self._arm, task)
+        for name, part in LOW_DIM_FIELDS.items():
+            if getattr(self._config, name):
+                setattr(observation, name, self._config.noise_of(name).apply(part.read(instant), rng))
         if self._config.model.is_used:
             observation.misc.update(self._model.observe(self._config.model))
         self._shadows = None
@@ -73,28 +71,6 @@ class Observer:
             view = camera_view("wrist", self._config.wrist_camera, self._world, self._robot)
             observation.misc["wrist_camera_matrix"] = view.extrinsics()
         return task.decorate_observation(observation)
-
-    def _add_joints(self, observation: Observation, rng: np.random.Generator) -> None:
-        config, robot = self._config, self._world.robot
-        if config.joint_velocities:
-            observation.joint_velocities = np.array(config.joint_velocities_noise.apply(robot.joint_velocities, rng))
-        if config.joint_positions:
-            observation.joint_positions = np.array(config.joint_positions_noise.apply(robot.joint_positions, rng))
-        if config.joint_forces:
-            observation.joint_forces = np.array(config.joint_forces_noise.apply(robot.joint_torques, rng))
-
-    def _add_gripper(self, observation: Observation) -> None:
-        config, robot = self._config, self._world.robot
-        if config.gripper_open:
-            observation.gripper_open = float(robot.fingers[0] / self._robot.gripper_open > self._threshold)
-        if config.gripper_pose or config.gripper_matrix:
-            pose = np.array(robot.tip_pose())
-            observation.gripper_pose = pose if config.gripper_pose else None
-            observation.gripper_matrix = pose_to_matrix(pose) if config.gripper_matrix else None
-        if config.gripper_joint_positions:
-            observation.gripper_joint_positions = np.array(robot.fingers)
-        if config.gripper_touch_forces:
-            observation.gripper_touch_forces = np.array(robot.touch_forces())
 
     def _add_camera(
         self, observation: Observation, name: str, config: CameraConfig, view: CameraView, rng: np.random.Generator

@@ -1,0 +1,1 @@
+"""The task library: one pair of files per task."""
