@@ -91,8 +91,6 @@ LOW_DIM_FIELDS: Mapping[str, LowDimField] = {
 }
 """Every low-dimensional field, in the order in which their noise is drawn."""
 
-_NO_NOISE = Identity()
-
 
 @dataclass
 class ObservationConfig:
@@ -181,9 +179,9 @@ class ObservationConfig:
         for name in (*LOW_DIM_FIELDS, "wrist_camera_matrix"):
             setattr(self, name, value)
 
-    def noise_of(self, name: str) -> NoiseModel:
-        """Return the noise of a low-dimensional field, none where it has no setting."""
-        noise: NoiseModel = getattr(self, f"{name}_noise", _NO_NOISE)
+    def noise_of(self, name: str) -> NoiseModel | None:
+        """Return the noise of a low-dimensional field, None where it has no setting."""
+        noise: NoiseModel | None = getattr(self, f"{name}_noise", None)
         return noise
 
     def check(self) -> None:

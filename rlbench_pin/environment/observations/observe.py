@@ -53,7 +53,8 @@ class Observer:
         instant = Instant(self._world, self._arm, task)
         for name, part in LOW_DIM_FIELDS.items():
             if getattr(self._config, name):
-                setattr(observation, name, self._config.noise_of(name).apply(part.read(instant), rng))
+                value, noise = part.read(instant), self._config.noise_of(name)
+                setattr(observation, name, value if noise is None else noise.apply(np.asarray(value), rng))
         if self._config.model.is_used:
             observation.misc.update(self._model.observe(self._config.model))
         self._shadows = None

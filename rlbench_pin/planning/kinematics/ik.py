@@ -116,11 +116,16 @@ def solve_ik(
             if len(found) >= max_solutions:
                 break
     if not found and collision is not None and colliding:
-        pairs, depths = collision.penetrations(min(colliding, key=lambda q: cost(model, seed_q, q)))
-        raise GoalInCollision(pairs, len(colliding), depths)
+        raise _colliding(collision, min(colliding, key=lambda q: cost(model, seed_q, q)), len(colliding))
     if not found:
         raise _unreached(model, pose, failed)
     return sorted(found, key=lambda q: cost(model, seed_q, q))
+
+
+def _colliding(collision: CollisionModel, q: FloatArray, count: int) -> GoalInCollision:
+    """Explain by the nearest of `count` configurations that reach the pose and collide."""
+    pairs, depths = collision.penetrations(q)
+    return GoalInCollision(pairs, count, depths)
 
 
 def _unreached(model: RobotModel, pose: PoseLike, failed: Sequence[Descent]) -> NoIkSolution:

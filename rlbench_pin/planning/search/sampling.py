@@ -72,9 +72,7 @@ def sample_path(
     step: float = 0.05,
     range_: float | None = None,
 ) -> FloatArray:
-    """Find a path (m, n) of straight joint-space edges from `q_start` to one of `goals`.
-
-    The same arguments give the same path, in any process: generators are seeded first and everything is created afterwards.
+    """Find a path (m, n) of straight joint-space edges from `q_start` to one of `goals`; the same arguments give the same path.
 
     Args:
         q_start: Free start configuration (n,), [rad].
@@ -99,8 +97,7 @@ def sample_path(
         ou.RNG.setSeed(seed)
         path = _solve(q_start, goals, search, limits, algorithm, step, range_ or _OMPL_RANGE)
     if path is None:
-        used = checks - max(0, search.left)
-        raise NoPath(f"{algorithm} found no connection to {len(goals)} goal configurations", used)
+        raise NoPath(f"{algorithm} found no connection to {len(goals)} goal configurations", checks - max(0, search.left))
     return path
 
 
