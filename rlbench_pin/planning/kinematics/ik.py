@@ -96,36 +96,33 @@ def solve_ik(
         seed_q: Where the search begins, shape (n,), [rad].
         rng: Draws the other starts.
         starts: How many descents are tried at most.
-        max_solutions: Enough solutions to stop; different branches when more than one.
+        max_solutions: Enough solutions to stop, of different branches.
         collision: Drops configurations that collide; None accepts all.
 
     Raises:
         NoIkSolution: No descent reaches the pose; carries the smallest error.
         GoalInCollision: All configurations that reach it collide.
     """
-    target = pose_to_se3(pose)
     found: list[FloatArray] = []
     colliding: list[FloatArray] = []
     failed: list[Descent] = []
     for k in range(starts):
-        end = descend(model, target, seed_q if k == 0 else draw_start(model, seed_q, rng, k))
+        end = descend(model, pose_to_se3(pose), seed_q if k == 0 else draw_start(model, seed_q, rng, k))
         if not end.converged:
             failed.append(end)
         elif not any(np.abs(end.q - q).max() < SAME for q in (*found, *colliding)):
             (colliding if collision is not None and collision.goal_in_collision(end.q) else found).append(end.q)
             if len(found) >= max_solutions:
                 break
-    if not found and collision is not None and colliding:
-        raise _colliding(collision, min(colliding, key=lambda q: cost(model, seed_q, q)), len(colliding))
     if not found:
-        raise _unreached(model, pose, failed)
+        raise _colliding(model, seed_q, collision, colliding) if collision and colliding else _unreached(model, pose, failed)
     return sorted(found, key=lambda q: cost(model, seed_q, q))
 
 
-def _colliding(collision: CollisionModel, q: FloatArray, count: int) -> GoalInCollision:
-    """Explain by the nearest of `count` configurations that reach the pose and collide."""
-    pairs, depths = collision.penetrations(q)
-    return GoalInCollision(pairs, count, depths)
+def _colliding(model: RobotModel, seed_q: FloatArray, collision: CollisionModel, reached: list[FloatArray]) -> GoalInCollision:
+    """Explain by the nearest of the configurations that reach the pose and collide."""
+    pairs, depths = collision.penetrations(min(reached, key=lambda q: cost(model, seed_q, q)))
+    return GoalInCollision(pairs, len(reached), depths)
 
 
 def _unreached(model: RobotModel, pose: PoseLike, failed: Sequence[Descent]) -> NoIkSolution:
