@@ -1,7 +1,21 @@
-"""Fixtures that all tests share."""
+"""What all tests share."""
 
 from __future__ import annotations
 
 import os
+from pathlib import Path
+
+import pytest
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+SIMULATION = ("contract", "integration", "cli", "evaluation")
+"""Folders whose tests play episodes or run commands; `make check` leaves them out, single tests elsewhere are marked."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark all tests of these folders `simulation`."""
+    root = Path(__file__).parent
+    for item in items:
+        if item.path.is_relative_to(root) and item.path.relative_to(root).parts[0] in SIMULATION:
+            item.add_marker(pytest.mark.simulation)

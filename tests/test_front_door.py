@@ -37,6 +37,7 @@ def test_every_public_name_resolves(name: str) -> None:
     assert name in dir(rlbench_pin)
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize(
     "package",
     [
@@ -64,6 +65,7 @@ def test_unknown_name_is_an_attribute_error() -> None:
         _ = rlbench_pin.Enviroment  # type: ignore[attr-defined]
 
 
+@pytest.mark.simulation
 def test_loading_the_environment_prints_nothing() -> None:
     """The simulator's greeting does not reach stdout."""
     result = _run("import rlbench_pin; rlbench_pin.Environment")

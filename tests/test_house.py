@@ -36,6 +36,7 @@ def test_files_have_at_most_300_lines() -> None:
     assert {name: n for name, n in lengths.items() if n > MAX_FILE} == {}
 
 
+@pytest.mark.simulation
 def test_functions_have_at_most_40_lines() -> None:
     """Docstring included."""
     found = [
@@ -67,6 +68,7 @@ def _public(node: ast.AST, name: str = "") -> Iterator[tuple[str, ast.AST]]:
                 yield from _public(child, f"{child.name}.")
 
 
+@pytest.mark.simulation
 def test_everything_public_has_a_docstring() -> None:
     """Modules, classes, functions and methods."""
     lacking = []
@@ -96,6 +98,7 @@ def _patches(file: Path) -> Iterator[str]:
         yield f"{_name(file)} replaces a method"
 
 
+@pytest.mark.simulation
 def test_nobody_patches_anybody() -> None:
     """No attribute of another object is set by name, no method is replaced, no import hook is installed."""
     assert [found for file in _files("rlbench_pin", "benchmarks") for found in _patches(file)] == []
@@ -136,6 +139,7 @@ def _module_state(tree: ast.Module) -> Iterator[tuple[int, str]]:
                     yield node.lineno, f"{node.func.value.id}.{node.func.attr}"
 
 
+@pytest.mark.simulation
 def test_no_module_keeps_state() -> None:
     """Nothing at module level is changed by functions; caches of what files say are `lru_cache`."""
     found = [f"{_name(file)}:{line} {what}" for file in _files("rlbench_pin") for line, what in _module_state(_tree(file))]

@@ -132,6 +132,7 @@ def test_pages_draw_these_rows(page: str) -> None:
     assert f"```text\n{drawn}\n```" in (ROOT.parent / page).read_text(encoding="utf-8")
 
 
+@pytest.mark.simulation
 def test_imports_point_down() -> None:
     """No import goes up or sideways."""
     own = [i for i in _imports() if i.target.split(".")[0] == PACKAGE]
@@ -139,12 +140,14 @@ def test_imports_point_down() -> None:
     assert [f"{i}: {why}" for i, why in faults if why] == []
 
 
+@pytest.mark.simulation
 def test_foreign_libraries_stay_at_home() -> None:
     """Only `sim` imports pybullet, only `planning` OMPL, and so on."""
     foreign = [i for i in _imports() if i.target.split(".")[0] in HOMES]
     assert [str(i) for i in foreign if _room(i.source) not in HOMES[i.target.split(".")[0]]] == []
 
 
+@pytest.mark.simulation
 def test_no_import_is_hidden_in_a_function() -> None:
     """Imports stand at the top of the file, where a reader looks for them."""
     hidden = []

@@ -21,6 +21,7 @@ def _blocks(language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
 
 
+@pytest.mark.simulation
 def test_the_python_example_runs() -> None:
     """The ten lines run as they stand and print what they say."""
     (code,) = _blocks("python")
@@ -49,6 +50,7 @@ def test_length() -> None:
     assert len(README.splitlines()) < 200
 
 
+@pytest.mark.simulation
 @pytest.mark.skipif(not RESULTS.exists(), reason="not measured yet: `make sweep`")
 def test_the_table_is_the_measured_one() -> None:
     """The table in the README is what the stored results give."""

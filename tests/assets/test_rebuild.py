@@ -24,6 +24,7 @@ def _assert_same(made: dict[str, bytes], kept: dict[str, bytes]) -> None:
     assert [name for name in made if made[name] != kept[name]] == []
 
 
+@pytest.mark.simulation
 def test_objects_rebuild_to_the_same_bytes(tmp_path: Path) -> None:
     """Objects, room, textures, catalogue and licences."""
     subprocess.run([sys.executable, str(SCRIPT), "--only", "objects", "--out", str(tmp_path)], check=True)

@@ -8,6 +8,7 @@ from rlbench_pin.checking.stopwatch import Stopwatch
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 
 
+@pytest.mark.simulation
 def test_kinds_of_work_are_parts_of_the_whole() -> None:
     """Planning, physics and observing all take time, and together no more than there was; two demonstrations add up."""
     with make_environment(low_dim_config()) as environment:

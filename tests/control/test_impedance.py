@@ -27,6 +27,7 @@ def test_a_push_gives_the_displacement_that_the_stiffness_says(model: RobotModel
     np.testing.assert_allclose(plant.tip_pose(q)[:3] - target[:3], force / stiffness, atol=0.1 * 5.0 / stiffness)
 
 
+@pytest.mark.simulation
 def test_stiffness_may_differ_by_direction_and_change(model: RobotModel) -> None:
     """Soft along z and stiff across; made stiff, the same push moves the tip less."""
     controller, plant = CartesianImpedance(model, [800.0, 800.0, 100.0, 30, 30, 30]), RobotModel(model.description)
@@ -50,6 +51,7 @@ def test_joints_return_without_overshoot(model: RobotModel) -> None:
     np.testing.assert_allclose(q, BENT, atol=5e-3)
 
 
+@pytest.mark.simulation
 def test_the_spring_stops_at_joint_limits(model: RobotModel) -> None:
     """Pulled beyond a joint limit by the tip or by the joints, the arm stops before it, and leaves it again."""
     plant, limits = RobotModel(model.description), model.limits

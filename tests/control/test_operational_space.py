@@ -25,6 +25,7 @@ def circle(t: float, radius: float, speed: float) -> tuple[FloatArray, FloatArra
     return pose, twist, np.concatenate([radius * (push * along - rate * rate * out), np.zeros(3)])
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("radius", [0.25, 0.125])
 def test_a_circle_is_followed(model: RobotModel, radius: float) -> None:
     """A circle at 0.5 m/s: less than 2 mm off at all times, torques within the limits."""

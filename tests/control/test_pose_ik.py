@@ -11,6 +11,7 @@ from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import rotation_distance
 
 
+@pytest.mark.simulation
 def test_reachable_poses_are_reached(model: RobotModel) -> None:
     """Of 1000 poses that random configurations make, at least 995 are reached to 0.1 mm and 1 mrad, within the joint limits."""
     rng, ik, limits = np.random.default_rng(7), PoseIK(model), model.limits
@@ -35,6 +36,7 @@ def test_a_pose_out_of_reach_raises_with_the_error_left(model: RobotModel) -> No
     assert caught.value.position_error > 0.5
 
 
+@pytest.mark.simulation
 def test_the_same_seed_gives_the_same_configuration(model: RobotModel) -> None:
     """Solutions depend on the arguments and the generator alone."""
     ik, limits = PoseIK(model), model.limits

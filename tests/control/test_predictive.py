@@ -47,6 +47,7 @@ def test_a_moving_reference_is_followed_without_lag(model: RobotModel) -> None:
         assert np.linalg.norm(model.tip_pose(q)[:3] - poses[0, :3]) < 6e-3
 
 
+@pytest.mark.simulation
 def test_distances_are_kept(model: RobotModel) -> None:
     """Sent below a box, the arm stays clear of it while without distances it would not."""
     block = box("block", (0.2, 0.2, 0.15), (0.3, 0.2, TABLE_TOP + 0.075))

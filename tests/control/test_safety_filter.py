@@ -48,6 +48,7 @@ class Judge:
         assert self.limits.contains(q, 1e-9)
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("hold", ["velocity", "acceleration", "any"])
 @pytest.mark.parametrize("keep", [1, 30])
 def test_random_actions_break_nothing(model: RobotModel, hold: HeldQuantity, keep: int) -> None:
@@ -93,6 +94,7 @@ def test_a_policy_that_drives_into_the_table_stops_above_it(model: RobotModel) -
     assert judge.filter.counts.interventions > 0
 
 
+@pytest.mark.simulation
 def test_the_arm_slides_along_what_it_may_not_enter(model: RobotModel) -> None:
     """Pushed into the table and sideways at once, the hand goes sideways."""
     judge, policy = Judge(model, WorldSnapshot((table(),), model.home, np.full(2, 0.04))), DifferentialIK(model)
@@ -179,6 +181,7 @@ def test_an_infeasible_program_stops_the_arm(model: RobotModel) -> None:
     assert judge.filter.counts.stops >= judge.filter.counts.reasons["infeasible"]
 
 
+@pytest.mark.simulation
 def test_a_command_depends_on_its_arguments_alone(model: RobotModel) -> None:
     """A filter that has worked gives the same bytes as a new one."""
     world, rng = cluttered(model), np.random.default_rng(3)

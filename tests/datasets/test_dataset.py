@@ -97,6 +97,7 @@ def test_paths_stand_for_pictures(root: Path) -> None:
         read_picture(str(demo[0].front_rgb)[:-1] + "2")
 
 
+@pytest.mark.simulation
 def test_load_all_variations(root: Path) -> None:
     """Variation -1 is every variation, amount -1 every episode."""
     assert len(stored_demos(root, TASK, -1, -1, random_selection=False)) == 13

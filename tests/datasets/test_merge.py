@@ -22,6 +22,7 @@ from tests.demos_for_tests import fill, make_demo
 TASK = "reach_target"
 
 
+@pytest.mark.simulation
 def test_merging_keeps_every_episode(tmp_path: Path) -> None:
     """The result holds the same bytes under numbers of its own; merging again, or what is there already, adds nothing."""
     one, two = fill(tmp_path / "one", range(3)), fill(tmp_path / "two", range(2, 6))

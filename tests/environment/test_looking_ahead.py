@@ -30,6 +30,7 @@ def test_a_reset_looks_at_every_round(monkeypatch: pytest.MonkeyPatch) -> None:
         assert task.runtime.world.frame("waypoint1").parent == f"piece{vars(task.task)['missing'][0]}"
 
 
+@pytest.mark.simulation
 def test_a_leg_ends_where_the_next_can_go_straight() -> None:
     """The nearest configuration before the spoke is one from which the mug could not be slid on in a line."""
     with make_environment(low_dim_config()) as environment:

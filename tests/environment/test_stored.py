@@ -57,6 +57,7 @@ def variations(root: Path) -> list[int]:
     return sorted(int(p.name.removeprefix("variation")) for p in (root / TASK).glob("variation*"))
 
 
+@pytest.mark.simulation
 def test_no_simulator_is_started(stored: Path) -> None:
     """All demonstrations of a variation, in natural order, from an environment that was never launched."""
     env = environment(stored)
@@ -70,6 +71,7 @@ def test_no_simulator_is_started(stored: Path) -> None:
     assert last.random_seed == every[1].random_seed
 
 
+@pytest.mark.simulation
 def test_random_selection_follows_the_seed(stored: Path) -> None:
     """The same seed of the environment draws the same, another another; never twice the same episode."""
     draws = {seed: tuple(d.random_seed for d in environment(stored, seed=seed).get_demos(TASK, 3, -1)) for seed in range(6)}
@@ -79,6 +81,7 @@ def test_random_selection_follows_the_seed(stored: Path) -> None:
     assert all(len(set(draw)) == 3 for draw in draws.values())
 
 
+@pytest.mark.simulation
 def test_both_formats_hold_the_same(root: Path, tmp_path: Path) -> None:
     """Folders give what our files give, the point cloud computed from depth and the matrices included."""
     folders = export_rlbench(root, tmp_path / "data")
@@ -167,6 +170,7 @@ def test_bad_requests_are_explained(stored: Path, tmp_path: Path) -> None:
         environment(tmp_path / "nowhere")
 
 
+@pytest.mark.simulation
 def test_task_environments_serve_them_too(stored: Path) -> None:
     """`TaskEnvironment.get_demos` gives those of its variation, -1 those of all, and `reset_to_demo` takes them."""
     with environment(stored) as env:

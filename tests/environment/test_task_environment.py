@@ -47,6 +47,7 @@ def test_stored_demos_need_a_dataset_root(reach: TaskEnvironment) -> None:
         reach.get_demos(1)
 
 
+@pytest.mark.simulation
 def test_variations_are_checked(reach: TaskEnvironment) -> None:
     """-1 means all; other negatives and too large ones are refused."""
     for wrong in (-2, reach.variation_count()):
@@ -58,6 +59,7 @@ def test_variations_are_checked(reach: TaskEnvironment) -> None:
     reach.set_variation(0)
 
 
+@pytest.mark.simulation
 def test_the_same_seed_gives_the_same_start(lift: TaskEnvironment) -> None:
     """Bytes are equal after other episodes were played in between."""
     words, first = lift.reset(seed=5, variation=2)
@@ -92,6 +94,7 @@ def test_states_can_be_taken_up_again(lift: TaskEnvironment) -> None:
     assert runs[0] == runs[1]
 
 
+@pytest.mark.simulation
 def test_demos_carry_all_that_is_needed_to_play_them_again(lift: TaskEnvironment) -> None:
     """A demo succeeds, rests at its end, and `reset_to_demo` restores its first frame exactly."""
     lift.set_variation(1)
@@ -109,6 +112,7 @@ def test_demos_carry_all_that_is_needed_to_play_them_again(lift: TaskEnvironment
     lift.set_variation(0)
 
 
+@pytest.mark.simulation
 def test_demo_i_starts_from_seed_plus_i(lift: TaskEnvironment) -> None:
     """Two demos from seed 20 are the demos of seeds 20 and 21."""
     both = lift.get_demos(2, live_demos=True, seed=20)

@@ -25,6 +25,7 @@ from rlbench_pin.tasks import task_class
 from tests.gym.support import episode
 
 
+@pytest.mark.simulation
 def test_same_seed_same_episode(reach: GymnasiumEnv) -> None:
     """A seed brings the same episode back, and unseeded episodes after it come in the same order."""
     first = [episode(reach, 5), episode(reach, None), episode(reach, None)]
@@ -41,6 +42,7 @@ def test_the_seed_is_that_of_the_task_environment(reach: GymnasiumEnv) -> None:
     np.testing.assert_array_equal(obs["task_low_dim_state"], plain.task_low_dim_state.astype(np.float32))
 
 
+@pytest.mark.simulation
 def test_two_environments_do_not_disturb_each_other() -> None:
     """Stepping one environment changes nothing in another of the same process, even of one action mode object."""
     mode = MoveArmThenGripper(JointVelocity(), GripperJointPosition())
@@ -57,6 +59,7 @@ def test_two_environments_do_not_disturb_each_other() -> None:
         assert data_equivalence(alone, mixed, exact=True)
 
 
+@pytest.mark.simulation
 def test_variation_option_holds_for_one_episode(reach: GymnasiumEnv) -> None:
     """A variation in the options is played once; -1 draws one from the seed."""
     assert reach.reset(seed=0, options={"variation": 4})[1]["variation"] == 4
@@ -65,6 +68,7 @@ def test_variation_option_holds_for_one_episode(reach: GymnasiumEnv) -> None:
     assert len(drawn) > 1
 
 
+@pytest.mark.simulation
 def test_reset_to_demo_starts_as_the_demo_and_its_actions_succeed() -> None:
     """From the start of a demonstration its joint positions reach the goal: reward 1, success, the end."""
     with GymnasiumEnv("reach_target", action_mode=MoveArmThenGripper(JointPosition(), Discrete())) as env:
@@ -98,6 +102,7 @@ def test_shaped_reward_is_the_tasks_own() -> None:
         assert reward == pytest.approx(-np.linalg.norm(obs["gripper_pose"][:3] - obs["task_low_dim_state"]), abs=1e-5)
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("arm", [EndEffectorVelocity(), SafeArm(JointVelocity())], ids=["solver", "filter"])
 def test_a_mode_that_has_run_elsewhere_is_taken(arm: ArmActionMode) -> None:
     """An action mode holds settings only, so that one which has run can be given to another environment."""
@@ -118,6 +123,7 @@ def test_close_may_be_repeated_and_ends_everything() -> None:
         env.reset()
 
 
+@pytest.mark.simulation
 def test_a_pickled_environment_is_built_anew() -> None:
     """Pickling carries the arguments, so that another process can build the same environment."""
     mode = MoveArmThenGripper(EndEffectorVelocity(), Discrete())

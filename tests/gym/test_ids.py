@@ -26,6 +26,7 @@ def test_every_task_has_both_ids() -> None:
     assert {gymnasium.registry[i].max_episode_steps for i in IDS} == {MAX_EPISODE_STEPS}
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("order", ["rlbench_pin, gymnasium", "gymnasium, rlbench_pin"])
 def test_ids_appear_in_either_order_of_import_without_loading_tasks(order: str) -> None:
     """The ids are known whichever package comes first; neither a task nor a simulator is loaded for them."""
@@ -40,6 +41,7 @@ def test_ids_appear_in_either_order_of_import_without_loading_tasks(order: str) 
     assert result.stderr == ""
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("module", ["rlbench_pin", "rlbench_pin.gym"])
 def test_a_module_before_the_colon_is_imported(module: str) -> None:
     """Where nothing of ours was imported yet, the id brings the module that registers it."""
@@ -73,6 +75,7 @@ def checked(name: str) -> list[str]:
     return [str(w.message) for w in caught if "coal" not in str(w.message)]
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("task", FEW)
 def test_checker_has_nothing_to_say(task: str) -> None:
     """Gymnasium's checker passes without a warning."""

@@ -67,6 +67,7 @@ def rollout(env: Any, policy: Callable[[dict[str, Any]], np.ndarray], seeds: lis
     }
 
 
+@pytest.mark.simulation
 def test_checker_has_nothing_to_say(reach: LeRobotEnv) -> None:
     """Gymnasium's checker passes."""
     check_env(reach, skip_render_check=True)
@@ -83,6 +84,7 @@ def test_observations_and_attributes_are_lerobots(reach: LeRobotEnv) -> None:
     assert info["is_success"] is False and info["task"] == "reach_target"
 
 
+@pytest.mark.simulation
 def test_variations_are_drawn_from_the_seed(reach: LeRobotEnv) -> None:
     """Seeds ask for different colours, the same seed for the same, and the description follows."""
     asked = []
@@ -99,6 +101,7 @@ def test_an_episode_is_cut_off(reach: LeRobotEnv) -> None:
     assert ends == [(False, False)] * 4 + [(False, True)]
 
 
+@pytest.mark.simulation
 def test_recorded_actions_succeed() -> None:
     """Actions as they stand in a dataset, joint positions and gripper, reach the goal, and the evaluation sees it."""
     vector = make_env(tasks=["reach_target"], variation=0, max_episode_steps=60, **SMALL)["rlbench_pin"]
@@ -110,6 +113,7 @@ def test_recorded_actions_succeed() -> None:
     assert result["success"].tolist() == [True] and result["reward"].tolist() == [1.0]
 
 
+@pytest.mark.simulation
 def test_nothing_is_built_before_it_is_used_and_closing_frees() -> None:
     """All tasks can be asked for at once; a world is built when it is first used, freed at the end, and may be built again."""
     suite = make_env(n_envs=2, **SMALL)["rlbench_pin"]

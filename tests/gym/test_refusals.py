@@ -25,6 +25,7 @@ def test_a_refused_pose_is_reported_and_changes_nothing(reach_poses: GymnasiumEn
     assert data_equivalence(before, after, exact=True)
 
 
+@pytest.mark.simulation
 def test_a_refused_pose_may_end_the_episode_or_be_raised() -> None:
     """The other two ways of handling a refused action."""
     mode = MoveArmThenGripper(EndEffectorPoseViaPlanning(), Discrete())

@@ -47,6 +47,7 @@ def same(vector: list[Any], single: list[list[Any]]) -> bool:
     )
 
 
+@pytest.mark.simulation
 def test_four_in_one_process_are_as_four_alone() -> None:
     """A synchronous vector environment plays the very episodes of single ones."""
     env = gymnasium.make_vec(gym_id(TASK, "state"), num_envs=4, vectorization_mode="sync")

@@ -54,6 +54,7 @@ def test_human_needs_a_screen(no_screen: None) -> None:
         assert env.metadata["render_modes"] == ["rgb_array"]
 
 
+@pytest.mark.simulation
 def test_human_needs_pygame(made_up_screen: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without pygame the error says how to get it."""
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
@@ -69,6 +70,7 @@ def test_a_screen_that_does_not_answer(monkeypatch: pytest.MonkeyPatch) -> None:
         Window("a title").show(np.zeros((4, 4, 3), dtype=np.uint8))
 
 
+@pytest.mark.simulation
 def test_human_shows_every_step(made_up_screen: None) -> None:
     """With a screen the window shows the same picture as `rgb_array`, after reset and after each step."""
     pygame = pytest.importorskip("pygame")

@@ -44,6 +44,7 @@ def outcomes(model: RobotModel, boxes: Boxes, count: int, seed: int) -> Counter[
     return counts
 
 
+@pytest.mark.simulation
 def test_random_poses_are_planned_or_refused_with_a_reason(model: RobotModel, boxes: Boxes) -> None:
     """Three hundred random poses."""
     counts = outcomes(model, boxes, 300, seed=0)

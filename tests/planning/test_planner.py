@@ -58,6 +58,7 @@ def test_a_free_way_is_straight(planner: MotionPlanner, boxes: Boxes, model: Rob
     assert_at(model, plan.trajectory.q[-1], LEFT)
 
 
+@pytest.mark.simulation
 def test_a_screen_is_gone_around(planner: MotionPlanner, boxes: Boxes, model: RobotModel) -> None:
     """The sampled motion arrives and touches nothing, at rest at both ends."""
     snapshot = boxes.snapshot(boxes.screen(), *boxes.cubes(3))
@@ -209,6 +210,7 @@ def digest(folder: Path) -> str:
     return hashlib.sha256(b"".join(p.trajectory.q.tobytes() + p.trajectory.times.tobytes() for p in plans)).hexdigest()
 
 
+@pytest.mark.simulation
 def test_same_arguments_same_bytes(tmp_path: Path, planner: MotionPlanner, boxes: Boxes) -> None:
     """Another process, and other plans in between, do not change a plan; and nothing is printed."""
     first = digest(tmp_path)

@@ -32,6 +32,7 @@ MODES = [
 ]
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("arm", MODES, ids=lambda a: f"{type(a).__name__}-{getattr(a, 'frame', '')}-{a.absolute_mode}")
 def test_a_converted_demo_still_succeeds(arm: ArmActionMode) -> None:
     """Picking and lifting works again in another action space."""
@@ -48,6 +49,7 @@ def test_a_converted_demo_still_succeeds(arm: ArmActionMode) -> None:
 PLAYED = [JointTorque(), JointTorque(absolute_mode=False), JointVelocity(absolute_mode=False), EndEffectorVelocity(False)]
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("arm", PLAYED, ids=lambda a: f"{type(a).__name__}-{a.absolute_mode}")
 def test_torques_and_differences_are_found_by_playing(arm: ArmActionMode) -> None:
     """What drifts when it is worked out from the model alone succeeds when it was worked out from what was measured."""
@@ -61,6 +63,7 @@ def test_torques_and_differences_are_found_by_playing(arm: ArmActionMode) -> Non
         assert verify(task, demo, actions)
 
 
+@pytest.mark.simulation
 def test_actions_that_do_nothing_do_not_verify() -> None:
     """The check fails when the decisive action is left out."""
     mode = MoveArmThenGripper(JointPosition(), Discrete())

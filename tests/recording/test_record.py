@@ -44,6 +44,7 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 # The result -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.simulation
 def test_a_recording_holds_what_was_asked_for(tmp_path: Path) -> None:
     """Real demonstrations, each equal to the one that its seed gives by hand; the manifest and the files agree."""
     config = replace(CONFIG, episodes=3)
@@ -227,6 +228,7 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
         yield folder
 
 
+@pytest.mark.simulation
 def test_a_disk_that_is_really_full(small_disk: Path, undisturbed: Path) -> None:
     """A file that fills the disk is found out, removed, and made when there is room; a read-only disk is still read."""
     ballast = small_disk / "ballast"

@@ -35,6 +35,7 @@ def tumble(world: World, rng: np.random.Generator, ticks: int = 40) -> bytes:
     return digest(world)
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("scene", [pieces, clutter], ids=["pieces", "clutter"])
 def test_what_follows_does_not_depend_on_the_past(scene):
     """The same throw ends in the same bits in a new world and after other throws."""
@@ -47,6 +48,7 @@ def test_what_follows_does_not_depend_on_the_past(scene):
         assert ends[1] == ends[0] and ends[2] == ends[0]
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("scene", [cube_scene, furniture_scene, clutter], ids=["cube", "furniture", "clutter"])
 def test_a_world_built_again_behaves_like_a_new_one(scene):
     """Motors, locks, friction, springs, filters and colours are those of the first building."""
@@ -79,6 +81,7 @@ def digest_of(snapshot) -> np.ndarray:
     return np.concatenate([np.ravel(body.link_poses) for body in snapshot.bodies])
 
 
+@pytest.mark.simulation
 def test_saved_states_stay_good():
     """A state from before is restored exactly, twice, and one that nobody holds any more costs nothing."""
     with build(cube_scene()) as world:
@@ -183,6 +186,7 @@ def test_arrays_of_a_new_world_do_not_disturb_its_building():
         assert digest(world) == before
 
 
+@pytest.mark.simulation
 def test_a_state_after_a_grasp_stays_good():
     """Filters and contacts that a grasp changed come back with the state."""
     with build() as world:

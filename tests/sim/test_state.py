@@ -70,6 +70,7 @@ def go_on(world: World) -> bytes:
     return b"".join([*parts, digest(world)])
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("ticks", [0, 2, 15])
 def test_restoring_repeats_to_the_last_bit_whatever_happened_before(ticks):
     """Going on after saving, after restoring, and after restoring from elsewhere is the same, also with many parts."""
@@ -84,6 +85,7 @@ def test_restoring_repeats_to_the_last_bit_whatever_happened_before(ticks):
         assert go_on(world) == first
 
 
+@pytest.mark.simulation
 def test_a_grasp_is_restored():
     """Attachments, finger commands and collision filters come back, also after a release and another grasp."""
     with build() as world:
@@ -157,6 +159,7 @@ def test_bodies_added_later_are_removed_and_missing_ones_come_back():
         assert list(world.masks)[-1] == 61
 
 
+@pytest.mark.simulation
 def test_pictures_after_restoring_are_equal():
     """What a camera sees after restoring is byte-equal."""
     from tests.sim.render.test_camera import looking

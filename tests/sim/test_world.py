@@ -203,6 +203,7 @@ def test_a_body_may_pass_through_things():
         assert world.body("ghost").position[2] < 0.7
 
 
+@pytest.mark.simulation
 def test_the_library_is_silent():
     """Importing and running the simulation prints nothing on stdout or stderr."""
     code = "from rlbench_pin.robot.catalogue import robot_description as r; from rlbench_pin.scene.spec import SceneSpec as S;\n"

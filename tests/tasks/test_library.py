@@ -73,6 +73,7 @@ REPEATS = {"push_buttons"}
 """Tasks whose specification gives several variations the same goal."""
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("name", task_names())
 def test_every_variation_begins_with_three_sentences_of_its_own(name: str) -> None:
     """Sentences name the goal, are whole, and no two variations share them."""
@@ -105,6 +106,7 @@ def test_the_numbers_of_the_specification_hold(name: str) -> None:
         assert task.is_static_workspace() == (name == "reach_target")
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("name", task_names())
 def test_an_episode_depends_on_its_generator_alone(name: str) -> None:
     """Same seed, same bytes, whatever was before; and the scene stays on the table when it is placed."""

@@ -54,6 +54,7 @@ def test_an_unknown_task_is_answered_with_the_nearest() -> None:
         task_class("reach_taget")
 
 
+@pytest.mark.simulation
 def test_only_the_asked_task_is_imported() -> None:
     """Listing and importing one leaves the others, and the simulator, alone."""
     code = (

@@ -107,6 +107,7 @@ def lerobot(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
+@pytest.mark.simulation
 def test_lerobot_structure(lerobot: Path, demos: list[Demo]) -> None:
     """Frames, episodes, sentences and pictures stand where version 3.0 says; nothing else is written."""
     from pyarrow import parquet

@@ -84,6 +84,7 @@ def check_equal(read: Demo, original: Demo) -> None:
         assert getattr(read, name) == getattr(original, name)
 
 
+@pytest.mark.simulation
 def test_what_is_read_is_what_was_written(root: Path, folders: Path) -> None:
     """Every episode comes back equal within the encodings, in natural order, with seed, variation and sentences."""
     originals = [read_demo(path) for path in episode_files(root, TASK)]
@@ -96,6 +97,7 @@ def test_what_is_read_is_what_was_written(root: Path, folders: Path) -> None:
     assert len({d.random_seed for d in drawn}) == 5
 
 
+@pytest.mark.simulation
 def test_the_layouts_are_those_of_the_format(root: Path, tmp_path: Path) -> None:
     """Folders and files are where loaders of either dialect look for them."""
     upstream = export_rlbench(root, tmp_path / "upstream") / TASK
@@ -136,6 +138,7 @@ def test_depth_survives_to_half_a_micrometre() -> None:
         encode_mask(np.array([[2**24]]))
 
 
+@pytest.mark.simulation
 def test_broken_folders_are_named(root: Path, tmp_path: Path) -> None:
     """A picture too few, a damaged picture and a missing list are errors with a path; masks are not counted."""
     folders = export_rlbench(root, tmp_path / "x")

@@ -130,6 +130,7 @@ def test_pickles_of_every_protocol_are_read(tmp_path: Path, protocol: int, monke
     assert (vars(first)["gripper_open"], vars(first)["misc"]) == (1.0, {"x": 4, "s": "é"})
 
 
+@pytest.mark.simulation
 def test_pickle_has_one_home() -> None:
     """No module but the one for this foreign format imports pickle."""
     package = Path(__file__).parents[3] / "rlbench_pin"

@@ -54,6 +54,7 @@ def played(first: TaskEnvironment, second: TaskEnvironment) -> bytes:
     return b"".join(seen)
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("make", MODES.values(), ids=MODES)
 def test_one_mode_in_two_environments_is_as_two_modes(make: Callable[[], ActionMode]) -> None:
     """Two environments that take turns with one action mode see the same bytes as with one each."""

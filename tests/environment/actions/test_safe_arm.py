@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from rlbench_pin.environment import (
     Discrete,
@@ -38,6 +39,7 @@ def test_without_the_filter_the_arm_hits_the_table() -> None:
     assert "table" in task.world.robot.touching()
 
 
+@pytest.mark.simulation
 def test_with_the_filter_it_stops_in_front_of_it() -> None:
     """The same policy never touches; the filter says why it intervened."""
     for inner in (JointVelocity(), JointPosition()):

@@ -125,6 +125,7 @@ def test_arm_table_and_fingers_are_in_the_pictures(loop):
     assert "table" in seen["wrist"] and sum("finger" in name for name in seen["wrist"]) == 2
 
 
+@pytest.mark.simulation
 def test_ids_stay_over_twenty_resets():
     """The table of names is the same after every reset, and every id that is seen is in it."""
     config = ObservationConfig()

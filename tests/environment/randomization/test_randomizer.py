@@ -47,6 +47,7 @@ def differ(a, b) -> bool:
     return bool((a.front_rgb != b.front_rgb).any(axis=2).mean() > 0.5)
 
 
+@pytest.mark.simulation
 def test_events_are_distinct():
     """EPISODE changes at each reset, VARIATION when the variation changes, TRANSITION within an episode."""
     assert len({every.value for every in RandomizeEvery}) == 3
@@ -99,6 +100,7 @@ def test_the_arm_can_be_left_alone():
             assert bool(task._randomizer.current.links) == randomize_arm
 
 
+@pytest.mark.simulation
 def test_after_randomization_everything_is_as_before():
     """Episodes with looks and dynamics randomized leave nothing behind: pictures and physics have the same bytes afterwards."""
 
@@ -140,6 +142,7 @@ def test_states_keep_their_look():
         np.testing.assert_array_equal(task.set_state(state).front_rgb, before.front_rgb)
 
 
+@pytest.mark.simulation
 def test_states_with_fewer_bodies_come_back():
     """A state comes back in which a body of the sample is gone already, as stains are that were wiped off."""
     with environment(RandomizeEvery.EPISODE, VisualRandomizationConfig(), DynamicsRandomizationConfig()) as env:
@@ -181,6 +184,7 @@ def test_mistakes_are_refused(tmp_path):
         DynamicsRandomizationConfig(mass=(2.0, 1.0))
 
 
+@pytest.mark.simulation
 def test_ten_environments_do_not_disturb_each_other():
     """Ten environments in one process, used in turns, give what each gives alone."""
     environments = [environment(RandomizeEvery.EPISODE, VisualRandomizationConfig()) for _ in range(10)]

@@ -13,6 +13,7 @@ from rlbench_pin.spatial import pose_at
 from tests.worlds_for_tests import TABLE_TOP, Boxes
 
 
+@pytest.mark.simulation
 def test_reachable_poses_are_reached(model: RobotModel, rng: np.random.Generator) -> None:
     """Of 1000 poses that the arm can take, at least 99.5 % are found, exactly and within the limits."""
     missed = 0

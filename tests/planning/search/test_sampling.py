@@ -66,6 +66,7 @@ def test_the_seed_alone_decides() -> None:
     assert other.shape != first.shape or not np.array_equal(other, first)
 
 
+@pytest.mark.simulation
 def test_another_process_agrees_and_is_silent() -> None:
     """The same bytes come out of a fresh process, which prints nothing else, not even at its end."""
     code = (

@@ -28,6 +28,7 @@ def sprint(model: RobotModel, seed: int) -> np.ndarray:
     return 0.8 * rng.uniform(model.limits.lower, model.limits.upper, (3, 7)) + 0.2 * HOME
 
 
+@pytest.mark.simulation
 def test_torque_limits_are_kept_everywhere(model: RobotModel) -> None:
     """At full speed with 3 kg some motions break the limits; with them they take a little longer and keep them."""
     torque, limits = TorqueLimits(model, LOAD), model.limits.capped(2.5, 15.0)
@@ -41,6 +42,7 @@ def test_torque_limits_are_kept_everywhere(model: RobotModel) -> None:
     assert broken > 0
 
 
+@pytest.mark.simulation
 def test_the_quick_bound_is_cautious(model: RobotModel) -> None:
     """Where it says that limits are surely kept, they are."""
     torque = TorqueLimits(model, LOAD)

@@ -70,6 +70,7 @@ def test_a_blocked_arm_presses_without_trembling(world):
     assert np.abs(world.robot.joint_positions - HOME).max() < 1e-3
 
 
+@pytest.mark.simulation
 def test_velocity_mode(world):
     """A velocity persists until it is changed, moves the arm accordingly, and stops at joint limits."""
     world.robot.set_velocity_targets(np.full(7, 0.2))

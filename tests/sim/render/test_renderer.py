@@ -139,6 +139,7 @@ def picture_digest() -> str:
     return digest.hexdigest()
 
 
+@pytest.mark.simulation
 def test_pictures_have_the_same_bytes_in_another_process():
     """All products of all cameras, with and without shadows, and the names of the ids."""
     code = "from tests.sim.render.test_renderer import picture_digest; print(picture_digest())"
@@ -195,6 +196,7 @@ def test_the_room_can_be_recoloured_and_moved():
         np.testing.assert_array_equal(again.depth, before.depth)
 
 
+@pytest.mark.simulation
 def test_both_renderers_agree():
     """EGL and TinyRenderer: depth within 2 mm where masks agree, masks within 1 % of the pixels; neither is black."""
     scene = cube_scene(cube("a", 0.3, 0.1), cube("b", 0.3, -0.1))
