@@ -9,13 +9,13 @@ from PIL import Image, ImageDraw
 
 from rlbench_pin.checking.pages.sheet import font
 from rlbench_pin.checking.reach import Reach
+from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
 from rlbench_pin.tasks import PLACEMENT_AREA
 
 _SCALE = 210.0
 """Pixels per metre."""
 _TABLE = ((-0.36, 0.72), (-0.56, 0.56))
 """x and y that a panel shows [m]."""
-_BASE = (-0.273, 0.0)
 _PER_ROW, _GAP, _CAPTION, _HEAD = 5, 10, 20, 48
 _YES, _NO, _INK, _FAINT, _PAPER, _FLOOR = (
     (0, 128, 90),
@@ -62,7 +62,8 @@ def _panel(title: str, marks: Sequence[tuple[tuple[float, float], float, bool]],
         fill=_PAPER,
         outline=_FAINT,
     )
-    x, y = _pixel(*_BASE)
+    base_x, base_y = robot_description(DEFAULT_ROBOT).base_pose[:2]
+    x, y = _pixel(base_x, base_y)
     draw.ellipse((x - 12, y - 12, x + 12, y + 12), fill=_FAINT)
     for (mx, my), yaw, reached in sorted(marks, key=lambda mark: not mark[2]):
         _mark(draw, _pixel(mx, my), None if fixed else yaw, reached)
