@@ -14,7 +14,7 @@ from pathlib import Path
 from harness import Result, summary
 
 from rlbench_pin.cli.evaluate import TASKS, Evaluate, report
-from rlbench_pin.evaluation.controller_summary import ControllerSummary, summarise
+from rlbench_pin.evaluation.controller_summary import ControllerSummary, summarise_legs
 from rlbench_pin.evaluation.controller_trials import PLAN, LegTrial
 
 EXPLANATION = """# Controllers on demonstrations
@@ -51,7 +51,7 @@ def benchmark(tasks: Sequence[str] = ("pick_and_lift", "open_drawer"), legs: int
     """Follow few legs of few tasks."""
     evaluation = Evaluate(controllers=True, tasks=tuple(tasks), legs=legs)
     trials = list(evaluation.trials())
-    free = {s.controller: s for s in summarise(trials) if s.kind == "free"}
+    free = {s.controller: s for s in summarise_legs(trials) if s.kind == "free"}
     return [_result(free[name], [t for t in trials if t.controller == name]) for name in free if name != PLAN]
 
 
@@ -72,7 +72,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("docs/results"), help="folder for controllers.json and controllers.md")
     options = parser.parse_args()
     evaluation = Evaluate(controllers=True, tasks=tuple(options.tasks), episodes=options.episodes, legs=options.legs)
-    summaries = summarise(list(evaluation.trials()))
+    summaries = summarise_legs(list(evaluation.trials()))
     tables = report(summaries, title="## ")
     print(tables)
     options.out.mkdir(parents=True, exist_ok=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any, overload
 
 import numpy as np
@@ -68,6 +68,10 @@ class Observation:
         values = (getattr(self, name) for name in LOW_DIM)
         parts = [np.atleast_1d(np.asarray(v, dtype=float)) for v in values if v is not None]
         return np.concatenate(parts) if parts else np.zeros(0)
+
+
+FIELDS: tuple[str, ...] = tuple(f.name for f in fields(Observation) if f.name != "misc")
+"""The declared fields of observations, pictures first, without `misc`."""
 
 
 class Demo(Sequence[Observation]):

@@ -104,6 +104,22 @@ def test_nobody_patches_anybody() -> None:
     assert [found for file in _files("rlbench_pin", "benchmarks") for found in _patches(file)] == []
 
 
+def _private_uses(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    """Yield uses of underscored attributes of anything but oneself."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and node.attr.startswith("_") and not node.attr.startswith("__"):
+            used = ast.unparse(node)
+            if used not in (f"self.{node.attr}", f"cls.{node.attr}", "os._exit"):
+                yield node.lineno, used
+
+
+def test_private_attributes_are_private() -> None:
+    """What begins with an underscore is used by its own object alone."""
+    found = [f"{_name(file)}:{line} {used}" for file in _files("rlbench_pin") for line, used in _private_uses(_tree(file))]
+    assert found == []
+    assert [line for line, _ in _private_uses(ast.parse("self._a\nother._a = self.b._c\n"))] == [2, 2]
+
+
 def _module_state(tree: ast.Module) -> Iterator[tuple[int, str]]:
     """Yield names of module level that are bound to something mutable and changed by a function of the module."""
     mutable = {
@@ -124,17 +140,7 @@ def _module_state(tree: ast.Module) -> Iterator[tuple[int, str]]:
                     if isinstance(owner, ast.Name) and owner.id in mutable:
                         yield node.lineno, owner.id
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and isinstance(node.func.value, ast.Name):
-                changes = node.func.attr in (
-                    "append",
-                    "add",
-                    "update",
-                    "pop",
-                    "clear",
-                    "setdefault",
-                    "extend",
-                    "remove",
-                    "insert",
-                )
+                changes = node.func.attr in CHANGES
                 if changes and node.func.value.id in mutable:
                     yield node.lineno, f"{node.func.value.id}.{node.func.attr}"
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from rlbench_pin.checking.explain import explain_failure
 from rlbench_pin.checking.failures import Failure
-from rlbench_pin.checking.journal import Journal
+from rlbench_pin.checking.journal import TrialJournal
 from rlbench_pin.checking.judge import Rest
-from rlbench_pin.checking.pool import CheckProgress, run_items
+from rlbench_pin.checking.pool import CheckProgress, run_trials
 from rlbench_pin.checking.reach import Reach
 from rlbench_pin.checking.records import DemoTrial, IdleTrial, Part, RandomTrial, ReachTrial, RepeatTrial, Trial, WordsTrial
 from rlbench_pin.checking.report import TaskReport, summarise
@@ -19,7 +19,6 @@ __all__ = [
     "Failure",
     "IdleTrial",
     "Item",
-    "Journal",
     "Part",
     "RandomTrial",
     "Rate",
@@ -29,8 +28,9 @@ __all__ = [
     "Rest",
     "TaskReport",
     "Trial",
+    "TrialJournal",
     "WordsTrial",
     "explain_failure",
-    "run_items",
+    "run_trials",
     "summarise",
 ]

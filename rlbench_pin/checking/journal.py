@@ -29,7 +29,7 @@ _LISTED: dict[str, type] = {"failed": FailedAttempt, "legs": LegReport}
 """Field -> the record of which it holds a tuple."""
 
 
-class Journal:
+class TrialJournal:
     """What was done before, and what is added now.
 
     Args:

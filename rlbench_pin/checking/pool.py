@@ -10,7 +10,7 @@ from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 
-from rlbench_pin.checking.journal import Journal
+from rlbench_pin.checking.journal import TrialJournal
 from rlbench_pin.checking.records import Trial
 from rlbench_pin.checking.trials import Item, work
 from rlbench_pin.errors import RlbenchPinError
@@ -30,8 +30,8 @@ class CheckProgress:
     """The item that was finished last, None at the start."""
 
 
-def run_items(
-    items: Sequence[Item], workers: int, journal: Journal, on_progress: Callable[[CheckProgress], None] | None = None
+def run_trials(
+    items: Sequence[Item], workers: int, journal: TrialJournal, on_progress: Callable[[CheckProgress], None] | None = None
 ) -> list[Trial]:
     """Do what the journal does not hold yet, write it there, and return the trials of all items.
 

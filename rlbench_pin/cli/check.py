@@ -11,7 +11,7 @@ from typing import Any
 
 import tyro
 
-from rlbench_pin.checking import Item, Journal, Part, TaskReport, Trial, explain_failure, run_items, summarise
+from rlbench_pin.checking import Item, Part, TaskReport, Trial, TrialJournal, explain_failure, run_trials, summarise
 from rlbench_pin.checking.pages.page import page
 from rlbench_pin.checking.pages.pictures import draw_pictures
 from rlbench_pin.checking.pages.table import table
@@ -66,7 +66,7 @@ class Check:
         """Judge, print a table and the causes of failures; 1 when a task fails."""
         wanted = self._wanted()
         with closing(CheckBar()) as bar:
-            trials = run_items(list(self._items(wanted.values())), self.workers, self._journal(wanted), bar)
+            trials = run_trials(list(self._items(wanted.values())), self.workers, self._journal(wanted), bar)
         of_task = {name: [t for t in trials if t.task == name] for name in wanted}
         reports = [_report(name, wanted[name], of_task[name]) for name in wanted]
         print(table(reports))
@@ -93,8 +93,8 @@ class Check:
         named = {task_class(name).get_name(): task_class(name).get_name() for name in asked}
         return named | {find_task(str(path)).get_name(): str(path.resolve()) for path in self.task_file}
 
-    def _journal(self, wanted: Mapping[str, str]) -> Journal:
-        return Journal(None if self.out is None else self.out / "trials.jsonl", list(wanted.values()))
+    def _journal(self, wanted: Mapping[str, str]) -> TrialJournal:
+        return TrialJournal(None if self.out is None else self.out / "trials.jsonl", list(wanted.values()))
 
     def _items(self, tasks: Iterable[str]) -> Iterator[Item]:
         amounts: dict[Part, int] = {"demos": self.episodes}

@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.evaluation.controller_summary import ControllerSummary, summarise, table
+from rlbench_pin.evaluation.controller_summary import ControllerSummary, summarise_legs, table
 from rlbench_pin.evaluation.controller_trials import LegTrial, chosen_controllers, follow_demo
 from rlbench_pin.tasks import find_task
 
@@ -47,7 +47,7 @@ class Evaluate:
         if not self.controllers:
             print("rlbench-pin evaluate: say what to evaluate, `--controllers`.", file=sys.stderr)
             return 2
-        summaries = summarise(list(self.trials()))
+        summaries = summarise_legs(list(self.trials()))
         print(report(summaries))
         if self.json is not None:
             self.json.parent.mkdir(parents=True, exist_ok=True)

@@ -25,7 +25,7 @@ from rlbench_pin.errors import RlbenchPinError, TaskEnvironmentError, UnknownNam
 DONE, FAILED, MISUSED = 0, 1, 2
 
 
-class Command(Protocol):
+class Subcommand(Protocol):
     """What every command can do."""
 
     def run(self) -> int:
@@ -33,7 +33,7 @@ class Command(Protocol):
         ...
 
 
-COMMANDS: dict[str, Callable[..., Command]] = {
+COMMANDS: dict[str, Callable[..., Subcommand]] = {
     "list": ListTasks,
     "demo": RecordDemos,
     "record": Record,
@@ -51,7 +51,7 @@ COMMANDS: dict[str, Callable[..., Command]] = {
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit code of the process."""
-    command: Command = tyro.extras.subcommand_cli_from_dict(
+    command: Subcommand = tyro.extras.subcommand_cli_from_dict(
         COMMANDS,
         prog="rlbench-pin",
         description="Robot manipulation tasks with planned demonstrations.",

@@ -135,6 +135,7 @@ class SafetyFilter:
         *,
         limits: JointLimits | None = None,
         solver: QPSolver | None = None,
+        counts: FilterCounts | None = None,
     ) -> None:
         """Prepare a filter for an empty world; `distances.update` gives it the world.
 
@@ -143,11 +144,12 @@ class SafetyFilter:
             config: Settings.
             limits: Joint limits; None takes the arm's.
             solver: Solves the QP; None is OSQP.
+            counts: Where to count, which several filters may share; None is a new one.
         """
         self.model, self.config = model, config
         self.bounds = JointBounds(limits or model.limits, config.dt, config.hold, config.limit_margin)
         self.distances = DistanceModel(model)
-        self.counts = FilterCounts()
+        self.counts = FilterCounts() if counts is None else counts
         self._braking = BrakingCheck(self.distances, self.bounds)
         self._solver: QPSolver = solver or OsqpSolver(self.bounds.velocity, ROWS, rho=0.1, tolerance=1e-6, iterations=4000)
         self._weight = self.bounds.velocity**-2.0

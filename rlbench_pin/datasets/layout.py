@@ -11,6 +11,7 @@ from rlbench_pin.errors import DatasetError, nearest_name
 EPISODE_SUFFIX = ".h5"
 MANIFEST = "manifest.json"
 ALL_VARIATIONS = -1
+"""The variation that stands for all of them, or for one drawn for each episode."""
 
 _EPISODE = re.compile(r"episode(0|[1-9][0-9]*)\.h5")
 _VARIATION = re.compile(r"variation(0|[1-9][0-9]*)")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -15,12 +15,11 @@ from rlbench_pin.datasets.manifest import EpisodeEntry, append_entry, digest, lo
 from rlbench_pin.datasets.series import to_json, write_series
 from rlbench_pin.datasets.storage import write_whole
 from rlbench_pin.errors import DatasetError
-from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.observation import FIELDS, Demo
 
 FORMAT = "rlbench_pin.episode"
 VERSION = 1
 
-FIELDS = tuple(f.name for f in fields(Observation) if f.name != "misc")
 
 Compression = Literal["gzip", "lzf"]
 

@@ -147,7 +147,6 @@ class DemoPlayer:
                     continue
                 if turns is None:
                     turns = self._planner.rank(run)
-                self._planner.turn = turns[0]
                 yield waypoint, following, turns
                 turns = [self._planner.turn]
 

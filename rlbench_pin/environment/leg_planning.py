@@ -27,7 +27,7 @@ class LegPlanner:
         runtime: What moves.
 
     Attributes:
-        turn: Turn of the hand about its own z that was planned last [rad].
+        turn: Turn of the hand about its own z [rad]: the one that was planned last, or after `rank` the best.
     """
 
     def __init__(self, runtime: Runtime) -> None:
@@ -40,8 +40,11 @@ class LegPlanner:
         Raises:
             WaypointError: There is none.
         """
-        if run[0].symmetry == 1:
-            return [0.0]
+        turns = [0.0] if run[0].symmetry == 1 else self._rank(run)
+        self.turn = turns[0]
+        return turns
+
+    def _rank(self, run: Sequence[Waypoint]) -> list[float]:
         runtime = self._runtime
         kept = [w for w in run if not w.skip]
         choices = rank_turns(runtime.planner, kept, runtime.robot.joint_positions, runtime.robot.tip_pose(), runtime.planning_rng)

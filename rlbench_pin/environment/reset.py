@@ -78,8 +78,7 @@ def lay_out(runtime: Runtime, variation: int, random: EpisodeRandom, *, static: 
     task = runtime.task
     task.end_episode()
     runtime.world.restore(runtime.world.origin)
-    runtime.variation = variation
-    runtime.planning_rng, runtime.noise_rng = random.planning, random.noise
+    runtime.begin(variation, random.planning, random.noise)
     instructions = task.begin_episode(variation, random.placement)
     if not static and not task.is_static_workspace():
         place_task(runtime.world, random.placement, task.base_rotation_bounds())

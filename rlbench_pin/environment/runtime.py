@@ -82,6 +82,16 @@ class Runtime:
         self._command_filter: Callable[[Runtime], None] | None = None
         self._bound: dict[int, tuple[object, Any]] = {}
 
+    def begin(self, variation: int, planning: np.random.Generator, noise: np.random.Generator) -> None:
+        """Take over what an episode is given.
+
+        Args:
+            variation: Variation of the task.
+            planning: Generator of planners and of inverse kinematics.
+            noise: Generator of observation noise.
+        """
+        self.variation, self.planning_rng, self.noise_rng = variation, planning, noise
+
     def bound(self, mode: Bindable[BoundT]) -> BoundT:
         """Return what `mode` keeps for this runtime; it is bound when first asked for."""
         if id(mode) not in self._bound:

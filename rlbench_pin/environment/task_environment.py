@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.environment import demos
 from rlbench_pin.environment.actions.action_mode import ActionMode
 from rlbench_pin.environment.demonstrate import DemoOutcome
@@ -22,8 +23,6 @@ from rlbench_pin.tasks import Task
 
 MAX_DEMO_ATTEMPTS = 10
 """Tries per live demonstration."""
-ALL_VARIATIONS = -1
-"""The variation that stands for one drawn for each episode."""
 
 
 class TaskEnvironment:

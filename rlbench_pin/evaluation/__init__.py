@@ -1,6 +1,6 @@
 """How well something does on the tasks: controllers on the legs of demonstrations."""
 
-from rlbench_pin.evaluation.controller_summary import ControllerSummary, summarise, table
+from rlbench_pin.evaluation.controller_summary import ControllerSummary, summarise_legs, table
 from rlbench_pin.evaluation.controller_trials import (
     PLAN,
     Leg,
@@ -27,6 +27,6 @@ __all__ = [
     "follow_leg",
     "plan_trial",
     "record_legs",
-    "summarise",
+    "summarise_legs",
     "table",
 ]

@@ -53,7 +53,7 @@ class ControllerSummary:
     """99th percentile of the cost of a command [us]."""
 
 
-def summarise(trials: Sequence[LegTrial]) -> list[ControllerSummary]:
+def summarise_legs(trials: Sequence[LegTrial]) -> list[ControllerSummary]:
     """Return one summary per controller and kind of leg, free legs first, controllers in the order they came."""
     names = tuple(dict.fromkeys(t.controller for t in trials))
     groups = [

@@ -10,16 +10,17 @@ import gymnasium
 import numpy as np
 from gymnasium.utils import EzPickle
 
+from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.environment.actions.action_mode import ActionMode, JointPositionActionMode
 from rlbench_pin.environment.environment import Environment
-from rlbench_pin.environment.task_environment import ALL_VARIATIONS, TaskEnvironment
+from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import InvalidActionError, TaskEnvironmentError, UnknownName
 from rlbench_pin.gym.spaces import (
-    CAMERAS,
+    VISION_CAMERAS,
     GymObservation,
     action_space,
-    as_action,
     as_gym_observation,
+    checked_action,
     observation_settings,
     observation_space,
 )
@@ -81,7 +82,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         invalid_action: Literal["continue", "terminate", "raise"] = "continue",
         image_size: tuple[int, int] = (128, 128),
         renderer: RendererName = "cpu",
-        cameras: Sequence[str] = CAMERAS,
+        cameras: Sequence[str] = VISION_CAMERAS,
     ) -> None:
         EzPickle.__init__(
             self, task, observation_mode, render_mode, action_mode, variation=variation, shaped_rewards=shaped_rewards,
@@ -156,7 +157,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         Raises:
             InvalidActionError: The action has the wrong shape or is not finite; or it was refused, with `invalid_action="raise"`.
         """
-        values = as_action(action, self._spec)
+        values = checked_action(action, self._spec)
         try:
             observation, reward, terminated = self._task.step(values)
         except InvalidActionError as error:

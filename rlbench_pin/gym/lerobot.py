@@ -23,7 +23,7 @@ from rlbench_pin.environment.actions.joint import JointPosition
 from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.gym.environment import GymnasiumEnv
 from rlbench_pin.gym.ids import MAX_EPISODE_STEPS
-from rlbench_pin.gym.spaces import CAMERAS, GymObservation
+from rlbench_pin.gym.spaces import VISION_CAMERAS, GymObservation
 from rlbench_pin.gym.vector import LazyAsyncVectorEnv
 from rlbench_pin.sim import RendererName
 from rlbench_pin.tasks import task_class, task_names
@@ -84,7 +84,7 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
         *,
         max_episode_steps: int = MAX_EPISODE_STEPS,
         variation: int = -1,
-        cameras: Sequence[str] = CAMERAS,
+        cameras: Sequence[str] = VISION_CAMERAS,
         image_size: tuple[int, int] = (128, 128),
         render_mode: Any = "rgb_array",
         action_mode: ActionMode | None = None,

@@ -15,7 +15,7 @@ from rlbench_pin.errors import InvalidActionError, TaskError
 from rlbench_pin.observation import LOW_DIM, Observation
 from rlbench_pin.spatial import FloatArray
 
-CAMERAS = ("left_shoulder", "right_shoulder", "wrist", "front")
+VISION_CAMERAS = ("left_shoulder", "right_shoulder", "wrist", "front")
 """Cameras of vision observations unless others are asked for."""
 
 _QUATERNION = ("qx", "qy", "qz", "qw")
@@ -92,7 +92,7 @@ def action_space(spec: ActionSpec) -> spaces.Box:
     return spaces.Box(*_float32(spec.low, spec.high))
 
 
-def as_action(action: object, spec: ActionSpec) -> FloatArray:
+def checked_action(action: object, spec: ActionSpec) -> FloatArray:
     """Return an action as float64 (n,), its quaternion, where it has one, brought to unit length.
 
     A box cannot say that four numbers are a rotation, so that no policy over a box could name one.

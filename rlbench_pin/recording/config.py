@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.datasets.writer import Compression
 from rlbench_pin.environment.actions.action_mode import MoveArmThenGripper
 from rlbench_pin.environment.actions.gripper import Discrete
@@ -13,7 +14,6 @@ from rlbench_pin.environment.actions.joint import JointPosition
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import drawn_variations
 from rlbench_pin.environment.observations.config import ObservationConfig
-from rlbench_pin.environment.task_environment import ALL_VARIATIONS
 from rlbench_pin.errors import TaskEnvironmentError, UnknownName
 from rlbench_pin.observation import CAMERAS, PRODUCTS
 from rlbench_pin.sim import RENDERERS, RendererName

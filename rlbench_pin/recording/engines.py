@@ -22,7 +22,8 @@ MAX_DEATHS = 3
 MAX_DEATHS_IN_A_ROW = 10
 """Workers that may die one after the other, with nothing finished, before the recording ends."""
 _JOIN_TIMEOUT = 5.0  # [s]
-_POLL_INTERVAL = 0.5  # [s]
+POLL_INTERVAL = 0.5
+"""Longest wait for workers before stopping is considered again [s]."""
 
 
 @dataclass(frozen=True)
@@ -125,7 +126,7 @@ class ProcessEngine:
                         worker.give(queue.popleft())
                 if not (busy := [worker for worker in workers if worker.item is not None]):
                     return
-                ready = wait([thing for worker in busy for thing in (worker.connection, worker.sentinel)], _POLL_INTERVAL)
+                ready = wait([thing for worker in busy for thing in (worker.connection, worker.sentinel)], POLL_INTERVAL)
                 for worker in busy:
                     if worker.connection not in ready and worker.sentinel not in ready:
                         continue

@@ -11,10 +11,8 @@ from ray.actor import ActorHandle
 from ray.exceptions import RayError
 
 from rlbench_pin.recording.config import PictureConfig, WorkItem
-from rlbench_pin.recording.engines import Event, RetryPolicy
+from rlbench_pin.recording.engines import POLL_INTERVAL, Event, RetryPolicy
 from rlbench_pin.recording.work import ItemResult, Recorder
-
-_POLL_INTERVAL = 0.5  # [s]
 
 
 class RayEngine:
@@ -53,7 +51,7 @@ class RayEngine:
                 ray.kill(idle.pop())
             if not busy:
                 return
-            for reference in ray.wait(list(busy), timeout=_POLL_INTERVAL)[0]:
+            for reference in ray.wait(list(busy), timeout=POLL_INTERVAL)[0]:
                 actor, item = busy.pop(reference)
                 try:
                     result: ItemResult = ray.get(reference)

@@ -8,7 +8,7 @@ from pathlib import Path
 from rlbench_pin.errors import AssetNotFound, SceneFileError, nearest_name
 from rlbench_pin.scene.model_files import resolve_asset
 from rlbench_pin.scene.snapshot import ROOM
-from rlbench_pin.scene.spec import ROOT, WORLD, BodySpec, Posed, SceneSpec, SensorSpec, WaypointSpec
+from rlbench_pin.scene.spec import ROOT, WORLD, BodySpec, PosedSpec, SceneSpec, SensorSpec, WaypointSpec
 from rlbench_pin.urdf import Urdf, read_urdf
 
 RESERVED = frozenset({ROOT, WORLD, "robot", *ROOM})
@@ -34,12 +34,12 @@ def check_scene(spec: SceneSpec) -> None:
     _check_bounds(spec)
 
 
-def table_of(item: Posed) -> str:
+def table_of(item: PosedSpec) -> str:
     """Return how the table of a record is written in the file: `[[body]]`, `[[frame]]`, ..."""
     return f"[[{type(item).__name__.removesuffix('Spec').lower()}]]"
 
 
-def _error(spec: SceneSpec, item: Posed, key: str, problem: str, hint: str = "") -> SceneFileError:
+def _error(spec: SceneSpec, item: PosedSpec, key: str, problem: str, hint: str = "") -> SceneFileError:
     return SceneFileError(spec.file, f"{table_of(item)} '{item.name}', key '{key}'", problem, hint)
 
 
@@ -49,7 +49,7 @@ def _guess(name: str, known: Collection[str]) -> str:
 
 
 def _check_names(spec: SceneSpec) -> None:
-    seen: dict[str, Posed] = {}
+    seen: dict[str, PosedSpec] = {}
     for item in spec.posed():
         if item.name in RESERVED:
             raise _error(spec, item, "name", f"'{item.name}' is reserved for the room.", "Choose another name.")

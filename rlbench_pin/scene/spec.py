@@ -55,7 +55,7 @@ class Spec(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
-class Posed(Spec):
+class PosedSpec(Spec):
     """Something with a name and a place."""
 
     name: Name
@@ -63,7 +63,7 @@ class Posed(Spec):
     pose: Pose = IDENTITY_POSE
 
 
-class BodySpec(Posed):
+class BodySpec(PosedSpec):
     """One object: an URDF asset, fixed to the world or free."""
 
     asset: str
@@ -105,17 +105,17 @@ class JointSpec(Spec):
     """Held by a stiff motor until the task unlocks it (a latch)."""
 
 
-class FrameSpec(Posed):
+class FrameSpec(PosedSpec):
     """A named place."""
 
 
-class RegionSpec(Posed):
+class RegionSpec(PosedSpec):
     """A box in which things are placed at random; flat when its height is 0."""
 
     size: Vec3
 
 
-class SensorSpec(Posed):
+class SensorSpec(PosedSpec):
     """A volume that detects bodies."""
 
     shape: Literal["box", "cylinder", "sphere"]
@@ -141,7 +141,7 @@ class ArcSpec(Spec):
     """Turn the hand with the sweep; otherwise only its position follows."""
 
 
-class WaypointSpec(Posed):
+class WaypointSpec(PosedSpec):
     """A pose that the gripper tip visits in a demonstration. Names are `waypoint0`, `waypoint1`, ... without gaps."""
 
     path: Literal["plan", "straight", "curve"] = "plan"
@@ -195,6 +195,6 @@ class SceneSpec(Spec):
     file: str = Field(default="", exclude=True)
     """Where the scene was read from; not part of the file."""
 
-    def posed(self) -> tuple[Posed, ...]:
+    def posed(self) -> tuple[PosedSpec, ...]:
         """Return everything that has a name and a place."""
         return (*self.body, *self.frame, *self.region, *self.sensor, *self.waypoint)

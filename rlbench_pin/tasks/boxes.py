@@ -43,7 +43,7 @@ class OrientedBox:
         return bool(np.all(gap <= reach))
 
 
-def turned(rotation: FloatArray, quaternion: FloatArray) -> FloatArray:
+def rotated(rotation: FloatArray, quaternion: FloatArray) -> FloatArray:
     """Apply roll, pitch, yaw [rad] on top of an orientation, about the axes it is given in."""
     turn = pose_at((0.0, 0.0, 0.0), *rotation)
     return compose(turn, np.concatenate([np.zeros(3), quaternion]))[3:]

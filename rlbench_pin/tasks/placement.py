@@ -9,7 +9,7 @@ import numpy as np
 
 from rlbench_pin.errors import BoundaryError
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, pose_to_se3, relative
-from rlbench_pin.tasks.boxes import OrientedBox, turned
+from rlbench_pin.tasks.boxes import OrientedBox, rotated
 from rlbench_pin.tasks.spawn_boundary import ANY_YAW, Rotation
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def place_task(world: World, rng: np.random.Generator, bounds: tuple[Rotation, R
     nominal = np.array(world.spec.placement.pose)
     low, high = footprint(world)
     for _ in range(MAX_TURNS):
-        quaternion = turned(rng.uniform(*bounds), nominal[3:])
+        quaternion = rotated(rng.uniform(*bounds), nominal[3:])
         corners = np.array([[x, y, 0.0] for x in (low[0], high[0]) for y in (low[1], high[1])])
         patch = corners @ pose_to_se3(np.concatenate([np.zeros(3), quaternion])).rotation.T
         first = PLACEMENT_AREA.low - patch[:, :2].min(axis=0)

@@ -9,7 +9,7 @@ import numpy as np
 
 from rlbench_pin.errors import BoundaryError, TaskError
 from rlbench_pin.spatial import FloatArray, compose, relative
-from rlbench_pin.tasks.boxes import OrientedBox, turned
+from rlbench_pin.tasks.boxes import OrientedBox, rotated
 from rlbench_pin.tasks.solid import Solid
 
 if TYPE_CHECKING:
@@ -155,7 +155,7 @@ def _draw_pose(
     """Draw a world pose at which the turned bounding box lies in the region; None when it cannot."""
     frame = np.array(region.pose)
     local = relative(start, frame)
-    local[3:] = turned(rotation, local[3:])
+    local[3:] = rotated(rotation, local[3:])
     corners = OrientedBox.of(_bounds(thing), np.concatenate([np.zeros(3), local[3:]])).corners()
     half = np.asarray(region.size, dtype=float) / 2.0
     first, last = -half - corners.min(axis=0), half - corners.max(axis=0)

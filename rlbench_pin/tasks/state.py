@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from enum import Enum
+from functools import partial
 from pathlib import PurePath
 from types import BuiltinFunctionType, FunctionType, MethodType
 from typing import Any, Protocol, runtime_checkable
@@ -16,7 +17,7 @@ from rlbench_pin.scene.spec import Spec
 
 PLAIN = (type(None), bool, int, float, complex, str, bytes, range, slice, np.generic, Enum, PurePath, Spec, type)
 """Immutable values: kept as they are."""
-FUNCTIONS = (FunctionType, MethodType, BuiltinFunctionType)
+FUNCTIONS = (FunctionType, MethodType, BuiltinFunctionType, partial)
 """Hooks and the like: kept as they are."""
 SIMULATION = "rlbench_pin.sim."
 """Where the classes are of what the world hands out: bodies, joints, frames, regions, sensors, the arm, the hand. These are
@@ -69,7 +70,7 @@ def remember(task: str, attributes: Mapping[str, Any]) -> dict[str, Memory]:
             raise TaskError(
                 f"Task '{task}' keeps a {type(found).__name__} in self.{name}{where}, which cannot be saved with the world. "
                 "Use numbers, strings, arrays, lists, dicts, sets, conditions and what the world hands out, "
-                f"or give {type(found).__name__} the methods state() and set_state(state)."
+                "or a class of your own with the methods state() and set_state(state)."
             ) from None
     return memories
 

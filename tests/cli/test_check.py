@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 
 from rlbench_pin.checking import pool
-from rlbench_pin.checking.journal import Journal
+from rlbench_pin.checking.journal import TrialJournal
 from rlbench_pin.checking.records import DemoTrial, FailedAttempt, ReachTrial, Trial
 from rlbench_pin.checking.trials import Item, work
 from rlbench_pin.cli.main import main
@@ -82,10 +82,10 @@ def test_trials_survive_the_journal(tmp_path: Path) -> None:
     """Whatever a trial holds comes back equal; another task file makes old trials void."""
     items = [Item("open_drawer", part, (0,), 3) for part in ("words", "demos", "repeat", "idle", "random", "reach")]  # type: ignore[arg-type]
     done = {item: work(item) for item in items}
-    journal = Journal(tmp_path / "trials.jsonl", ["open_drawer"])
+    journal = TrialJournal(tmp_path / "trials.jsonl", ["open_drawer"])
     for item, trials in done.items():
         journal.add(item, trials)
-    again = Journal(tmp_path / "trials.jsonl", ["open_drawer"])
+    again = TrialJournal(tmp_path / "trials.jsonl", ["open_drawer"])
     assert {item: again.trials_of(item) for item in items} == done
     assert again.trials_of(Item("open_drawer", "demos", (1,), 3)) is None
 
@@ -97,14 +97,14 @@ def test_failures_survive_the_journal(tmp_path: Path) -> None:
     failed: list[Trial] = [DemoTrial(**head, failed=(FailedAttempt("no path: x", 2), FailedAttempt("reset: y", None)))]
     placeless: list[Trial] = [ReachTrial(**head, no_place="reset: crowded"), ReachTrial(**head, error="KeyError: 'cup'")]
     demos, reach = Item("open_drawer", "demos", (0,), 3), Item("open_drawer", "reach", (0, 1), 3)
-    Journal(path, ["open_drawer"]).add(demos, failed)
-    Journal(path, ["open_drawer"]).add(reach, placeless)
-    again = Journal(path, ["open_drawer"])
+    TrialJournal(path, ["open_drawer"]).add(demos, failed)
+    TrialJournal(path, ["open_drawer"]).add(reach, placeless)
+    again = TrialJournal(path, ["open_drawer"])
     assert (again.trials_of(demos), again.trials_of(reach)) == (failed, placeless)
     (first, second) = map(json.loads, path.read_text().splitlines())
     first["trials"] = [{**head, "part": "demos", "success": False, "tries": 10}]
     path.write_text(f"{json.dumps(first)}\n{json.dumps(second)}\n")
-    again = Journal(path, ["open_drawer"])
+    again = TrialJournal(path, ["open_drawer"])
     assert (again.trials_of(demos), again.trials_of(reach)) == (None, placeless)
 
 
@@ -113,10 +113,10 @@ def test_a_changed_task_file_is_judged_anew(tmp_path: Path) -> None:
     main(["new", "touch_it", "--out", str(tmp_path)])
     file = tmp_path / "touch_it.py"
     item, trial = Item(str(file), "demos", (0,), 3), DemoTrial(task="touch_it", seed=0, variation=0)
-    Journal(tmp_path / "trials.jsonl", [str(file)]).add(item, [trial])
-    assert Journal(tmp_path / "trials.jsonl", [str(file)]).trials_of(item) == [trial]
+    TrialJournal(tmp_path / "trials.jsonl", [str(file)]).add(item, [trial])
+    assert TrialJournal(tmp_path / "trials.jsonl", [str(file)]).trials_of(item) == [trial]
     file.write_text(file.read_text() + "# changed\n")
-    assert Journal(tmp_path / "trials.jsonl", [str(file)]).trials_of(item) is None
+    assert TrialJournal(tmp_path / "trials.jsonl", [str(file)]).trials_of(item) is None
 
 
 BROKEN = """

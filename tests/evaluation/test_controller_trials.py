@@ -7,7 +7,7 @@ import pytest
 
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.errors import UnknownName
-from rlbench_pin.evaluation.controller_summary import summarise, table
+from rlbench_pin.evaluation.controller_summary import summarise_legs, table
 from rlbench_pin.evaluation.controller_trials import PLAN, chosen_controllers, follow_demo, follow_leg, record_legs
 from rlbench_pin.evaluation.followers import FOLLOWERS
 
@@ -22,7 +22,7 @@ def test_every_controller_follows(reach: TaskEnvironment) -> None:
         assert trial.clearance > 0.0
         assert trial.tip_errors[-1] < 0.005, trial.controller
         assert len(trial.seconds) >= len(trial.tip_errors)
-    summaries = summarise(trials)
+    summaries = summarise_legs(trials)
     assert [s.controller for s in summaries] == [t.controller for t in trials]
     assert all(name in table(summaries) for name in FOLLOWERS)
 

@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import pytest
 
+from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.environment.episode import drawn_variations
 from rlbench_pin.errors import CameraError, TaskEnvironmentError, UnknownName
 from rlbench_pin.recording import PictureConfig, RecordConfig
-from rlbench_pin.recording.config import ALL_VARIATIONS, item_seed, plan_items
+from rlbench_pin.recording.config import item_seed, plan_items
 
 TASK = "reach_target"
 CONFIG = RecordConfig(tasks=(TASK,), episodes=6, variations=2, max_attempts=3, pictures=PictureConfig(products=()))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -84,6 +85,16 @@ def test_plain_values_come_back(task: Any, value: object) -> None:
     task.kept = "other"
     task.set_state(state)
     assert task.kept is value
+
+
+def test_a_hook_may_be_a_partial_function(task: Any) -> None:
+    """Two waypoints can share one method that is given different arguments."""
+    calls: list[int] = []
+    task.register_waypoint_ability_start(0, partial(lambda number, waypoint: calls.append(number), 3))
+    task.begin_episode(0, np.random.default_rng(0))
+    task.set_state(task.state())
+    task.get_waypoints()[0].run_start_hook()
+    assert calls == [3]
 
 
 def test_containers_keep_their_identity_at_every_depth(task: Any) -> None:

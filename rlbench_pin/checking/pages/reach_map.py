@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
+from rlbench_pin.checking.pages.sheet import font
 from rlbench_pin.checking.reach import Reach
+from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
 from rlbench_pin.tasks import PLACEMENT_AREA
 
 _SCALE = 210.0
 """Pixels per metre."""
 _TABLE = ((-0.36, 0.72), (-0.56, 0.56))
 """x and y that a panel shows [m]."""
-_BASE = (-0.273, 0.0)
 _PER_ROW, _GAP, _CAPTION, _HEAD = 5, 10, 20, 48
 _YES, _NO, _INK, _FAINT, _PAPER, _FLOOR = (
     (0, 128, 90),
@@ -54,14 +55,15 @@ def _panel(title: str, marks: Sequence[tuple[tuple[float, float], float, bool]],
     panel = Image.new("RGB", (width, height + _CAPTION), _PAPER)
     draw = ImageDraw.Draw(panel)
     good = sum(reached for _, _, reached in marks)
-    draw.text((0, 2), f"{title}: {good}/{len(marks)}", fill=_INK if good == len(marks) else _NO, font=_font(13))
+    draw.text((0, 2), f"{title}: {good}/{len(marks)}", fill=_INK if good == len(marks) else _NO, font=font(13))
     draw.rectangle((0, _CAPTION, width - 1, height + _CAPTION - 1), fill=_FLOOR)
     draw.rectangle(
         (*_pixel(PLACEMENT_AREA.x[1], PLACEMENT_AREA.y[1]), *_pixel(PLACEMENT_AREA.x[0], PLACEMENT_AREA.y[0])),
         fill=_PAPER,
         outline=_FAINT,
     )
-    x, y = _pixel(*_BASE)
+    base_x, base_y = robot_description(DEFAULT_ROBOT).base_pose[:2]
+    x, y = _pixel(base_x, base_y)
     draw.ellipse((x - 12, y - 12, x + 12, y + 12), fill=_FAINT)
     for (mx, my), yaw, reached in sorted(marks, key=lambda mark: not mark[2]):
         _mark(draw, _pixel(mx, my), None if fixed else yaw, reached)
@@ -91,13 +93,9 @@ def _sheet(task: str, panels: Sequence[Image.Image], fixed: bool, count: int) ->
     rows = -(-len(panels) // columns)
     sheet = Image.new("RGB", (_GAP + columns * width, _HEAD + rows * height), _PAPER)
     draw = ImageDraw.Draw(sheet)
-    draw.text((_GAP, 4), f"{task}: what the arm reaches from {count} places", fill=_INK, font=_font(16))
+    draw.text((_GAP, 4), f"{task}: what the arm reaches from {count} places", fill=_INK, font=font(16))
     marks = "places of the waypoint" if fixed else "places of the task, a line along its x"
-    draw.text((_GAP, 27), f"dots reached, crosses not; {marks}; frame: workspace; disc: robot", fill=_FAINT, font=_font(12))
+    draw.text((_GAP, 27), f"dots reached, crosses not; {marks}; frame: workspace; disc: robot", fill=_FAINT, font=font(12))
     for k, panel in enumerate(panels):
         sheet.paste(panel, (_GAP + (k % columns) * width, _HEAD + (k // columns) * height))
     return sheet
-
-
-def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    return ImageFont.load_default(size)

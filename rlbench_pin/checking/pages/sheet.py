@@ -29,15 +29,16 @@ def contact_sheet(
     cell = (width + _MARGIN, height + _CAPTION + _MARGIN)
     sheet = Image.new("RGB", (_MARGIN + len(columns) * cell[0], _TITLE + _MARGIN + len(rows) * cell[1]), _PAPER)
     draw = ImageDraw.Draw(sheet)
-    draw.text((_MARGIN, 6), title, fill=_INK, font=_font(17))
-    draw.text((_MARGIN, 28), subtitle, fill=_FAINT, font=_font(13))
+    draw.text((_MARGIN, 6), title, fill=_INK, font=font(17))
+    draw.text((_MARGIN, 28), subtitle, fill=_FAINT, font=font(13))
     for i, (row, name) in enumerate(zip(pictures, rows)):
         for j, (picture, camera) in enumerate(zip(row, columns)):
             corner = (_MARGIN + j * cell[0], _TITLE + i * cell[1])
-            draw.text(corner, f"{camera}, {name}", fill=_FAINT, font=_font(12))
+            draw.text(corner, f"{camera}, {name}", fill=_FAINT, font=font(12))
             sheet.paste(Image.fromarray(picture), (corner[0], corner[1] + _CAPTION))
     return sheet
 
 
-def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+def font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    """Return the letters of pictures, `size` high [px]."""
     return ImageFont.load_default(size)

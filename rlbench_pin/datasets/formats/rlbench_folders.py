@@ -16,12 +16,11 @@ from rlbench_pin.datasets.formats.common import OnEpisode, StoredEpisode, new_fo
 from rlbench_pin.datasets.formats.rlbench_pickle import PickledDemo, PickledObservation, dump
 from rlbench_pin.datasets.formats.rlbench_pictures import encode_depth, encode_mask, write_png
 from rlbench_pin.errors import DatasetError
-from rlbench_pin.observation import CAMERAS, Demo, Observation
+from rlbench_pin.observation import CAMERAS, FIELDS, Demo, Observation
 
 Layout = Literal["upstream", "peract"]
 LOW_DIM_FILE, DESCRIPTIONS_FILE, VARIATION_FILE = "low_dim_obs.pkl", "variation_descriptions.pkl", "variation_number.pkl"
 PRODUCTS = ("rgb", "depth", "mask")
-_FIELDS = tuple(name for name in Observation.__dataclass_fields__ if name != "misc")
 _PICTURES = tuple(f"{camera}_{product}" for camera in CAMERAS for product in (*PRODUCTS, "point_cloud"))
 
 
@@ -110,6 +109,6 @@ def _pickled(demo: Demo) -> PickledDemo:
 
 def _pickled_observation(obs: Observation) -> PickledObservation:
     result = PickledObservation()
-    values = {name: None if name in _PICTURES else getattr(obs, name) for name in _FIELDS}
+    values = {name: None if name in _PICTURES else getattr(obs, name) for name in FIELDS}
     result.__dict__.update({**values, "misc": dict(obs.misc)})
     return result

@@ -15,12 +15,11 @@ from rlbench_pin.datasets.formats.rlbench_pictures import decode_depth, decode_m
 from rlbench_pin.datasets.layout import ALL_VARIATIONS, checked_task_name
 from rlbench_pin.datasets.reader import select
 from rlbench_pin.errors import EpisodeFileError
-from rlbench_pin.observation import CAMERAS, Demo, Observation
+from rlbench_pin.observation import CAMERAS, FIELDS, Demo, Observation
 
 _EPISODE = re.compile(r"episode(\d+)")
 _VARIATION = re.compile(r"variation(\d+)")
 _COUNTED = ("rgb", "depth")
-_FIELDS = tuple(name for name in Observation.__dataclass_fields__ if name != "misc")
 _DECODE: dict[str, Callable[[np.ndarray], np.ndarray]] = {"rgb": np.array, "depth": decode_depth, "mask": decode_mask}
 _DECODERS = {f"{camera}_{product}": decode for camera in CAMERAS for product, decode in _DECODE.items()}
 
@@ -78,7 +77,7 @@ def read_folder(path: Path, fields: Collection[str] | None = None, *, image_path
         raise EpisodeFileError(path, f"'{path / LOW_DIM_FILE}' holds no list of observations.")
     frames = [_observation(o, path) for o in observations]
     _check_counts(path, len(frames))
-    for name in _FIELDS:
+    for name in FIELDS:
         if fields is not None and name not in fields:
             for frame in frames:
                 setattr(frame, name, None)
@@ -130,7 +129,7 @@ def _observation(pickled: Any, path: Path) -> Observation:
     if not isinstance(known, dict):
         raise EpisodeFileError(path, f"'{path / LOW_DIM_FILE}' holds a {type(pickled).__name__} where an observation belongs.")
     misc = known.get("misc")
-    values = {name: known.get(name) for name in _FIELDS}
+    values = {name: known.get(name) for name in FIELDS}
     return Observation(**values, misc=dict(misc) if isinstance(misc, dict) else {})
 
 

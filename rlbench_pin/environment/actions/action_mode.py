@@ -5,7 +5,7 @@ from __future__ import annotations
 from rlbench_pin.environment.actions.arm_mode import ArmActionMode
 from rlbench_pin.environment.actions.gripper import GripperActionMode, GripperJointPosition
 from rlbench_pin.environment.actions.joint import JointPosition
-from rlbench_pin.environment.actions.mode import ChecksValues, SpecifiedMode, as_action, execute
+from rlbench_pin.environment.actions.mode import SpecifiedMode, as_action, checked, execute
 from rlbench_pin.environment.actions.specification import ActionSpec
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.spatial import FloatArray
@@ -35,6 +35,14 @@ class ActionMode(SpecifiedMode):
         """Work out what the numbers mean: the arm's, then the gripper's."""
         return self.arm_action_mode.action_spec(runtime).joined(self.gripper_action_mode.action_spec(runtime))
 
+    def spec_origin(self, runtime: Runtime) -> tuple[object, ...]:
+        """Return what `make_spec` depends on: the settings, and what both modes say."""
+        return (
+            *super().spec_origin(runtime),
+            self.arm_action_mode.action_spec(runtime),
+            self.gripper_action_mode.action_spec(runtime),
+        )
+
     def action_shape(self, runtime: Runtime) -> int:
         """Return how many numbers an action has."""
         return self.arm_action_mode.action_shape(runtime)[0] + self.gripper_action_mode.action_shape(runtime)[0]
@@ -48,11 +56,7 @@ class ActionMode(SpecifiedMode):
         values = as_action(action, self.action_shape(runtime), type(self).__name__)
         size = self.arm_action_mode.action_shape(runtime)[0]
         arm, gripper = values[:size], values[size:]
-        return _checked(self.arm_action_mode, runtime, arm), _checked(self.gripper_action_mode, runtime, gripper)
-
-
-def _checked(mode: object, runtime: Runtime, values: FloatArray) -> FloatArray:
-    return mode.check(runtime, values) if isinstance(mode, ChecksValues) else values
+        return checked(self.arm_action_mode, runtime, arm), checked(self.gripper_action_mode, runtime, gripper)
 
 
 class MoveArmThenGripper(ActionMode):

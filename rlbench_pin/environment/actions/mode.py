@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -31,21 +32,42 @@ def as_action(action: object, size: int, what: str) -> FloatArray:
 class ChecksValues(Protocol):
     """A mode that refuses some finite numbers."""
 
-    def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
-        """Return `values`, shape (n,), or raise InvalidActionError when they mean nothing."""
+    def check(self, runtime: Runtime, values: FloatArray) -> FloatArray | None:
+        """Raise InvalidActionError when `values`, shape (n,), mean nothing; return them, or others to take their place."""
         ...
+
+
+def checked(mode: object, runtime: Runtime, values: FloatArray) -> FloatArray:
+    """Return `values`, shape (n,), as a mode wants them, or raise InvalidActionError when it refuses them."""
+    result = mode.check(runtime, values) if isinstance(mode, ChecksValues) else values
+    return values if result is None else result
 
 
 @dataclass
 class BoundMode:
     """What a mode keeps for one runtime. Modes with solvers keep them in a subclass."""
 
-    spec: ActionSpec | None = None
-    """The specification, once it was asked for."""
+    _spec: ActionSpec | None = field(default=None, init=False)
+    _origin: tuple[object, ...] = field(default=(), init=False)
+
+    def spec(self, origin: tuple[object, ...], make: Callable[[], ActionSpec]) -> ActionSpec:
+        """Return the specification.
+
+        Args:
+            origin: What it is made from; it is made again when one of these is another object than the last time.
+            make: Makes it.
+        """
+        same = len(origin) == len(self._origin) and all(a is b for a, b in zip(origin, self._origin, strict=True))
+        if self._spec is None or not same:
+            self._spec, self._origin = make(), origin
+        return self._spec
 
 
 class SpecifiedMode:
-    """A mode whose numbers have a specification. It holds settings only; what belongs to one runtime is kept by that runtime."""
+    """A mode whose numbers have a specification. It holds settings only; what belongs to one runtime is kept by that runtime.
+
+    Settings may be replaced at any time.
+    """
 
     def bind(self, runtime: Runtime) -> BoundMode:
         """Make what the mode keeps for `runtime`; `Runtime.bound` calls this once."""
@@ -55,12 +77,13 @@ class SpecifiedMode:
         """Work out what the numbers mean."""
         raise NotImplementedError
 
+    def spec_origin(self, runtime: Runtime) -> tuple[object, ...]:
+        """Return what `make_spec` depends on: the settings."""
+        return tuple(vars(self).values())
+
     def action_spec(self, runtime: Runtime) -> ActionSpec:
         """Return what the numbers mean."""
-        bound = runtime.bound(self)
-        if bound.spec is None:
-            bound.spec = self.make_spec(runtime)
-        return bound.spec
+        return runtime.bound(self).spec(self.spec_origin(runtime), lambda: self.make_spec(runtime))
 
     def action_bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
         """Return lowest and highest values of an action, each of shape (n,)."""
@@ -82,9 +105,9 @@ class PartMode(SpecifiedMode):
             InvalidActionError: The action is refused; nothing has moved.
         """
         values = as_action(action, self.action_shape(runtime)[0], type(self).__name__)
-        self.execute(runtime, self.check(runtime, values))
+        self.execute(runtime, checked(self, runtime, values))
 
-    def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
+    def check(self, runtime: Runtime, values: FloatArray) -> FloatArray | None:
         """Return `values`, shape (n,), or raise InvalidActionError when they mean nothing. Here everything finite is taken."""
         return values
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from rlbench_pin.control.safety_filter import FilterCounts, SafeCommand, SafetyConfig, SafetyFilter
 from rlbench_pin.environment.actions.arm_mode import ArmActionMode
-from rlbench_pin.environment.actions.mode import BoundMode, ChecksValues, PartMode, execute
+from rlbench_pin.environment.actions.mode import BoundMode, PartMode, checked, execute
 from rlbench_pin.environment.actions.specification import ActionSpec
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.scene.snapshot import WorldSnapshot
@@ -61,9 +61,7 @@ class SafeArm(PartMode):
         shares = np.where(np.arange(len(limits.acceleration)) < arm.loaded_joints, arm.loaded_share, SHARE)
         reduced = replace(limits, velocity=SHARE * limits.velocity, acceleration=shares * limits.acceleration)
         config = replace(self.config, dt=runtime.world.control_dt, hold="any")
-        safety_filter = SafetyFilter(runtime.model, config, limits=reduced)
-        safety_filter.counts = self.counts
-        return Guard(filter=safety_filter)
+        return Guard(filter=SafetyFilter(runtime.model, config, limits=reduced, counts=self.counts))
 
     def action_shape(self, runtime: Runtime) -> tuple[int]:
         """Return the shape of an action of the inner mode."""
@@ -79,7 +77,7 @@ class SafeArm(PartMode):
 
     def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
         """Return `values`, shape (n,), or raise InvalidActionError when the inner mode refuses them."""
-        return self.mode.check(runtime, values) if isinstance(self.mode, ChecksValues) else values
+        return checked(self.mode, runtime, values)
 
     def execute(self, runtime: Runtime, values: FloatArray) -> None:
         """Run the inner action with every tick filtered."""

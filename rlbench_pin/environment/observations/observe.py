@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -26,6 +27,10 @@ class Look:
     """Takes the place of the lights of the settings."""
     offsets: dict[str, FloatArray] = field(default_factory=dict)
     """Pose (7,) of the moved camera in the frame of the camera of that name."""
+
+    def change(self, lighting: Lighting | None = None, offsets: Mapping[str, FloatArray] | None = None) -> None:
+        """Take other lights and offsets; without them, those of the settings."""
+        self.lighting, self.offsets = lighting, dict(offsets or {})
 
     def moved(self, name: str, view: CameraView) -> CameraView:
         """Return the view of a camera with its offset."""

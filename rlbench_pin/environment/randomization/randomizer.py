@@ -81,7 +81,7 @@ class Randomizer:
             world.texture_overrides.set_robot_link(link, read_texture(path), repeats)
         for name, path in sample.room.items():
             world.texture_overrides.set_room_body(name, read_texture(path))
-        look.lighting, look.offsets = sample.lighting, dict(sample.cameras)
+        look.change(sample.lighting, sample.cameras)
         for name, (mass, friction, damping) in sample.factors.items():
             if name in world.bodies or name in world.room:
                 world.dynamics_overrides.scale(world.body(name).model, mass=mass, friction=friction, damping=damping)
@@ -92,7 +92,7 @@ class Randomizer:
         world, look = self._runtime.world, self._runtime.observer.look
         world.texture_overrides.clear()
         world.dynamics_overrides.clear()
-        look.lighting, look.offsets = None, {}
+        look.change()
 
     def sample(self, rng: np.random.Generator) -> RandomizationSample:
         """Draw a sample."""

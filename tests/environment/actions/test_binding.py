@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import pickle
 from collections.abc import Callable
 
 import numpy as np
@@ -13,11 +14,13 @@ from rlbench_pin.environment import (
     Discrete,
     EndEffectorVelocity,
     Environment,
+    ERJointViaIK,
     GripperJointPosition,
     JointPosition,
     JointPositionActionMode,
     JointVelocity,
     MoveArmThenGripper,
+    RelativeFrame,
     Runtime,
     SafeArm,
     TaskEnvironment,
@@ -171,3 +174,66 @@ def test_parts_that_only_act_and_know_their_shape_are_enough() -> None:
     assert loop.world.time - began == pytest.approx(0.05)
     with pytest.raises(InvalidActionError, match=r"shape \(3,\)"):
         loop.step(np.zeros(8))
+
+
+def test_settings_that_are_replaced_take_effect_at_once() -> None:
+    """Specification, bounds and shape follow the settings of a mode that was used before, and of its parts."""
+    arm, gripper = ERJointViaIK(), GripperJointPosition()
+    loop = task_of(MoveArmThenGripper(arm, gripper))
+    chosen, first = loop.action_mode, loop.action_mode.action_spec(loop.runtime)
+    arm.commanded_joints, arm.absolute_mode, arm.frame = (0, 6), False, RelativeFrame.EE
+    gripper.absolute_mode = False
+    spec = chosen.action_spec(loop.runtime)
+    assert (first.size, spec.size, chosen.action_shape(loop.runtime)) == (9, 10, 10)
+    assert (first.frame, spec.frame) == ("world", "end effector")
+    assert (first.low[-1], spec.low[-1]) == (0.0, -spec.high[-1])
+    chosen.arm_action_mode = JointVelocity()
+    assert loop.action_bounds()[1][:-1].tolist() == loop.runtime.model.limits.velocity.tolist()
+
+
+def test_a_subclass_whose_bounds_follow_its_own_setting() -> None:
+    """A mode that overrides `bounds` is asked again when its own setting is replaced."""
+
+    class Scaled(JointVelocity):
+        scale = 1.0
+
+        def bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
+            low, high = super().bounds(runtime)
+            return low / self.scale, high / self.scale
+
+    arm = Scaled()
+    loop = task_of(MoveArmThenGripper(arm, Discrete()))
+    before = loop.action_bounds()[1]
+    arm.scale = 2.0
+    assert np.array_equal(2.0 * loop.action_bounds()[1][:-1], before[:-1])
+
+
+def test_a_check_may_return_nothing_or_other_numbers() -> None:
+    """A check that only raises leaves the numbers as they are; one that returns numbers replaces them."""
+    given: list[list[float]] = []
+
+    class Hand:
+        def __init__(self, other: list[float] | None) -> None:
+            self.other = other
+
+        def check(self, runtime: Runtime, values: FloatArray) -> FloatArray | None:
+            return None if self.other is None else np.array(self.other)
+
+        def action(self, runtime: Runtime, action: FloatArray) -> None:
+            given.append(action.tolist())
+
+        def action_shape(self, runtime: Runtime) -> tuple[int]:
+            return (1,)
+
+    for other in (None, [2.0]):
+        task_of(MoveArmThenGripper(JointVelocity(), Hand(other))).step([0.0] * 7 + [0.5])  # type: ignore[arg-type]
+    assert given == [[0.5], [2.0]]
+
+
+@pytest.mark.parametrize("make", MODES.values(), ids=MODES)
+def test_a_mode_that_was_used_can_be_sent_to_another_process(make: Callable[[], ActionMode]) -> None:
+    """Modes keep no solvers, so they can be pickled and copied at any time."""
+    loop = task_of(make())
+    loop.step(0.5 * sum(loop.action_bounds()))
+    copied = pickle.loads(pickle.dumps(loop.action_mode))
+    assert copied.action_shape(loop.runtime) == loop.action_mode.action_shape(loop.runtime)
