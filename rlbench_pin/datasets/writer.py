@@ -58,7 +58,7 @@ def write_demo(demo: Demo, path: Path, compression: Compression = "gzip") -> Pat
 
     Raises:
         DatasetError: The demo is empty or holds something that cannot be stored.
-        StorageError: The disk refused.
+        StorageError: The disk cannot be written to.
     """
     return write_whole(Path(path), encode_demo(demo, compression))
 
@@ -139,7 +139,7 @@ class DatasetWriter:
 
         Raises:
             DatasetError: The entry names another place than that of its episode.
-            StorageError: The disk refused; the episode does not count.
+            StorageError: The disk cannot be written to; the episode does not count.
         """
         entry.check(manifest_path(self.root, task))
         path = episode_path(self.root, task, entry.variation, entry.episode)

@@ -42,7 +42,7 @@ def play_demo(
     """Play the demonstration of the episode that has just started, whatever comes of it.
 
     Args:
-        runtime: The running scene, at the start of the episode.
+        runtime: The runtime, at the start of the episode.
         origin: Where the episode came from.
         record: Keep observations; False only measures.
         record_gripper: Keep those of finger motions, too.
@@ -109,7 +109,7 @@ def check_start(demo: Demo, task_name: str) -> int:
 
 
 def restore_start(runtime: Runtime, demo: Demo) -> None:
-    """Bring the world to the very state that a demonstration started from, where its seed alone did not."""
+    """Bring the world to the exact state that a demonstration started from, where its seed alone did not."""
     if demo.state is not None and not _same_arrays(runtime.world.arrays(exact=False), demo.state):
         runtime.world.set_arrays(demo.state)
         runtime.task.reset_conditions()

@@ -17,7 +17,7 @@ def replay_demo(task: TaskEnvironment, stored: Demo) -> Demo:
     """Restore the start of a demonstration, repeat its joint-position actions, and observe again.
 
     Args:
-        task: The loop of its task, with the cameras that are wanted and joint-position actions.
+        task: The environment of its task, with the cameras that are wanted and joint-position actions.
         stored: The demonstration, with joint positions.
 
     Raises:

@@ -170,7 +170,7 @@ class World:
         for callback in self.on_step:
             callback()
 
-    # Changing the scene ----------------------------------------------------------------------------------------------
+    # Changing the world ----------------------------------------------------------------------------------------------
 
     def place_root(self, pose: PoseLike) -> None:
         """Move the root to a pose (7,), and all its descendants; joints stay, velocities become zero."""

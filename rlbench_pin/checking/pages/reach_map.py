@@ -31,7 +31,7 @@ def reach_map(task: str, reaches: Sequence[Reach], fixed: bool) -> Image.Image:
 
     Args:
         task: Name for the title.
-        reaches: Draws of the scene.
+        reaches: Random layouts of the task, each with what was reached.
         fixed: Draw the places of the waypoints instead of those of the task root, which stays where it is.
     """
     count = len(reaches[0].waypoints)

@@ -96,7 +96,7 @@ def _normalised(depth: np.ndarray, obs: Observation, camera: str) -> np.ndarray:
 
 
 def _pickled(demo: Demo) -> PickledDemo:
-    """Return a stand-in with the attributes that loaders of this format know."""
+    """Return a stand-in with the attributes that loaders of this format read."""
     result = PickledDemo()
     attributes: dict[str, Any] = {
         "_observations": [_pickled_observation(obs) for obs in demo],
