@@ -29,18 +29,18 @@ def explain_failure(task: str, seed: int, variation: int, picture: Path | None =
         attempt: Which try of the seed.
     """
     with make_environment(low_dim_config()) as environment:
-        loop = environment.get_task(find_task(task))
+        task_environment = environment.get_task(find_task(task))
         failures = _Failures()
-        with loop.runtime.listening(failures):
-            outcome = loop.try_demo(seed=seed, variation=variation, attempt=attempt, record=False)
-        head = f"{loop.get_name()} seed {seed} variation {variation} attempt {attempt}"
+        with task_environment.runtime.listening(failures):
+            outcome = task_environment.try_demo(seed=seed, variation=variation, attempt=attempt, record=False)
+        head = f"{task_environment.get_name()} seed {seed} variation {variation} attempt {attempt}"
         if outcome.success:
             return [f"{head}: the demonstration succeeds."]
         lines = [f"{head}: {outcome.cause}", f"  waypoint: {outcome.leg}"]
         lines += [line for error in failures.since_success for line in evidence_lines(error)]
         if picture is not None:
             picture.parent.mkdir(parents=True, exist_ok=True)
-            Image.fromarray(_look(loop.world)).save(picture)
+            Image.fromarray(_look(task_environment.world)).save(picture)
             lines.append(f"  picture: {picture}")
         return lines
 

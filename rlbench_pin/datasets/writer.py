@@ -123,7 +123,7 @@ class DatasetWriter:
         A demo of the same variation and seed is replaced, so that running a command twice leaves no duplicates.
         """
         if not demo.task_name:
-            raise DatasetError("A demonstration without a task name cannot be filed; set `Demo.task_name`.")
+            raise DatasetError("A demonstration without a task name cannot be stored; set `Demo.task_name`.")
         data = encode_demo(demo, self.compression)
         with locked_manifest(self.root, demo.task_name) as entries:
             number = _episode_number(entries, demo)
