@@ -2,7 +2,7 @@
 
 Every action is worked out from what is measured just before it, so that errors of motors and contacts are corrected on
 the way instead of adding up. Since an episode is repeated exactly from its start, the recorded actions alone have the
-same effect again: `verify` plays them without looking. This takes the environment, not only the demonstration.
+same effect again: `verify` plays them without feedback. This takes the environment, not only the demonstration.
 
 Torques are computed from the arm model, tick by tick. With the demonstrated next state (q_d, v_d) and measured (q, v),
 
