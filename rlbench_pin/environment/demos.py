@@ -104,7 +104,7 @@ def check_start(demo: Demo, task_name: str) -> int:
     if demo.task_name and demo.task_name != task_name:
         raise TaskEnvironmentError(f"The demonstration shows '{demo.task_name}', this is '{task_name}'.")
     if demo.random_seed is None:
-        raise TaskEnvironmentError("The demonstration carries no seed, so its start cannot be restored. Record it anew.")
+        raise TaskEnvironmentError("The demonstration carries no seed, so its start cannot be restored. Record it again.")
     return demo.random_seed
 
 

@@ -159,7 +159,7 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
         return self.world.render()
 
     def close(self) -> None:
-        """Free the world; may be called again. Using the environment afterwards builds it anew."""
+        """Free the world; may be called again. Using the environment afterwards builds it again."""
         env, self._env = self._env, None
         if env is not None:
             env.close()

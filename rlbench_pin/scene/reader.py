@@ -97,7 +97,7 @@ def _scene_file_error(path: Path, raw: Raw, error: ValidationError) -> SceneFile
 
 
 def _known_keys(raw: Raw, location: tuple[int | str, ...]) -> str:
-    """Say what may stand where a key is that is not known."""
+    """Say which keys are allowed in the place of an unknown one."""
     known = _fields_at(location[:-1]) - {"file"}
     short = short_keys(str(location[0])) if len(location) == 3 else frozenset()
     if raw["format"] < FORMAT and location[-1] in short:

@@ -49,7 +49,7 @@ def _spot(reach: Reach, waypoint: int | None, fixed: bool) -> tuple[float, float
 
 
 def _panel(title: str, marks: Sequence[tuple[tuple[float, float], float, bool]], fixed: bool) -> Image.Image:
-    """Draw dots (reached) and crosses (not) on the table; the robot stands below, its left is left."""
+    """Draw dots (reached) and crosses (not) on the table; the robot is at the bottom, its left is left."""
     width, height = (round(_SCALE * np.ptp(_TABLE[axis])) for axis in (1, 0))
     panel = Image.new("RGB", (width, height + _CAPTION), _PAPER)
     draw = ImageDraw.Draw(panel)
