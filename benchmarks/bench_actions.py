@@ -60,8 +60,8 @@ Written by `python benchmarks/bench_actions.py`. Up to {demos} demonstrations of
 and played again from their start; a cell says how many still succeed, `alone / played`.
 
 * `alone`: by `convert_demo`, from the demonstration and the arm model, without the simulator.
-* `played`: by `convert_by_playing`, which plays the demonstration once more in the new space and works every action out from
-  what is measured; then the actions alone are played again, without looking.
+* `played`: by `convert_by_playing`, which plays the demonstration once more in the new space and computes every action from
+  what is measured; then the actions alone are played again, without feedback.
 
 """
 

@@ -2,7 +2,7 @@
 
 Goals: RGB, depth and mask at 128 px within 3 ms per camera without shadows and at least ten times faster than the naive camera;
 observations of five cameras, with the step, at least 25 per second with default looks and 60 without shadows.
-Times are of the process (CPU), so that neighbours on the machine do not change them; the notes give the clock on the wall too.
+Times are of the process (CPU), so that other programs do not change them; the notes give the clock on the wall too.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ def benchmark(goals: int = 40, poses: int = 1000) -> list[Result]:
 def _ticks(model: RobotModel, goals: int) -> list[Result]:
     """Run all controllers on the states of one motion by ours, in turns of a few ticks.
 
-    The processor time of each turn is taken, and ratios are medians over turns: what else the machine does hits all alike.
+    The processor time of each turn is taken, and ratios are medians over turns: other work on the machine affects all alike.
     """
     ours, pinks = DifferentialIK(model), {f"ik tick, pink {name}": Pink(model, name) for name in SOLVERS}
     functions: dict[str, Callable[[FloatArray, FloatArray, FloatArray], FloatArray]] = {

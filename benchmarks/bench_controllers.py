@@ -21,7 +21,7 @@ EXPLANATION = """# Controllers on demonstrations
 
 Written by `python benchmarks/bench_controllers.py`; `rlbench-pin evaluate --controllers` prints the same tables.
 
-Every controller follows the same legs of demonstrations ({episodes} of each of {tasks} tasks), in simulation, each from the very
+Every controller follows the same legs of demonstrations ({episodes} of each of {tasks} tasks), in simulation, each from the
 state in which the leg began. Torques are commanded 240 times a second, all else 20 times.
 
 * `tip`, `joint`: errors of the tip's place and of the worst joint at the end of every control tick, median / maximum.
@@ -42,7 +42,7 @@ What to know when reading it:
 * Other controllers of the tip leave the elbow free, so their joint errors say where the elbow went, not how well they follow.
 * `DifferentialIK, poses` brakes for each pose as if it were the last; timed motions are better followed by twists.
 * Filter and prediction keep 3 mm, also where a plan passes nearer, and the filter slows what approaches: it needs longer where a
-  leg ends near something. On legs that may touch, both forgive only what is touched at the start, so they refuse to press.
+  leg ends near something. On legs that may touch, both tolerate only what is touched at the start, so they refuse to press.
 
 """
 

@@ -31,7 +31,7 @@ PRODUCTS: tuple[tuple[str, ...], ...] = ((), ("rgb", "depth", "mask"))
 
 @dataclass(frozen=True)
 class Figures:
-    """What one recording came to."""
+    """The figures of one recording."""
 
     what: str
     workers: int
@@ -72,7 +72,7 @@ class Stopwatch:
 
 
 def measure(tasks: Sequence[str], episodes: int, products: tuple[str, ...], workers: int) -> Figures:
-    """Record into a folder that is thrown away."""
+    """Record into a temporary folder."""
     config = RecordConfig(tasks=tuple(tasks), episodes=episodes, seed=1, pictures=PictureConfig(products=products))
     watch, before = Stopwatch(), _children()
     with tempfile.TemporaryDirectory() as folder:

@@ -99,7 +99,7 @@ def summary(samples: Sequence[Sample], a_round: int) -> Memory:
 
 
 def measure(items: Sequence[WorkItem], pictures: PictureConfig, log: Path, a_round: int) -> list[Sample]:
-    """Let one worker do the work; what it makes is weighed and thrown away."""
+    """Let one worker do the work; the size of what it makes is measured, then it is deleted."""
     samples: list[Sample] = []
     began = time.perf_counter()
     with closing(ProcessEngine(1).map(pictures, items, threading.Event())) as events, log.open("w", encoding="utf-8") as lines:

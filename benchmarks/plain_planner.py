@@ -1,4 +1,4 @@
-"""The measure to be beaten: OMPL's RRT-Connect as it comes, its state check in Python over Coal on all pairs."""
+"""The baseline: OMPL's RRT-Connect with its defaults, its state check in Python over Coal on all pairs."""
 
 from __future__ import annotations
 

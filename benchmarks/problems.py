@@ -1,7 +1,7 @@
 """A hundred planning problems with fixed seeds: shelves, open boxes, cages and crowded tables, from joint start to joint goal.
 
-Obstacles come from the seed alone; start and goal are configurations at random grasp poses that touch nothing. Nothing is known
-of whether, or how easily, a planner solves them.
+Obstacles come from the seed alone; start and goal are configurations at random grasp poses that touch nothing.
+They are not chosen by whether a planner solves them.
 """
 
 from __future__ import annotations

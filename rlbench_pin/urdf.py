@@ -63,7 +63,7 @@ class UrdfLink:
     """One rigid part."""
 
     name: str
-    """Unique in a sound file."""
+    """Unique in a valid file."""
     visuals: tuple[UrdfShape, ...]
     """What is seen, in file order."""
     collisions: tuple[UrdfShape, ...]
@@ -77,7 +77,7 @@ class UrdfJoint:
     """One connection of two links."""
 
     name: str
-    """Unique in a sound file."""
+    """Unique in a valid file."""
     kind: str
     """`fixed`, `revolute`, `continuous`, `prismatic`, ..."""
     parent: str

@@ -1,4 +1,4 @@
-"""Record demonstrations, look after them, and hand them to other libraries: all through the Python API.
+"""Record, verify, read and export demonstrations, all through the Python API.
 
     python scripts/export_demos.py --out out/export --tasks reach_target pick_and_lift --episodes 4 --workers 2
 

@@ -25,7 +25,7 @@ def test_import_is_silent_and_loads_no_heavy_library() -> None:
 
 
 def test_all_is_sorted_and_small() -> None:
-    """The front door has about a dozen names, in order."""
+    """The package has about a dozen public names, in order."""
     assert list(rlbench_pin.__all__) == sorted(rlbench_pin.__all__)
     assert 10 <= len(rlbench_pin.__all__) <= 20
 
@@ -51,7 +51,7 @@ def test_every_public_name_resolves(name: str) -> None:
         "control.qp",
     ],
 )
-def test_parts_have_front_doors(package: str) -> None:
+def test_parts_have_public_names(package: str) -> None:
     """A part of the package is imported by itself, and its public names resolve."""
     code = f"import rlbench_pin.{package} as part; print(part.__all__ and [n for n in part.__all__ if not hasattr(part, n)])"
     result = _run(code)

@@ -1,4 +1,4 @@
-"""The house stays easy to walk through: sizes of folders, files and functions, no hidden hands, docstrings everywhere."""
+"""Sizes of folders, files and functions, docstrings everywhere, no patching and no module state."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _tree(file: Path) -> ast.Module:
 
 
 def test_files_have_at_most_300_lines() -> None:
-    """A longer file hides a second idea."""
+    """A longer file holds a second idea."""
     lengths = {_name(file): file.read_text(encoding="utf-8").count("\n") for file in _files(*FOLDERS)}
     assert {name: n for name, n in lengths.items() if n > MAX_FILE} == {}
 
@@ -49,7 +49,7 @@ def test_functions_have_at_most_40_lines() -> None:
 
 
 def test_folders_have_at_most_15_modules() -> None:
-    """`tasks/library` aside."""
+    """Except `tasks/library`."""
     counts = {_name(d): len(list(d.glob("*.py"))) for d in PACKAGE.rglob("*") if d.is_dir() and d not in WIDE_FOLDERS}
     assert {name: n for name, n in counts.items() if n > MAX_MODULES} == {}
 
@@ -79,7 +79,7 @@ def test_everything_public_has_a_docstring() -> None:
     assert lacking == []
 
 
-# Hidden hands -----------------------------------------------------------------------------------------------------------------
+# Patching and state -----------------------------------------------------------------------------------------------------------
 
 RECORDS = ("self", "observation", "frame", "config", "camera")
 """What `setattr` may fill by name: oneself, and records that hold data only."""
@@ -99,7 +99,7 @@ def _patches(file: Path) -> Iterator[str]:
 
 
 @pytest.mark.simulation
-def test_nobody_patches_anybody() -> None:
+def test_no_object_is_patched() -> None:
     """No attribute of another object is set by name, no method is replaced, no import hook is installed."""
     assert [found for file in _files("rlbench_pin", "benchmarks") for found in _patches(file)] == []
 

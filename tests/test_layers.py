@@ -1,4 +1,4 @@
-"""Imports point down the house, never sideways or up, and each foreign library keeps to its home."""
+"""Imports point down the rows, never sideways or up, and each foreign library has its home packages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 PACKAGE = "rlbench_pin"
 ROOT = Path(__file__).resolve().parents[1] / PACKAGE
 
-# Top row first; the rooms of one row do not know each other.
+# Top row first; the packages of one row do not import each other.
 ROWS: tuple[tuple[str, ...], ...] = (
     ("cli",),
     ("checking", "evaluation", "recording", "gym"),
@@ -27,7 +27,7 @@ FLOOR = len(ROWS) - 1
 # Records that neighbours exchange. They hold data only, and import nothing but the floor.
 RECORDS = ("scene.snapshot", "robot.trajectory")
 
-# Foreign library -> the rooms that may import it.
+# Foreign library -> the packages that may import it.
 HOMES: dict[str, tuple[str, ...]] = {
     "pybullet": ("sim",),
     "pybullet_data": (),
@@ -90,12 +90,12 @@ def _imports() -> Iterator[Import]:
                 yield Import(file, node.lineno, target)  # type: ignore[attr-defined]
 
 
-def _room(dotted: str) -> str:
+def _package(dotted: str) -> str:
     return dotted.split(".")[0]
 
 
-def _row(room: str) -> int | None:
-    return next((i for i, rooms in enumerate(ROWS) if room in rooms), None)
+def _row(package: str) -> int | None:
+    return next((i for i, packages in enumerate(ROWS) if package in packages), None)
 
 
 def _is_record(dotted: str) -> bool:
@@ -104,30 +104,30 @@ def _is_record(dotted: str) -> bool:
 
 def arrow_fault(source: str, target: str) -> str | None:
     """Say why module `source` may not import `target` (both dotted, below the package), or None when it may."""
-    here, there = _room(source), _room(target)
+    here, there = _package(source), _package(target)
     if here == there or not source or there == "__version__":
         return None
     row_here, row_there = _row(here), _row(there)
     if row_here is None or row_there is None:
-        return f"'{here if row_here is None else there}' has no place in the house"
+        return f"'{here if row_here is None else there}' is in none of the rows"
     if _is_record(source):
         return None if row_there == FLOOR else "a record imports only the floor"
     if row_here < row_there or _is_record(target):
         return None
     if row_here == row_there == FLOOR:
-        return None if (here, there) == ("observation", "spatial") or there == "errors" else "the floor stands on nothing"
+        return None if (here, there) == ("observation", "spatial") or there == "errors" else "the bottom row imports nothing"
     return "sideways" if row_here == row_there else "upwards"
 
 
-def test_every_room_has_a_row() -> None:
-    """A new folder or module of the package gets a place in the house first."""
-    rooms = {p.stem for p in ROOT.iterdir() if p.suffix == ".py" or (p / "__init__.py").exists()} - {"__init__", "__pycache__"}
-    assert {room for room in rooms if _row(room) is None} == set()
+def test_every_package_has_a_row() -> None:
+    """A new folder or module of the package is put into a row first."""
+    packages = {p.stem for p in ROOT.iterdir() if p.suffix == ".py" or (p / "__init__.py").exists()} - {"__init__", "__pycache__"}
+    assert {package for package in packages if _row(package) is None} == set()
 
 
 @pytest.mark.parametrize("page", ["docs/architecture.md", "README.md"])
 def test_pages_draw_these_rows(page: str) -> None:
-    """The picture of the house is the one that is kept."""
+    """The pages show the rows that the test keeps."""
     drawn = "\n".join(" . ".join(row) for row in ROWS)
     assert f"```text\n{drawn}\n```" in (ROOT.parent / page).read_text(encoding="utf-8")
 
@@ -144,7 +144,7 @@ def test_imports_point_down() -> None:
 def test_foreign_libraries_stay_at_home() -> None:
     """Only `sim` imports pybullet, only `planning` OMPL, and so on."""
     foreign = [i for i in _imports() if i.target.split(".")[0] in HOMES]
-    assert [str(i) for i in foreign if _room(i.source) not in HOMES[i.target.split(".")[0]]] == []
+    assert [str(i) for i in foreign if _package(i.source) not in HOMES[i.target.split(".")[0]]] == []
 
 
 @pytest.mark.simulation

@@ -1,4 +1,4 @@
-"""The README keeps its word: its example runs, its links lead somewhere, its table is the measured one."""
+"""The README is true: its example runs, its links lead somewhere, its table is the measured one."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_make_targets_exist() -> None:
 
 
 def test_length() -> None:
-    """One screen, then doors."""
+    """It is short."""
     assert len(README.splitlines()) < 200
 
 

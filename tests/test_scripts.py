@@ -31,10 +31,10 @@ def export(out: Path) -> str:
 @pytest.mark.slow
 def test_export_demos(tmp_path: Path) -> None:
     """It records, and every format holds what was recorded; run again, it finds all that is there."""
-    told = export(tmp_path)
-    assert "2 recorded now, 0 found, 0 missing" in told
-    assert f"{TASK}: 0 faults" in told
-    assert "the front picture is (32, 32, 3)" in told
+    printed = export(tmp_path)
+    assert "2 recorded now, 0 found, 0 missing" in printed
+    assert f"{TASK}: 0 faults" in printed
+    assert "the front picture is (32, 32, 3)" in printed
     verify_task(tmp_path / "dataset", TASK, structure=True)
     entries = read_manifest(tmp_path / "dataset", TASK)
     demos = [read_demo(episode_path(tmp_path / "dataset", TASK, e.variation, e.episode), sha256=e.sha256) for e in entries]

@@ -1,4 +1,4 @@
-"""Why a demonstration failed: the typed reason with its evidence, and a picture of the scene at that moment."""
+"""Why a demonstration failed: the typed reason with its evidence, and a picture of the world at that moment."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ def explain_failure(task: str, seed: int, variation: int, picture: Path | None =
         task: Name of the task, or path of a task file.
         seed: Seed of the episode.
         variation: Its variation.
-        picture: PNG file of the scene at the failure; None for none.
+        picture: PNG file of the world at the failure; None for none.
         attempt: Which try of the seed.
     """
     with make_environment(low_dim_config()) as environment:
-        loop = environment.get_task(find_task(task))
+        task_environment = environment.get_task(find_task(task))
         failures = _Failures()
-        with loop.runtime.listening(failures):
-            outcome = loop.try_demo(seed=seed, variation=variation, attempt=attempt, record=False)
-        head = f"{loop.get_name()} seed {seed} variation {variation} attempt {attempt}"
+        with task_environment.runtime.listening(failures):
+            outcome = task_environment.try_demo(seed=seed, variation=variation, attempt=attempt, record=False)
+        head = f"{task_environment.get_name()} seed {seed} variation {variation} attempt {attempt}"
         if outcome.success:
             return [f"{head}: the demonstration succeeds."]
         lines = [f"{head}: {outcome.cause}", f"  waypoint: {outcome.leg}"]
         lines += [line for error in failures.since_success for line in evidence_lines(error)]
         if picture is not None:
             picture.parent.mkdir(parents=True, exist_ok=True)
-            Image.fromarray(_look(loop.world)).save(picture)
+            Image.fromarray(_look(task_environment.world)).save(picture)
             lines.append(f"  picture: {picture}")
         return lines
 
@@ -52,7 +52,7 @@ class _Failures(Listener):
         self.since_success: list[PlanningError] = []
 
     def on_plan(self, request: PlanRequest, outcome: Plan | PlanningError, seconds: float) -> None:
-        """Keep an error, or forget all; a motion to a configuration is one of several tries at the same waypoint."""
+        """Keep an error, or drop all; a motion to a configuration is one of several tries at the same waypoint."""
         if isinstance(outcome, PlanningError):
             self.since_success += [outcome] if request.kind != "configuration" else []
         else:
@@ -60,7 +60,7 @@ class _Failures(Listener):
 
 
 def evidence_lines(error: Exception) -> list[str]:
-    """Return what an error knows, a line for each name."""
+    """Return the evidence of an error, a line for each name."""
     if not isinstance(error, PlanningError):
         return []
     return [f"  reason: {error.reason}", *(f"  {name}: {_text(value)}" for name, value in error.evidence.items())]

@@ -29,7 +29,7 @@ ENGINE_STATE = "physics"
 
 @dataclass(frozen=True)
 class Rest:
-    """What a scene does when it is left alone from the reset on."""
+    """What happens in a world that is left alone from the reset on."""
 
     penetration: float
     """Deepest overlap at the reset [m]."""

@@ -84,7 +84,7 @@ def _results(items: Sequence[Item], workers: int) -> Iterator[tuple[Item, list[T
 
 
 def _die_with_parent() -> None:
-    """End this worker when the process that started it is killed; it would wait for work for ever otherwise."""
+    """End this worker when the process that started it is killed; otherwise it would wait for work forever."""
     parent = multiprocessing.parent_process()
 
     def watch() -> None:

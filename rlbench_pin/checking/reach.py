@@ -19,7 +19,7 @@ from rlbench_pin.tasks import Waypoint
 
 @dataclass(frozen=True)
 class Reach:
-    """What can be reached in one draw of the scene, wherever it was placed; a draw that a reset would refuse is kept."""
+    """What can be reached in one random layout of the task; a layout that a reset would refuse is kept."""
 
     place: tuple[float, float, float]
     """x, y [m] and yaw [rad] of the task root."""
@@ -38,7 +38,7 @@ class Reach:
 
 
 def reach_of(runtime: Runtime, seed: int, variation: int) -> Reach:
-    """Lay the scene out once, from `seed`, and see which waypoints can be reached.
+    """Lay the task out once, from `seed`, and see which waypoints can be reached.
 
     Raises:
         BoundaryError: Something found no place.

@@ -161,7 +161,7 @@ class RepeatTrial(Trial):
 
 @dataclass(frozen=True, kw_only=True)
 class IdleTrial(Trial):
-    """A scene left alone."""
+    """A world left alone."""
 
     part = "idle"
     rest: Rest | None = None
@@ -195,16 +195,16 @@ class RandomTrial(Trial):
 
 @dataclass(frozen=True, kw_only=True)
 class ReachTrial(Trial):
-    """One draw of the scene, and which waypoints the arm reaches in it."""
+    """One random layout of the task, and which waypoints the arm reaches in it."""
 
     part = "reach"
     reach: Reach | None = None
     no_place: str = ""
-    """Why the scene could not be laid out; a reset would draw again."""
+    """Why the task could not be laid out; a reset would draw another layout."""
 
     @classmethod
     def without_start(cls, task: str, seed: int, variation: int, why: str) -> Self:
-        """Return the record of a draw that found no place, which is no error."""
+        """Return the record of a layout that found no place, which is no error."""
         return cls(task=task, seed=seed, variation=variation, no_place=why)
 
     @property

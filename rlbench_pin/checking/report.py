@@ -66,7 +66,7 @@ class TaskReport:
     left_over: tuple[str, ...]
     """What the others left behind."""
     drift: Worst
-    """Motion of a scene left alone."""
+    """Motion in a world left alone."""
     penetration: Worst
     """Overlap at a reset."""
     held: tuple[str, ...]

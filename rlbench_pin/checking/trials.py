@@ -150,7 +150,7 @@ def repeat_trial(task: TaskEnvironment, seed: int, variation: int) -> RepeatTria
 
 
 def idle_trial(task: TaskEnvironment, seed: int, variation: int) -> IdleTrial:
-    """Leave the scene alone."""
+    """Leave the world alone."""
     return IdleTrial(task=task.get_name(), seed=seed, variation=variation, rest=rest(task, seed, variation))
 
 
@@ -161,7 +161,7 @@ def random_trial(task: TaskEnvironment, seed: int, variation: int) -> RandomTria
 
 
 def reach_trial(task: TaskEnvironment, seed: int, variation: int) -> ReachTrial:
-    """Lay the scene out once, and see what the arm reaches."""
+    """Lay the task out once, and see what the arm reaches."""
     reach = reach_of(task.runtime, seed, variation)
     return ReachTrial(task=task.get_name(), seed=seed, variation=variation, reach=reach)
 

@@ -1,1 +1,1 @@
-"""`rlbench-pin <command>`: one frozen dataclass per command. Results go to stdout, progress and complaints to stderr."""
+"""`rlbench-pin <command>`: one frozen dataclass per command. Results go to stdout, progress and errors to stderr."""

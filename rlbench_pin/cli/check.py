@@ -28,7 +28,7 @@ _SEEDS_PER_ITEM: dict[Part, int] = {"demos": 5, "repeat": 2, "idle": 10, "random
 
 @dataclass(frozen=True)
 class Check:
-    """Judge tasks: demonstrations succeed and can be replayed, resets repeat and rest, resting and flailing solve nothing."""
+    """Judge tasks: demonstrations succeed and replay, resets repeat and rest, doing nothing and random actions solve nothing."""
 
     tasks: tyro.conf.Positional[tuple[str, ...]] = ()
     """Task names, as `rlbench-pin list` prints them; all when none is given."""
@@ -37,15 +37,15 @@ class Check:
     episodes: int = 30
     """Demonstrations of each task, spread over its variations."""
     variations: int = 20
-    """Most variations of a task to draw."""
+    """Number of variations of a task to test, at most."""
     replays: int = 50
     """Demonstrations whose recorded actions are played again, the first ones of a task."""
     seed: int = 0
     """Seed of the first episode; episode i uses seed + i."""
     contract: bool = True
-    """Also judge instructions, resets, resting and flailing, and what the arm reaches."""
+    """Also judge instructions, resets, doing nothing, random actions, and what the arm reaches."""
     contract_seeds: int = 5
-    """Seeds of resting and of flailing."""
+    """Seeds of the episodes that do nothing, and of those with random actions."""
     placements: int = 100
     """Places of the task from which to try every waypoint."""
     max_attempts: int = 10
@@ -53,14 +53,15 @@ class Check:
     workers: int = 1
     """Processes; the result does not depend on their number."""
     explain: bool = False
-    """Play the first try of each cause of failure again: print its evidence and draw the scene into `explain` below `out`."""
+    """Play the first try of each cause of failure again: print its evidence and draw the world into `explain` below `--out`
+    (`out/explain` without it)."""
     json: Path | None = None
     """File to write the whole report to."""
     out: Path | None = None
     """Folder for the whole report: report.md with its pictures, report.json, and trials.jsonl, with which the same command
     continues where it was stopped."""
     pictures: bool = True
-    """Draw a contact sheet and a map of each task into `out`."""
+    """With `--out`: draw a contact sheet and a reach map of each task into it."""
 
     def run(self) -> int:
         """Judge, print a table and the causes of failures; 1 when a task fails."""

@@ -1,4 +1,4 @@
-"""`rlbench-pin dataset info|verify|merge|rerender|seeds|export`: look after stored demonstrations."""
+"""`rlbench-pin dataset info|verify|merge|rerender|seeds|export`: inspect, check, copy and export stored demonstrations."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class Rerender:
     source: Root
     """Folder of the dataset (its manifests are enough), or a file with a list of seeds."""
     out: Path
-    """Folder of the result; a run that was broken off is resumed."""
+    """Folder of the result; an interrupted run is resumed."""
     tasks: tuple[str, ...] = ()
     """Only these tasks."""
     image_size: tuple[int, int] = (128, 128)
@@ -94,7 +94,7 @@ class Rerender:
     products: tuple[str, ...] = ("rgb", "depth", "mask")
     """What each camera delivers, of rgb, depth, mask and point_cloud."""
     workers: int = 1
-    """Processes; 0 works in this one."""
+    """Worker processes; with 0 this process does the work."""
     engine: EngineName = "processes"
     """What does the work: processes of this machine, or a Ray cluster."""
 
@@ -156,7 +156,7 @@ class Export:
 
 @dataclass(frozen=True)
 class Dataset:
-    """Look after stored demonstrations."""
+    """Inspect, verify, merge, rerender and export stored demonstrations."""
 
     action: tyro.conf.OmitSubcommandPrefixes[
         Annotated[Info, tyro.conf.subcommand("info")]

@@ -42,7 +42,7 @@ class RecordDemos:
     """Plan demonstrations of one task, write each to an HDF5 episode, and film it."""
 
     task: tyro.conf.Positional[str]
-    """Task name, as `rlbench-pin list` prints it."""
+    """Task name, as `rlbench-pin list` prints it, or a task file."""
     variation: int = 0
     """Variation of the task; -1 draws one for each episode."""
     seed: int = 0

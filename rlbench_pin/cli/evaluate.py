@@ -30,13 +30,13 @@ class Evaluate:
     controllers: bool = False
     """Evaluate the controllers of `rlbench_pin.control`."""
     tasks: tuple[str, ...] = TASKS
-    """Task names, as `rlbench-pin list` prints them."""
+    """Task names, as `rlbench-pin list` prints them, or task files."""
     episodes: int = 1
     """Demonstrations of each task."""
     seed: int = 0
     """Seed of the first episode; episode i uses seed + i."""
     legs: int | None = None
-    """Most legs of each demonstration; all when not given."""
+    """Number of legs of each demonstration, from the first on; all when not given."""
     only: tuple[str, ...] = ()
     """Controllers to compare, by name; all when none is given."""
     json: Path | None = None

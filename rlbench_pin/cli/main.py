@@ -60,14 +60,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return command.run()
     except (UnknownName, TaskEnvironmentError) as error:
-        return _complain(error, MISUSED)
+        return _print_error(error, MISUSED)
     except RlbenchPinError as error:
-        return _complain(error, FAILED)
+        return _print_error(error, FAILED)
     except KeyboardInterrupt:
-        return _complain("interrupted", FAILED)
+        return _print_error("interrupted", FAILED)
 
 
-def _complain(problem: object, code: int) -> int:
+def _print_error(problem: object, code: int) -> int:
     print(f"rlbench-pin: {problem}", file=sys.stderr)
     return code
 

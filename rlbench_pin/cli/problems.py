@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,7 +37,7 @@ class Problems:
     def run(self) -> int:
         """Play demonstrations, write their legs, print how many; 2 when misused."""
         if self.action != "export" or not self.tasks:
-            print("rlbench-pin: use `rlbench-pin problems export TASK...`")
+            print("rlbench-pin: use `rlbench-pin problems export TASK...`", file=sys.stderr)
             return 2
         for name in [task_class(name).get_name() for name in self.tasks]:
             count = self._export(name)

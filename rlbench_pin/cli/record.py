@@ -38,11 +38,11 @@ class Record:
     per_variation: bool = False
     """Count episodes for each variation."""
     variations: int = -1
-    """Most variations of a task; -1 is all."""
+    """Number of variations of a task, at most; -1 is all."""
     seed: int = 0
     """Seed of the recording. The same seed gives the same files, however many workers there are."""
     workers: int = 1
-    """Processes; 0 works in this one."""
+    """Worker processes; with 0 this process does the work."""
     engine: EngineName = "processes"
     """What does the work: processes of this machine, or a Ray cluster."""
     resume: bool = False

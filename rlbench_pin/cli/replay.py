@@ -15,7 +15,7 @@ class Replay:
     """Restore the start of stored episodes, repeat their joint-position actions, and say whether they succeed again."""
 
     files: tyro.conf.Positional[tuple[Path, ...]]
-    """Episode files, or folders of datasets, of which those count that their manifests list."""
+    """Episode files, or folders of datasets, of which the episodes in the manifests are replayed."""
 
     def run(self) -> int:
         """Print one line per episode; 1 when one does not succeed."""

@@ -51,11 +51,11 @@ class Video:
     fps: int = 20
     """Pictures per second; 20 is real time."""
     domain_randomization: bool = False
-    """Change looks every ten ticks."""
+    """Change textures and lights every ten ticks."""
     textures_path: Path | None = None
-    """Folder of pictures for that; None is the set that comes with the package."""
+    """Folder of textures for `--domain-randomization`; None is the set that comes with the package."""
     renderer: Literal["cpu", "egl", "auto"] = "cpu"
-    """Who draws."""
+    """What draws the pictures: `cpu`, `egl`, or `auto` for EGL where there is one."""
     max_attempts: int = 10
     """Tries for each demonstration."""
     out: Path = Path("out/video")

@@ -16,7 +16,7 @@ class View:
     """Draw a contact sheet: the five cameras at the reset and at four moments of a demonstration."""
 
     task: tyro.conf.Positional[str]
-    """Task name, as `rlbench-pin list` prints it."""
+    """Task name, as `rlbench-pin list` prints it, or a task file."""
     variation: int = 0
     """Variation of the task."""
     seed: int = 0

@@ -32,7 +32,7 @@ BoolArray = NDArray[np.bool_]
 RESOLUTION = 2e-3
 """Motion [m] of a piece that is not halved any more; its pairs may be below their floor by half of it, and are so by far less."""
 TOLERANCE = 1e-6
-"""Distances below the floor by this much are forgiven [m]: rounding."""
+"""Distances below the floor by this much are tolerated [m]: rounding."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -15,7 +15,7 @@ At configuration q, tip Jacobian J, the displacement d = dt u of the next tick i
   empty: no state makes this QP infeasible, and from a state outside the limits the command is the hardest brake or
   return.
 
-`DifferentialIKQP` states the same problem as plain matrices for any solver; a test holds the two together.
+`DifferentialIKQP` states the same problem as plain matrices for any solver; a test compares the two.
 """
 
 from __future__ import annotations

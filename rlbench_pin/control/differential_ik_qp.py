@@ -1,4 +1,4 @@
-"""The quadratic program of `differential_ik`, written out as matrices: a cross-check, and the seam for other solvers.
+"""The quadratic program of `differential_ik`, written out as matrices: a cross-check, and the interface for other solvers.
 
 With rows J = (J_p, J_r) along world axes, weights W = diag(w_p, w_p, w_p, w_r, w_r, w_r), and the symbols of `differential_ik`,
 

@@ -1,4 +1,4 @@
-"""The parallel gripper: open, close to a width, close with a force; knows when it is there, holds something, or is stuck.
+"""The parallel gripper: open, close to a width, close with a force; says when it has arrived, holds something, or is stuck.
 
 Pure logic over measured width and force: each tick `update` takes what was measured and returns the width to command and
 the largest force to apply. Commanded widths move at a set speed and never run ahead of the measured one by more than

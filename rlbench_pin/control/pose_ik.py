@@ -103,7 +103,7 @@ class PoseIK:
         raise NoIkSolution(np.asarray(pose, dtype=float), *best, config.starts)
 
     def _descend(self, goal: pin.SE3, q: FloatArray) -> tuple[FloatArray, tuple[float, float], int]:
-        """Walk downhill from `q`; return where it ended, position and rotation error there, and the number of steps."""
+        """Descend from `q`; return where it ended, position and rotation error there, and the number of steps."""
         config, limits = self.config, self.model.limits
         self._tip_task.T_world_frame = goal.homogeneous
         best = math.inf

@@ -160,7 +160,7 @@ class PredictiveProgram:
         self.low[ends[2] : ends[3]], self.high[ends[2] : ends[3]] = -step, step
 
     def _block_entries(self, rows: sp.coo_matrix, place: IndexArray, k: int) -> IndexArray:
-        """Return where the gradients of tick k stand in the data of `rows`, shape (pairs, n)."""
+        """Return where the gradients of tick k are in the data of `rows`, shape (pairs, n)."""
         size, n = self.size, self.size.joints
         first_row, first_column = self._distances.start + k * size.pairs, size.motion + k * n
         i, j = rows.row - first_row, rows.col - first_column

@@ -11,13 +11,13 @@ normals (`robot.distances`). With (1) a distance d approaches its minimum d_min 
 1987; a control barrier function of the class d' >= -gain d). When no row is active, u is the wanted velocity clipped to
 the box, and no QP is solved.
 
-(1) is linear in a short motion and knows nothing of braking, so the result is checked: the tick of u and the hardest
+(1) is linear in a short motion and leaves out braking, so the result is checked: the tick of u and the hardest
 braking after it, at true distances and in all pairs (`braking`). If that way is not clear, commands between u and braking
 are tried, and last braking itself, which was checked one tick ago. Therefore, in a world that stands still, limits hold
 and distances stay above the minimum at all times, also when the QP is infeasible: braking is the safe stop.
 
 A state that breaks a rule already is led back: joints beyond their limits brake, then return; pairs nearer than the
-minimum may not come nearer, and (1) asks them to part at most at `recovery_speed`.
+minimum may not come nearer, and (1) asks them to separate at most at `recovery_speed`.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class SafetyConfig:
     influence: float = 0.05
     """Pairs nearer than this always take part in the QP [m]."""
     recovery_speed: float = 0.05
-    """At which pairs below the minimum are made to part [m/s]."""
+    """Speed at which pairs below the minimum are made to separate, at most [m/s]."""
     limit_margin: float = 0.0
     """Distance kept from the joint position limits [rad]."""
 

@@ -1,4 +1,4 @@
-"""Plays a trajectory as a row of joint commands, one per control tick."""
+"""Plays a trajectory as a sequence of joint commands, one per control tick."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where things lie: `<root>/<task>/variation<k>/episodes/episode<j>.h5`, and one `manifest.json` per task."""
+"""Where files are: `<root>/<task>/variation<k>/episodes/episode<j>.h5`, and one `manifest.json` per task."""
 
 from __future__ import annotations
 

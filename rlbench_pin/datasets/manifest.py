@@ -102,7 +102,7 @@ def append_entry(root: Path, task: str, entry: EpisodeEntry) -> None:
     """Note one more episode at the end of the journal; `fold_journal` puts it into the manifest.
 
     Raises:
-        StorageError: The disk refused; the episode does not count.
+        StorageError: The disk cannot be written to; the episode does not count.
     """
     path = manifest_path(root, task)
     line = json.dumps(asdict(entry)).encode() + b"\n"

@@ -16,7 +16,7 @@ from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 
 @dataclass(frozen=True)
 class Move:
-    """One episode on its way."""
+    """One episode to be copied."""
 
     task: str
     source: Path
@@ -33,7 +33,7 @@ def merge_datasets(roots: Sequence[Path], out: Path, on_episode: Callable[[Move]
         DatasetConflict: The same seed shows something else, or pictures differ in kind or size, or the result is being written
             to. Nothing was written.
         EpisodeFileError: A file is missing or not what its manifest says.
-        StorageError: The disk refused. Every episode stored before is whole; merging again completes the rest.
+        StorageError: The disk cannot be written to. Every episode stored before is whole; merging again completes the rest.
     """
     out = Path(out)
     if not plan_merge(roots, out):

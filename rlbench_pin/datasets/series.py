@@ -138,7 +138,7 @@ def _create(group: h5py.Group, name: str, data: np.ndarray, compression: str) ->
 
 
 def _plain(value: Value) -> Value:
-    """Replace what JSON does not know by marked dicts."""
+    """Replace what JSON cannot hold by marked dicts."""
     if isinstance(value, np.ndarray):
         return {_ARRAY: value.tolist(), "dtype": str(value.dtype), "shape": list(value.shape)}
     if isinstance(value, np.generic):

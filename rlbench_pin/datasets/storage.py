@@ -16,7 +16,7 @@ from rlbench_pin.errors import DatasetConflict, StorageError
 
 @contextmanager
 def storing(path: Path) -> Iterator[None]:
-    """Turn what the disk says about `path` into a StorageError."""
+    """Turn an error of the operating system into a StorageError that names `path`."""
     try:
         yield
     except OSError as error:
@@ -29,7 +29,7 @@ def hold(root: Path) -> Iterator[None]:
 
     Raises:
         DatasetConflict: Another one holds it.
-        StorageError: The disk refused.
+        StorageError: The disk cannot be written to.
     """
     with storing(root):
         root.mkdir(parents=True, exist_ok=True)
@@ -50,7 +50,7 @@ def write_whole(path: Path, data: bytes) -> Path:
     The bytes go to a temporary file beside it, which is synced to the disk and then renamed.
 
     Raises:
-        StorageError: The disk refused; nothing is left behind and an earlier file of that name is as it was.
+        StorageError: The disk cannot be written to; nothing is left behind and an earlier file of that name is as it was.
     """
     temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     with storing(path):
@@ -77,7 +77,7 @@ def remove_leftovers(folder: Path) -> int:
 class DeferredErrorFile(io.FileIO):
     """A file for libraries that do not survive a full disk, as HDF5 does not: it raises an error only at the end.
 
-    Use it in a `with` block, which raises what the disk said first. `check` raises it earlier, where the library can be left.
+    Use it in a `with` block, which raises the first error of the disk. `check` raises it earlier.
     """
 
     def __init__(self, path: Path) -> None:
@@ -85,12 +85,12 @@ class DeferredErrorFile(io.FileIO):
         self.refused: OSError | None = None
 
     def check(self) -> None:
-        """Raise what the disk said, if it refused anything."""
+        """Raise the first error of the disk, if there was one."""
         if self.refused is not None:
             raise self.refused
 
     def write(self, data: Any) -> int:
-        """Write all, or note why not."""
+        """Write all, or keep the error."""
         view = memoryview(data).cast("B")
         done = 0
         try:
@@ -101,7 +101,7 @@ class DeferredErrorFile(io.FileIO):
         return len(view)
 
     def truncate(self, size: int | None = None) -> int:
-        """Change the length, or note why not."""
+        """Change the length, or keep the error."""
         try:
             return super().truncate(size)
         except OSError as error:

@@ -57,7 +57,7 @@ def write_demo(demo: Demo, path: Path, compression: Compression = "gzip") -> Pat
 
     Raises:
         DatasetError: The demo is empty or holds something that cannot be stored.
-        StorageError: The disk refused.
+        StorageError: The disk cannot be written to.
     """
     return write_whole(Path(path), encode_demo(demo, compression))
 
@@ -122,7 +122,7 @@ class DatasetWriter:
         A demo of the same variation and seed is replaced, so that running a command twice leaves no duplicates.
         """
         if not demo.task_name:
-            raise DatasetError("A demonstration without a task name cannot be filed; set `Demo.task_name`.")
+            raise DatasetError("A demonstration without a task name cannot be stored; set `Demo.task_name`.")
         data = encode_demo(demo, self.compression)
         with locked_manifest(self.root, demo.task_name) as entries:
             number = _episode_number(entries, demo)
@@ -138,7 +138,7 @@ class DatasetWriter:
 
         Raises:
             DatasetError: The entry names another place than that of its episode.
-            StorageError: The disk refused; the episode does not count.
+            StorageError: The disk cannot be written to; the episode does not count.
         """
         entry.check(manifest_path(self.root, task))
         path = episode_path(self.root, task, entry.variation, entry.episode)

@@ -1,4 +1,4 @@
-"""The loop: Environment, TaskEnvironment, action modes, observations, demonstrations."""
+"""Environments that run tasks: Environment, TaskEnvironment, action modes, observations, demonstrations."""
 
 from rlbench_pin.environment.actions import (
     ActionMode,

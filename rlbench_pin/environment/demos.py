@@ -42,7 +42,7 @@ def play_demo(
     """Play the demonstration of the episode that has just started, whatever comes of it.
 
     Args:
-        runtime: The running scene, at the start of the episode.
+        runtime: The runtime, at the start of the episode.
         origin: Where the episode came from.
         record: Keep observations; False only measures.
         record_gripper: Keep those of finger motions, too.
@@ -104,12 +104,12 @@ def check_start(demo: Demo, task_name: str) -> int:
     if demo.task_name and demo.task_name != task_name:
         raise TaskEnvironmentError(f"The demonstration shows '{demo.task_name}', this is '{task_name}'.")
     if demo.random_seed is None:
-        raise TaskEnvironmentError("The demonstration carries no seed, so its start cannot be restored. Record it anew.")
+        raise TaskEnvironmentError("The demonstration carries no seed, so its start cannot be restored. Record it again.")
     return demo.random_seed
 
 
 def restore_start(runtime: Runtime, demo: Demo) -> None:
-    """Bring the world to the very state that a demonstration started from, where its seed alone did not."""
+    """Bring the world to the exact state that a demonstration started from, where its seed alone did not."""
     if demo.state is not None and not _same_arrays(runtime.world.arrays(exact=False), demo.state):
         runtime.world.set_arrays(demo.state)
         runtime.task.reset_conditions()

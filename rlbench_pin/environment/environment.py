@@ -1,4 +1,4 @@
-"""The front door: choose actions and observations, then get tasks."""
+"""`Environment`: choose actions and observations, then get tasks."""
 
 from __future__ import annotations
 
@@ -126,7 +126,7 @@ class Environment:
     # Tasks ------------------------------------------------------------------------------------------------------
 
     def get_task(self, task: type[Task] | str) -> TaskEnvironment:
-        """Load a task, by class or by name, and return its loop; the previous task is unloaded.
+        """Load a task, by class or by name, and return its environment; the previous task is unloaded.
 
         Raises:
             UnknownName: No task has this name; names the nearest.

@@ -56,7 +56,7 @@ class EnvironmentState:
     runtime: RuntimeState
     episode: EpisodeOrigin
     randomization: RandomizationSample | None = None
-    """What domain randomization has made of the scene."""
+    """What domain randomization has changed in the world."""
 
 
 def checked_seed(seed: object) -> int:

@@ -1,6 +1,6 @@
 """What a running task reports: plans, control ticks, observations and the legs of a demonstration.
 
-`Runtime.listening` lets a listener hear for a while; nothing that it hears of changes by it.
+`Runtime.listening` calls a listener for the duration of a block; a listener changes nothing that it is called for.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from rlbench_pin.tasks import Waypoint
 
 
 class Listener(PlanningListener):
-    """Hears of what a runtime does. The methods do nothing: override those that matter."""
+    """Is called for what a runtime does. The methods do nothing: override those that matter."""
 
     def on_tick(self, seconds: float) -> None:
         """A control tick was simulated, in `seconds` [s] of process time."""
@@ -36,7 +36,7 @@ class Listeners:
 
     @contextmanager
     def including(self, listener: Listener) -> Iterator[None]:
-        """Report to `listener` as well, for a while."""
+        """Report to `listener` as well, for the duration of a block."""
         self._listeners.append(listener)
         try:
             yield

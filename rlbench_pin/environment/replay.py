@@ -25,7 +25,7 @@ def replay_succeeds(task: TaskEnvironment, demo: Demo) -> bool:
     """Whether the joint-position actions of a demonstration reach the goal through `step`, from the start of the demo.
 
     Args:
-        task: A loop of its task with joint-position actions, at the start of the demonstration.
+        task: The environment of its task with joint-position actions, at the start of the demonstration.
         demo: The demonstration.
 
     Raises:

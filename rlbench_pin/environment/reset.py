@@ -64,7 +64,7 @@ def start_episode(
 
 
 def lay_out(runtime: Runtime, variation: int, random: EpisodeRandom, *, static: bool) -> list[str]:
-    """Put one draw of a variation on the table, whether it can be reached or not, and return its instructions.
+    """Lay out one random episode of a variation, whether it can be reached or not, and return its instructions.
 
     Args:
         runtime: The running task.

@@ -1,4 +1,4 @@
-"""The running scene: one world, one task, one planner, stepped together."""
+"""The runtime: one world, one task, one planner, stepped together."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Runtime:
         model: Analytic model of the arm.
         planner: Motion planner over `model`.
         attach_grasped_objects: Whether closing the hand fixes grasped bodies to it, unless the gripper mode says otherwise.
-        listeners: Who hears of ticks, observations and legs; see `listening`.
+        listeners: Called for ticks, observations and legs; see `listening`.
     """
 
     def __init__(
@@ -118,7 +118,7 @@ class Runtime:
 
     @contextmanager
     def filtering(self, command_filter: Callable[[Runtime], None]) -> Iterator[None]:
-        """Let `command_filter` look at the motor command before every tick, for a while."""
+        """Let `command_filter` check the motor command before every tick, for the duration of a block."""
         before, self._command_filter = self._command_filter, command_filter
         try:
             yield
@@ -142,13 +142,13 @@ class Runtime:
 
     @contextmanager
     def listening(self, listener: Listener) -> Iterator[None]:
-        """Let `listener` hear of plans, control ticks, observations and legs, for a while."""
+        """Call `listener` for plans, control ticks, observations and legs, for the duration of a block."""
         planner, world = self.planner, self.world
         with planner.listeners.including(listener), self.listeners.including(listener), timed_ticks(world, listener.on_tick):
             yield
 
     def refresh_planner(self) -> None:
-        """Tell the planner where everything is now."""
+        """Give the planner a snapshot of the present world."""
         self.planner.update(self.world.snapshot())
 
     def touching(self) -> tuple[str, ...]:

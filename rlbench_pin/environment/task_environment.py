@@ -26,10 +26,10 @@ MAX_DEMO_ATTEMPTS = 10
 
 
 class TaskEnvironment:
-    """The loop of one task: `reset`, `step`, `get_demos`.
+    """The environment of one task: `reset`, `step`, `get_demos`.
 
     Args:
-        runtime: The running scene, as it was built.
+        runtime: World, task and planner, as they were built.
         action_mode: What actions mean.
         obs_config: What observations contain.
         seeds: Source of the seeds of episodes that are not given one.

@@ -10,7 +10,7 @@ class ControlError(RlbenchPinError):
 
 
 class InvalidTarget(ControlError, ValueError):
-    """A controller was given a target or a state that is no such thing: NaN, a wrong shape, a quaternion of norm zero."""
+    """A controller was given a target or a state that is not valid: NaN, a wrong shape, a quaternion of norm zero."""
 
     def __init__(self, what: str, value: object, problem: str) -> None:
         self.what, self.value = what, value

@@ -21,7 +21,7 @@ class EpisodeFileError(DatasetError):
 
 
 class StorageError(DatasetError):
-    """The disk refused: full, read-only, forbidden; what was stored before is still whole."""
+    """The disk cannot be written to (full, read-only, no permission); what was stored before is still whole."""
 
     def __init__(self, path: Path | str, cause: OSError) -> None:
         self.path, self.errno = Path(path), cause.errno

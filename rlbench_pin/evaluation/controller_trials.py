@@ -185,7 +185,7 @@ def plan_trial(runtime: Runtime, leg: Leg) -> LegTrial:
 
 
 def _prepare(runtime: Runtime, leg: Leg) -> tuple[TrackingProblem, Callable[[FloatArray, float], float]]:
-    """Go to the start of a leg; return what its followers may know, and a function that measures clearance."""
+    """Go to the start of a leg; return the problem for its followers, and a function that measures clearance."""
     runtime.restore(leg.state)
     world, snapshot = runtime.world, runtime.world.snapshot()
     problem = TrackingProblem(runtime.model, leg.trajectory, snapshot, runtime.touching(), world.control_dt, world.timestep)

@@ -48,7 +48,7 @@ OVERTIME = 20
 
 @dataclass(frozen=True, eq=False)
 class TrackingProblem:
-    """One trajectory to follow, and all that a controller may know of it."""
+    """One trajectory to follow, and all that a controller may use."""
 
     model: RobotModel
     """The arm, without payload."""

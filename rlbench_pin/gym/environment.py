@@ -118,7 +118,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
 
     @property
     def task_environment(self) -> TaskEnvironment:
-        """The loop behind this environment, for demonstrations and states."""
+        """The `TaskEnvironment` behind this environment, for demonstrations and states."""
         return self._task
 
     # The loop ---------------------------------------------------------------------------------------------------
@@ -188,7 +188,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
     # Pictures and the end ---------------------------------------------------------------------------------------
 
     def render(self) -> np.ndarray | None:  # type: ignore[override]
-        """Return the scene from the side, uint8 (360, 640, 3), or show it with `render_mode="human"`."""
+        """Return a picture from the side, uint8 (360, 640, 3), or show it with `render_mode="human"`."""
         if self.render_mode is None:
             gymnasium.logger.warn("render() without a render_mode shows nothing. Pass render_mode='rgb_array' to make().")
             return None

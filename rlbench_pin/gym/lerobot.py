@@ -30,7 +30,7 @@ from rlbench_pin.tasks import task_class, task_names
 
 SUITE = "rlbench_pin"
 TASKS_VARIABLE = "RLBENCH_PIN_TASKS"
-"""Environment variable with the tasks that `make_env` makes when it is not told, separated by commas."""
+"""Environment variable with the tasks that `make_env` makes when none are given, separated by commas."""
 NEW_ROLLOUT = "lerobot_new_rollout"
 """Option that LeRobot passes to `reset`; it means nothing to an environment."""
 AUTORESET = AutoresetMode.SAME_STEP
@@ -54,7 +54,7 @@ class LimitsEpisodes(Protocol):
 
 
 class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
-    """One task in LeRobot's words.
+    """One task in the form that LeRobot evaluates.
 
     Observations: `pixels`, a dict of pictures uint8 (h, w, 3) by camera, and `agent_pos`, float32 (n + 1,): joint positions [rad]
     and 1 or 0 for an open or closed gripper. Actions are those of recorded demonstrations: absolute joint positions and the
@@ -155,11 +155,11 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
         return {**info, "task": self.task}
 
     def render(self) -> Any:
-        """Return or show the scene from the side; see `GymnasiumEnv.render`."""
+        """Return or show a picture from the side; see `GymnasiumEnv.render`."""
         return self.world.render()
 
     def close(self) -> None:
-        """Free the world; may be called again. Using the environment afterwards builds it anew."""
+        """Free the world; may be called again. Using the environment afterwards builds it again."""
         env, self._env = self._env, None
         if env is not None:
             env.close()

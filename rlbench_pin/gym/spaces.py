@@ -66,7 +66,7 @@ def _float32(low: FloatArray, high: FloatArray) -> tuple[np.ndarray, np.ndarray]
 def as_gym_observation(observation: Observation, space: spaces.Dict) -> GymObservation:
     """Return an observation as a member of its space.
 
-    Numbers beyond their bound, which only a simulation that went wild brings about, are cut off. A task state that is shorter
+    Numbers beyond their bound, which only an unstable simulation gives, are clipped. A task state that is shorter
     than the space, as when a variation has fewer objects, is filled up with zeros.
 
     Raises:

@@ -1,6 +1,6 @@
 """Proof that a motion is free between the checked configurations too (after Schwarzer, Saha, Latombe 2005).
 
-A path is a row of Bezier pieces. No configuration of a piece is farther from its middle, joint by joint, than one of its
+A path is a sequence of Bezier pieces. No configuration of a piece is farther from its middle, joint by joint, than one of its
 control points, so that no point of the arm, or of what it holds, moves away from where it is in the middle by more than
 
     D = sum_j r_j max_k |b_kj - m_j|                                                          (1)

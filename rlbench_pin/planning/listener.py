@@ -1,4 +1,4 @@
-"""What a planner reports about its calls: the interface of listeners, and the list of those that listen."""
+"""What a planner reports about its calls: the interface of listeners, and the listeners of one planner."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class PlanRequest:
 
 
 class PlanningListener:
-    """Hears of every call of a planner when it ends. The methods do nothing: override those that matter."""
+    """Is called when a call of a planner ends. The methods do nothing: override those that matter."""
 
     def on_update(self, snapshot: WorldSnapshot, seconds: float) -> None:
         """The planner took over the world.
@@ -64,7 +64,7 @@ class PlanningListeners:
 
     @contextmanager
     def including(self, listener: PlanningListener) -> Iterator[None]:
-        """Report to `listener` as well, for a while."""
+        """Report to `listener` as well, for the duration of a block."""
         self._listeners.append(listener)
         try:
             yield

@@ -74,7 +74,7 @@ class PlanReport:
     """How a plan came about."""
 
     method: Method
-    """straight: the tip's line; direct: the joints' line; sampled: around obstacles; curve: through given poses."""
+    """straight: a line of the tip; direct: a line in joint space; sampled: around obstacles; curve: through given poses."""
     goal: int
     """Index of the pose that was reached."""
     length: float

@@ -67,7 +67,7 @@ class MotionPlanner:
 
         Args:
             q_start: Where the arm is (n,), [rad].
-            pose: Goal of the tip in the world (7,), or a row of equally good ones, or a region of them.
+            pose: Goal of the tip in the world (7,), or a list of equally good ones, or a region of them.
             straight: True: only along a straight line of the tip; False: never tried; None: tried first.
             ignore_collisions: Plan as if nothing could be touched.
             allowed: Names of bodies that may be touched.

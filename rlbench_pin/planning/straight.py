@@ -1,4 +1,4 @@
-"""Cartesian curves: the tip follows a line or a row of poses, the joints follow by small steps."""
+"""Cartesian curves: the tip follows a line or a sequence of poses, the joints follow by small steps."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def straight_spline(model: RobotModel, q_start: FloatArray, goal: PoseLike, is_f
 
 
 def _line(start: pin.SE3, goal: pin.SE3) -> list[pin.SE3]:
-    """Return the poses after `start` up to `goal`, evenly spaced, position and orientation interpolated apart."""
+    """Return the poses after `start` up to `goal`, evenly spaced, position and orientation interpolated separately."""
     shift = goal.translation - start.translation
     turn = pin.log3(start.rotation.T @ goal.rotation)
     count = max(4, int(np.ceil(_size(start, goal))))

@@ -1,4 +1,4 @@
-"""What to record, and the pieces of work it falls into: each with a seed of its own, whoever does it and in which order."""
+"""What to record, and the work items it is divided into, each with a seed that depends on nothing but its name."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ class RecordConfig:
 
 @dataclass(frozen=True)
 class WorkItem:
-    """One episode to make, by anyone."""
+    """One episode to make."""
 
     task: str
     """Task name, or path of a task file."""

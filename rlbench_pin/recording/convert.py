@@ -163,7 +163,7 @@ def verify(task: TaskEnvironment, demo: Demo, actions: Sequence[FloatArray]) -> 
     """Whether `actions` reach the goal from the start of `demo`; refused actions count as failure.
 
     Args:
-        task: A loop of the demonstration's task, whose action mode the actions are for.
+        task: The environment of the demonstration's task, whose action mode the actions are for.
         demo: Gives the start.
         actions: As from `convert_demo`.
     """

@@ -2,7 +2,7 @@
 
 Every action is worked out from what is measured just before it, so that errors of motors and contacts are corrected on
 the way instead of adding up. Since an episode is repeated exactly from its start, the recorded actions alone have the
-same effect again: `verify` plays them without looking. This takes the environment, not only the demonstration.
+same effect again: `verify` plays them without feedback. This takes the environment, not only the demonstration.
 
 Torques are computed from the arm model, tick by tick. With the demonstrated next state (q_d, v_d) and measured (q, v),
 
@@ -44,7 +44,7 @@ def convert_by_playing(task: TaskEnvironment, demo: Demo) -> list[FloatArray]:
     """Return the actions of a demonstration in the action mode of `task`, one for every frame after the first until success.
 
     Args:
-        task: A loop of the demonstration's task, in the mode to convert to; it is reset, and left where the actions lead.
+        task: The environment of the demonstration's task, in the mode to convert to; it is reset, and left at the end.
         demo: A demonstration with joint positions and velocities, recorded live.
 
     Raises:
@@ -66,7 +66,7 @@ def convert_by_playing(task: TaskEnvironment, demo: Demo) -> list[FloatArray]:
 
 
 def _player(task: TaskEnvironment) -> Play:
-    """Return what works out the actions of the loop's arm mode."""
+    """Return the function that computes actions of the arm mode."""
     runtime = task.runtime
     mode = unwrapped(task.action_mode.arm_action_mode)
     model, dt = runtime.model, runtime.world.control_dt

@@ -45,7 +45,7 @@ def export_dataset(
     Raises:
         MissingExtra: The library that the format needs is not installed.
         DatasetError: Something is missing or damaged, or `out` exists.
-        StorageError: The disk refused.
+        StorageError: The disk cannot be written to.
     """
     return find_exporter(name, tuple(cameras))(root, out, tasks=tasks, on_episode=on_episode)
 

@@ -31,7 +31,7 @@ VERSION = 1
 
 @dataclass(frozen=True)
 class RecordReport:
-    """What a recording came to."""
+    """The result of a recording so far."""
 
     wanted: int
     """Episodes asked for."""

@@ -17,7 +17,7 @@ def replay_demo(task: TaskEnvironment, stored: Demo) -> Demo:
     """Restore the start of a demonstration, repeat its joint-position actions, and observe again.
 
     Args:
-        task: The loop of its task, with the cameras that are wanted and joint-position actions.
+        task: The environment of its task, with the cameras that are wanted and joint-position actions.
         stored: The demonstration, with joint positions.
 
     Raises:
@@ -29,7 +29,7 @@ def replay_demo(task: TaskEnvironment, stored: Demo) -> Demo:
         action = recorded.misc.get("joint_position_action")
         if action is None:
             raise DemoError(
-                "The stored demonstration holds no `joint_position_action`, so it cannot be replayed. Record it anew."
+                "The stored demonstration holds no `joint_position_action`, so it cannot be replayed. Record it again."
             )
         observation, _, _ = task.step(action)
         observation.misc["joint_position_action"] = np.array(action)
@@ -50,11 +50,11 @@ def replay_demo(task: TaskEnvironment, stored: Demo) -> Demo:
 
 def _compare(now: np.ndarray | None, then: np.ndarray | None, index: int, stored: Demo) -> None:
     if now is None or then is None:
-        raise DemoError("The stored demonstration holds no joint positions, so its replay cannot be judged. Record it anew.")
+        raise DemoError("The stored demonstration holds no joint positions, so its replay cannot be judged. Record it again.")
     error = float(np.max(np.abs(now - then)))
     if error > JOINT_TOLERANCE:
         made = ", ".join(f"{name} {version}" for name, version in stored.versions.items())
         raise DemoError(
             f"Neither its seed nor its actions give the demonstration again: at frame {index} a joint is {error:.4f} rad away. "
-            f"It was made with {made}. Use those versions, or record it anew."
+            f"It was made with {made}. Use those versions, or record it again."
         )

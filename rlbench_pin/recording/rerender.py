@@ -1,4 +1,4 @@
-"""Old demonstrations through new cameras. A demonstration follows from its seed, so a list of seeds is a dataset, too."""
+"""Stored demonstrations rendered by other cameras. A demonstration follows from its seed, so a list of seeds is a dataset."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Arms as data and as models: descriptions, kinematics, dynamics, collisions and distances, by Pinocchio and Coal.
 
-Nothing here knows a simulator or a planner; worlds come as snapshots.
+Nothing here uses a simulator or a planner; worlds come as snapshots.
 """
 
 from __future__ import annotations

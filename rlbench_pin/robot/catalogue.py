@@ -1,4 +1,4 @@
-"""The arms this package knows."""
+"""The arms of this package."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ class Owner:
     link: str
     """Name of the link."""
     kind: Kind
-    """Part of the arm, of its hand, a held body, an object of the scene, or the room."""
+    """Part of the arm, of its hand, a held body, an object, or the room."""
 
     @property
     def label(self) -> str:

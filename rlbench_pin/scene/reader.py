@@ -67,7 +67,7 @@ def _written_out(path: Path, raw: Raw) -> Raw:
 
 
 def _entries(path: Path, table: str, content: Any) -> Any:
-    """Write out one array of tables; content that is none is left to the checks that follow."""
+    """Write out one array of tables; content of another kind is left to the checks that follow."""
     if not isinstance(content, list) or not all(isinstance(entry, dict) for entry in content):
         return content
     entries: list[Raw] = []
@@ -81,7 +81,7 @@ def _entries(path: Path, table: str, content: Any) -> Any:
 
 
 def _scene_file_error(path: Path, raw: Raw, error: ValidationError) -> SceneFileError:
-    """Turn one finding of pydantic into our words; a misspelt key explains a missing one, so it comes first."""
+    """Turn one validation error of pydantic into ours; a misspelt key explains a missing one, so it comes first."""
     findings = error.errors(include_url=False)
     first = next((f for f in findings if f["type"] == "extra_forbidden"), findings[0])
     location = tuple(part for part in first["loc"] if part not in ("float", "int", "str", "literal"))
@@ -97,7 +97,7 @@ def _scene_file_error(path: Path, raw: Raw, error: ValidationError) -> SceneFile
 
 
 def _known_keys(raw: Raw, location: tuple[int | str, ...]) -> str:
-    """Say what may stand where a key is that is not known."""
+    """Say which keys are allowed in the place of an unknown one."""
     known = _fields_at(location[:-1]) - {"file"}
     short = short_keys(str(location[0])) if len(location) == 3 else frozenset()
     if raw["format"] < FORMAT and location[-1] in short:

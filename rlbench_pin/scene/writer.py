@@ -128,7 +128,7 @@ def _alike(a: Spec, b: Spec) -> bool:
 
 
 def _new_entry(after: AoT) -> Table:
-    """Begin an entry, one blank line below what stands before it."""
+    """Begin an entry, one blank line below what is before it."""
     entry = tomlkit.table()
     if not after.as_string().endswith("\n\n"):
         entry.trivia.indent = "\n"
@@ -140,8 +140,8 @@ def _update(entry: Any, spec: Spec) -> None:
     before = next(iter(_parsed(entry, type(spec))), None)
     for key, info in type(spec).model_fields.items():
         value = getattr(spec, key)
-        stands = key in entry or (key == "pose" and "rpy" in entry)
-        if before is not None and stands and _same(getattr(before, key), value):
+        present = key in entry or (key == "pose" and "rpy" in entry)
+        if before is not None and present and _same(getattr(before, key), value):
             continue
         if key == "pose":
             entry.pop("rpy", None)

@@ -1,4 +1,4 @@
-"""World -> WorldSnapshot: what planning needs to know of this instant."""
+"""World -> WorldSnapshot: what planning needs of this instant."""
 
 from __future__ import annotations
 

@@ -125,7 +125,7 @@ class Contents:
         Raises:
             RlbenchPinError: The name is in use.
         """
-        if name in self.bodies or name in self.room or self.places.knows(name):
+        if name in self.bodies or name in self.room or self.places.contains(name):
             raise RlbenchPinError(f"The name '{name}' is in use. Choose another for the new body.")
         spec = spec.model_copy(update={"name": name})
         body = self._load(spec)

@@ -39,7 +39,7 @@ class Posed(Protocol):
 
 
 class Places(Protocol):
-    """What a frame needs to know of its world."""
+    """What a frame needs of its world."""
 
     def placement(self, name: str) -> pin.SE3:
         """Return T_world_x of a body, a link, a frame, `root` or `world`."""

@@ -52,7 +52,7 @@ class PlaceTree:
             raise UnknownName(f"{word} of this scene", name, [n for n, f in self.frames.items() if isinstance(f, kind)])
         return found
 
-    def knows(self, name: str) -> bool:
+    def contains(self, name: str) -> bool:
         """Whether a frame or a body of the tree has that name."""
         return name in self.frames or name in self._bodies or name == WORLD
 

@@ -129,7 +129,7 @@ def _restore_physics(world: World, saved: WorldState) -> None:
 
 
 def build_again(world: World) -> None:
-    """Bring a world to its origin, in a physics server that was emptied and filled anew; saved states stay valid."""
+    """Bring a world to its origin, in a physics server that was emptied and built again; saved states stay valid."""
     origin = world.origin
     for saved in world.saved_states:
         if saved is not origin and not saved.physics.has_bytes:

@@ -170,7 +170,7 @@ class World:
         for callback in self.on_step:
             callback()
 
-    # Changing the scene ----------------------------------------------------------------------------------------------
+    # Changing the world ----------------------------------------------------------------------------------------------
 
     def place_root(self, pose: PoseLike) -> None:
         """Move the root to a pose (7,), and all its descendants; joints stay, velocities become zero."""
@@ -252,7 +252,7 @@ class World:
         state.restore(self, saved)
 
     def build_again(self) -> None:
-        """Go back to the origin, in a physics server that was emptied and filled anew; saved states stay valid.
+        """Go back to the origin, in a physics server that was emptied and built again; saved states stay valid.
 
         What follows is the same to the last bit whatever was simulated before, which `restore` cannot promise where many pieces
         touch: PyBullet looks at their contacts in an order that depends on earlier ones. Bodies, joints and frames stay the

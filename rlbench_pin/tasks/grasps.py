@@ -1,4 +1,4 @@
-"""Where a hand that points down can grip one of several bodies in a tray, and from where it can come to one on the table."""
+"""Where a hand that points down can grip one of several bodies in a tray, and how it can approach one on the table."""
 
 from __future__ import annotations
 

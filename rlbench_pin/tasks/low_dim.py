@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class LowDimState:
-    """Reads the pose of every body of a scene and the value of every joint, in the order of their names.
+    """Reads the pose of every body of a world and the value of every joint, in the order of their names.
 
     The layout is fixed by the scene file; a body that was removed gives zeros.
     """

@@ -45,8 +45,8 @@ def place_task(world: World, rng: np.random.Generator, bounds: tuple[Rotation, R
     """Place the task root at random in the placement area; only its footprint has to fit.
 
     Args:
-        world: The world whose root is moved, with everything that hangs on it.
-        rng: Source of chance.
+        world: The world whose root is moved, with all its descendants.
+        rng: Random generator.
         bounds: Lowest and highest roll, pitch, yaw on top of the nominal orientation [rad].
 
     Raises:

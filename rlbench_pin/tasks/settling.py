@@ -29,7 +29,7 @@ def settle(world: World, bodies: Sequence[Body], rng: np.random.Generator) -> No
     Args:
         world: The world, which is stepped for several seconds.
         bodies: What was dropped.
-        rng: Source of chance for the directions of the knocks.
+        rng: Random generator for the directions of the knocks.
 
     Raises:
         BoundaryError: The bodies still move after `MAX_PUSHES` pushes.

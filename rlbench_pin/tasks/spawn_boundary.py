@@ -67,7 +67,7 @@ class SpawnBoundary:
 
         Args:
             thing: What to place.
-            rng: Source of chance.
+            rng: Random generator.
             min_rotation: Lowest roll, pitch, yaw in the axes of the region [rad].
             max_rotation: Highest roll, pitch, yaw [rad].
             min_distance: Least distance between origins of things placed by this boundary [m].
@@ -103,7 +103,7 @@ class SpawnBoundary:
 
         Args:
             things: What to place, each turned by any yaw.
-            rng: Source of chance.
+            rng: Random generator.
             min_distance: Least distance between their origins [m].
             accept: Asked after each layout whether it will do; None takes the first.
 

@@ -42,7 +42,7 @@ class Memory:
     """One value and what it held at one instant."""
 
     value: Any
-    """The object itself; whoever shares it sees the old contents when they come back."""
+    """The object itself; other references to it see the old contents when they come back."""
     contents: Any = None
     """Memories of the items, a copy of an array, the state of a `Stateful`; None for what cannot change."""
 

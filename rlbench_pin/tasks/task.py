@@ -1,4 +1,4 @@
-"""What every task is: a goal over one scene, set up once and started anew for every episode."""
+"""What every task is: a goal in one world, set up once and started anew for every episode."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ class Task:
 
         Args:
             variation: 0 to `variation_count() - 1`.
-            rng: The only source of chance.
+            rng: The only random generator to draw from.
 
         Returns:
             Sentences that all ask for the goal.
@@ -118,11 +118,11 @@ class Task:
         return observation
 
     def is_static_workspace(self) -> bool:
-        """Return whether the scene stays at its nominal place in every episode."""
+        """Return whether the task root stays at its nominal place in every episode."""
         return self.world.spec.placement.static
 
     def base_rotation_bounds(self) -> RotationBounds:
-        """Return the bounds of the random rotation of the scene."""
+        """Return the bounds of the random rotation of the task root."""
         low, high = self.world.spec.placement.yaw
         return (0.0, 0.0, low), (0.0, 0.0, high)
 
@@ -219,7 +219,7 @@ class Task:
     def success(self) -> tuple[bool, bool]:
         """Return whether the goal is reached, and whether the episode is over.
 
-        Every condition is asked on every call, so that those which keep count see every instant.
+        Every condition is evaluated on every call, so that those which keep count see every instant.
 
         Raises:
             TaskError: No success condition is registered.

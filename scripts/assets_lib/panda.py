@@ -107,7 +107,7 @@ def _read_stl(path: Path) -> FloatArray:
 
 
 def _urdf(source: Path, visuals: dict[str, list[tuple[str, Rgb]]]) -> str:
-    """Return the robot's URDF with our meshes, without the mimic tag and the names that only ROS knows."""
+    """Return the robot's URDF with our meshes, without the mimic tag and the names that only ROS uses."""
     root = ET.parse(source / "urdf/panda.urdf").getroot()
     for link in root.iterfind("link"):
         for visual in link.findall("visual"):

@@ -1,4 +1,4 @@
-"""A dataset for the commands that look after stored demonstrations."""
+"""A dataset for the commands that work on stored demonstrations."""
 
 from __future__ import annotations
 

@@ -109,7 +109,7 @@ def test_failures_survive_the_journal(tmp_path: Path) -> None:
 
 
 def test_a_changed_task_file_is_judged_anew(tmp_path: Path) -> None:
-    """A journal knows its trials by the text of the task."""
+    """Trials in a journal count only for the same text of the task."""
     main(["new", "touch_it", "--out", str(tmp_path)])
     file = tmp_path / "touch_it.py"
     item, trial = Item(str(file), "demos", (0,), 3), DemoTrial(task="touch_it", seed=0, variation=0)

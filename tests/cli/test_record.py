@@ -126,7 +126,7 @@ def test_killed_three_times_and_resumed(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_interrupted_gently(tmp_path: Path) -> None:
+def test_an_interrupt_finishes_what_is_under_way(tmp_path: Path) -> None:
     """Ctrl-C finishes what is under way, says how to go on, exits with 1; the command it says completes the dataset."""
     process = _start(tmp_path, TASK, "--episodes", "60", "--products", "--workers", "1")
     _wait_for_episodes(tmp_path, 2)

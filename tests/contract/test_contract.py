@@ -79,7 +79,7 @@ def test_flailing_never_succeeds(task_env: TaskEnvironment, seed: int, steps: in
 
 
 def test_a_demonstration_repeats_replays_and_leaves_nothing_over(task_env: TaskEnvironment) -> None:
-    """Within ten tries a demo reaches the goal and rests; the next episode starts as ever, the recorded actions succeed again.
+    """Within ten tries a demo reaches the goal and rests; the next episode starts as usual, the recorded actions succeed again.
 
     Where the replay fails, those of two more demonstrations have to succeed. Played again, the demonstration has the same bytes.
     """

@@ -47,7 +47,7 @@ def test_velocities_win_back_a_lost_start(model: RobotModel) -> None:
 
 
 def test_computed_torques_cancel_the_dynamics(model: RobotModel) -> None:
-    """In rigid-body dynamics the error stays below a milliradian, though the model knows nothing of the ticks."""
+    """In rigid-body dynamics the error stays below a milliradian, though the model leaves out the ticks."""
     follower, plant = TrajectoryFollower(swing(), ComputedTorque(model)), RobotModel(model.description)
     q, v = START.copy(), np.zeros(7)
     while not follower.done:

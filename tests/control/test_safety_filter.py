@@ -131,7 +131,7 @@ def test_what_is_allowed_may_be_touched(model: RobotModel) -> None:
 
 
 def test_a_distance_below_the_minimum_at_the_start_grows(model: RobotModel) -> None:
-    """Started inside the margin, the arm does not come nearer whatever is wanted, and parts when nothing is."""
+    """Started inside the margin, the arm does not come nearer whatever is wanted, and moves away when nothing is."""
     tip = model.tip_pose(model.home)[:3]
     world = WorldSnapshot((box("block", (0.1, 0.1, 0.1), tip + [0.0, 0.0, -0.055]),), model.home, np.full(2, 0.04))
     guard, distances, rng = SafetyFilter(model), DistanceModel(model), np.random.default_rng(2)

@@ -55,7 +55,7 @@ def test_a_truncated_file_is_found_and_named(root: Path) -> None:
 
 
 def test_a_file_that_is_not_what_its_entry_says_is_found(root: Path) -> None:
-    """A manifest that lies about seed or length is found by reading the file, and only then."""
+    """A manifest with a wrong seed or length is found by reading the file, and only then."""
     edit_manifest(root, random_seed=99)
     assert task_faults(root, TASK, structure=False) == []
     (fault,) = task_faults(root, TASK)

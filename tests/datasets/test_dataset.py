@@ -1,4 +1,4 @@
-"""A dataset folder: episodes are filed, numbered, listed with their checksum, and found again."""
+"""A dataset folder: episodes are stored, numbered, listed with their checksum, and found again."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ def test_verify_finds_an_altered_file(root: Path) -> None:
 
 
 def test_verify_finds_missing_and_unlisted_files(root: Path) -> None:
-    """The manifest and the folder hold each other to account."""
+    """The manifest is compared with the folder, both ways."""
     path = episode_files(root, TASK, 0)[11]
     path.rename(path.with_name("episode20.h5"))
     with pytest.raises(DatasetError, match=r"episode11\.h5.*does not exist"):
@@ -153,7 +153,7 @@ def test_a_broken_manifest_is_named(root: Path) -> None:
         read_manifest(root, TASK)
 
 
-def test_a_demo_without_a_task_cannot_be_filed(tmp_path: Path) -> None:
+def test_a_demo_without_a_task_cannot_be_stored(tmp_path: Path) -> None:
     """The writer says what is missing."""
     with pytest.raises(DatasetError, match="task_name"):
         DatasetWriter(tmp_path).add(make_demo(task=""))

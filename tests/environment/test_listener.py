@@ -1,4 +1,4 @@
-"""A running task reports ticks, observations and legs to those that listen."""
+"""A running task reports ticks, observations and legs to listeners."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rlbench_pin.tasks import Waypoint
 
 
 class Record(Listener):
-    """Counts what it hears."""
+    """Counts the calls of its methods."""
 
     def __init__(self) -> None:
         self.ticks = self.observations = 0
@@ -29,24 +29,24 @@ class Record(Listener):
         self.legs.append((waypoint.index, plan.report.method))
 
 
-def test_a_demonstration_is_heard_and_not_changed(reach: TaskEnvironment) -> None:
-    """Every tick, frame and leg is reported while someone listens; the demonstration has the same bytes."""
+def test_a_demonstration_is_reported_and_not_changed(reach: TaskEnvironment) -> None:
+    """Every tick, frame and leg is reported while there is a listener; the demonstration has the same bytes."""
     plain = reach.try_demo(seed=0, variation=0)
     record = Record()
     with reach.runtime.listening(record):
-        heard = reach.try_demo(seed=0, variation=0)
+        played = reach.try_demo(seed=0, variation=0)
     assert plain.demo is not None
-    assert heard.demo is not None
-    assert record.ticks >= round(heard.duration / reach.world.control_dt) > 0
-    assert record.observations == len(heard.demo)
-    assert record.legs == [(leg.waypoint, leg.method) for leg in heard.legs]
+    assert played.demo is not None
+    assert record.ticks >= round(played.duration / reach.world.control_dt) > 0
+    assert record.observations == len(played.demo)
+    assert record.legs == [(leg.waypoint, leg.method) for leg in played.legs]
     assert record.seconds > 0.0
-    for a, b in zip(plain.demo, heard.demo, strict=True):
+    for a, b in zip(plain.demo, played.demo, strict=True):
         assert a.get_low_dim_data().tobytes() == b.get_low_dim_data().tobytes()
 
 
 def test_nothing_is_left_behind(reach: TaskEnvironment) -> None:
-    """After the block nobody is called any more, and the world has no hooks left."""
+    """After the block no listener is called any more, and the world has no hooks left."""
     record = Record()
     with reach.runtime.listening(record):
         reach.runtime.step()

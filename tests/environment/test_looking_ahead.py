@@ -1,4 +1,4 @@
-"""What a reset and a demonstration know of what comes later."""
+"""Resets and legs take the later waypoints into account."""
 
 from __future__ import annotations
 

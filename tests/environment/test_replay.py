@@ -14,7 +14,7 @@ from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import Demo, Observation
 
 
-class Loop:
+class FakeEnvironment:
     """An episode that ends at a given step."""
 
     def __init__(self, end: int, reward: float = 1.0) -> None:
@@ -37,22 +37,22 @@ def demo_of(*actions: float | None) -> Demo:
 @pytest.mark.parametrize(("reward", "reached"), [(1.0, True), (0.0, False)])
 def test_stepping_stops_where_the_episode_ends(reward: float, reached: bool) -> None:
     """With a reward the goal was reached, without one it was not; no action follows."""
-    loop = Loop(2, reward)
-    assert reaches_goal(cast(TaskEnvironment, loop), np.arange(5.0)[:, None]) is reached
-    assert loop.actions == [0.0, 1.0]
+    environment = FakeEnvironment(2, reward)
+    assert reaches_goal(cast(TaskEnvironment, environment), np.arange(5.0)[:, None]) is reached
+    assert environment.actions == [0.0, 1.0]
 
 
 def test_the_last_action_is_repeated() -> None:
     """As long as a demonstration waits for success."""
-    loop = Loop(100)
-    assert not replay_succeeds(cast(TaskEnvironment, loop), demo_of(1.0, 2.0))
-    assert loop.actions == [1.0, *[2.0] * (1 + EXTRA_TICKS)]
+    environment = FakeEnvironment(100)
+    assert not replay_succeeds(cast(TaskEnvironment, environment), demo_of(1.0, 2.0))
+    assert environment.actions == [1.0, *[2.0] * (1 + EXTRA_TICKS)]
 
 
 @pytest.mark.parametrize("demo", [demo_of(), demo_of(1.0, None)])
 def test_a_demo_without_actions_is_refused(demo: Demo) -> None:
     """Before anything moves."""
-    loop = Loop(1)
+    environment = FakeEnvironment(1)
     with pytest.raises(DemoError, match="no `joint_position_action`"):
-        replay_succeeds(cast(TaskEnvironment, loop), demo)
-    assert loop.actions == []
+        replay_succeeds(cast(TaskEnvironment, environment), demo)
+    assert environment.actions == []

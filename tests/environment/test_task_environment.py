@@ -1,4 +1,4 @@
-"""The loop of one task: reset, step, demos, states."""
+"""The environment of one task: reset, step, demos, states."""
 
 from __future__ import annotations
 

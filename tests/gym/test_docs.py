@@ -1,4 +1,4 @@
-"""The page about gymnasium keeps its word."""
+"""The code of the page about gymnasium."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ def test_a_module_before_the_colon_is_imported(module: str) -> None:
     assert result.stdout == "made\n", result.stderr
 
 
-def test_the_front_door_offers_the_environments() -> None:
+def test_the_package_offers_the_environments() -> None:
     """Every public name of the package resolves; others are attribute errors."""
     front = rlbench_pin.gym
     assert list(front.__all__) == sorted(front.__all__)

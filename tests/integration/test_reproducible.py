@@ -16,10 +16,10 @@ config = ObservationConfig(); config.set_all(False); config.set_all_low_dim(True
 config.front_camera = CameraConfig(image_size=(32, 32)); config.wrist_camera = CameraConfig(image_size=(32, 32))
 digest = hashlib.sha256()
 with Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=config) as env:
-    loop = env.get_task(task)
-    loop.set_variation(-1)
+    task_env = env.get_task(task)
+    task_env.set_variation(-1)
     for seed in seeds:
-        demo, = loop.get_demos(1, live_demos=True, seed=seed)
+        demo, = task_env.get_demos(1, live_demos=True, seed=seed)
     for frame in demo:
         for name, value in sorted(vars(frame).items()):
             if name != "misc" and value is not None:

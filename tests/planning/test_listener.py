@@ -1,4 +1,4 @@
-"""A planner reports its calls to those that listen."""
+"""A planner reports its calls to listeners."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ TOO_FAR = pose_at((1.5, 0.0, 1.0), np.pi)
 
 
 class Record(PlanningListener):
-    """Keeps everything that it hears."""
+    """Keeps what it is called with."""
 
     def __init__(self) -> None:
         self.calls: list[str] = []
@@ -41,7 +41,7 @@ class Record(PlanningListener):
 
 
 def test_every_call_is_reported_once(model: RobotModel, boxes: Boxes, rng: np.random.Generator) -> None:
-    """Each with what was asked for and what came of it, only while someone listens."""
+    """Each with what was asked for and what came of it, only while there is a listener."""
     planner, record = MotionPlanner(model), Record()
     with planner.listeners.including(record):
         planner.update(boxes.snapshot())
@@ -61,7 +61,7 @@ def test_every_call_is_reported_once(model: RobotModel, boxes: Boxes, rng: np.ra
 
 
 def test_failures_are_reported_and_raised(model: RobotModel, rng: np.random.Generator) -> None:
-    """The listener gets the very error that the caller gets."""
+    """The listener gets the same error as the caller."""
     planner, record = MotionPlanner(model), Record()
     with planner.listeners.including(record):
         with pytest.raises(NoIkSolution) as caught:

@@ -23,7 +23,7 @@ LEFT, RIGHT = pose_at((0.35, 0.25, TABLE_TOP + 0.1), np.pi), pose_at((0.35, -0.2
 
 @pytest.fixture
 def planner(model: RobotModel) -> MotionPlanner:
-    """A planner that knows nothing of the world yet."""
+    """A planner with an empty world."""
     return MotionPlanner(model)
 
 

@@ -172,7 +172,7 @@ def test_a_ray_actor_that_dies_is_replaced(tmp_path: Path, serial: Path, working
 
 @pytest.mark.slow
 @needs_ray
-def test_more_ray_actors_than_cores_do_not_wait_for_ever(tmp_path: Path, serial: Path) -> None:
+def test_more_ray_actors_than_cores_do_not_wait_forever(tmp_path: Path, serial: Path) -> None:
     """Actors for which the cluster has no core yet get one when the others have nothing left to do."""
     ray = pytest.importorskip("ray")
     ray.init(num_cpus=1, log_to_driver=False, logging_level="ERROR", include_dashboard=False)

@@ -188,7 +188,7 @@ def test_a_held_body_may_leave_what_it_stands_on(collision: CollisionModel, boxe
 
 
 def test_a_held_body_that_is_fixed_is_left_out(collision: CollisionModel, boxes: Boxes, tip: np.ndarray) -> None:
-    """The handle of something fixed to the world does not swing about with the hand."""
+    """The handle of something fixed to the world does not move with the hand."""
     chest = boxes.box("chest", (0.4, 0.4, 0.3), tip, fixed=True)
     collision.update(boxes.snapshot(chest, attached=("chest",)))
     assert not collision.in_collision(HOME)

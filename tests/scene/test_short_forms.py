@@ -90,7 +90,7 @@ def test_a_file_of_format_1_has_no_short_forms(tmp_path: Path, key: str) -> None
     ("number", "z", "height"), [(1, 0.752, 0.752), (2, 0.0, TABLE_HEIGHT), (2, 0.1, round(TABLE_HEIGHT + 0.1, 12))]
 )
 def test_heights_of_format_2_count_from_the_table_top(tmp_path: Path, number: int, z: float, height: float) -> None:
-    """Those of format 1 from the floor, as ever; the records hold the height in the world."""
+    """Those of format 1 from the floor; the records hold the height in the world."""
     scene = read_scene(written(tmp_path, f"format = {number}\n[placement]\npose = [0.1, 0.2, {z}, 0.5]"))
     assert scene.placement.pose[:3] == (0.1, 0.2, height)
     assert scene.format == number

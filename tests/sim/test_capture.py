@@ -1,4 +1,4 @@
-"""A snapshot says what planning needs to know."""
+"""A snapshot says what planning needs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Small stand-ins for what a world hands out."""
+"""Small stand-ins for bodies, joints, frames, sensors, arm and hand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The vocabulary of success, word by word."""
+"""Conditions, one by one."""
 
 from __future__ import annotations
 

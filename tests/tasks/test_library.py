@@ -48,7 +48,7 @@ VARIATIONS = {
     "weighing_scales": 3,
     "wipe_desk": 1,
 }
-"""Of the tasks that the specification asks for."""
+"""What the task set defines for each task."""
 LOW_DIM = {"pick_and_lift": 6, "reach_target": 3, "slide_block_to_target": 6}
 SHAPED = {"reach_target", "slide_block_to_target", "take_lid_off_saucepan"}
 YAW = {

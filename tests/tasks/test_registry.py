@@ -33,8 +33,8 @@ class TouchNothing(Task):
 """
 
 
-def test_the_library_holds_the_ten_tasks_in_alphabetical_order() -> None:
-    """Every task is a pair of neighbours."""
+def test_the_library_holds_the_first_ten_tasks_and_lists_all_in_alphabetical_order() -> None:
+    """Each is a pair of files with one stem."""
     assert set(task_names()) >= NAMES
     assert list(task_names()) == sorted(task_names())
 

@@ -27,7 +27,7 @@ SCENE = SceneSpec(
 
 
 class Chore(Task):
-    """Has a to-do list, a counter, and a drawer to pull."""
+    """Has a list, a counter, and a drawer to pull."""
 
     def init_task(self) -> None:
         self.todo = ["a", "b"]
@@ -57,7 +57,7 @@ def task() -> Iterator[Chore]:
 
 
 def rng() -> np.random.Generator:
-    """Chance that does not matter."""
+    """A generator whose seed does not matter."""
     return np.random.default_rng(0)
 
 

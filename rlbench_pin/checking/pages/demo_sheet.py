@@ -34,9 +34,9 @@ def demo_sheet(
     for camera in config.cameras().values():
         camera.image_size = (size, size)
     with make_environment(config) as environment:
-        loop = environment.get_task(task)
-        demo = _demonstrate(loop, seed, variation, attempt)
-        frames = moments(loop, demo, config)
+        task_environment = environment.get_task(task)
+        demo = _demonstrate(task_environment, seed, variation, attempt)
+        frames = moments(task_environment, demo, config)
     times = ["reset", *(f"t = {moment:.1f} s" for moment in list(frames)[1:])]
     pictures = [[getattr(obs, f"{camera}_rgb") for camera in CAMERAS] for obs in frames.values()]
     names = [camera.replace("_", " ") for camera in CAMERAS]
@@ -44,14 +44,15 @@ def demo_sheet(
     return contact_sheet(pictures, times, names, f"{demo.task_name}: {demo.instructions[0]}", subtitle), demo.task_name
 
 
-def _demonstrate(loop: TaskEnvironment, seed: int, variation: int, attempt: int | None) -> Demo:
+def _demonstrate(task_environment: TaskEnvironment, seed: int, variation: int, attempt: int | None) -> Demo:
     if attempt is None:
-        loop.set_variation(variation)
-        return loop.get_demos(1, live_demos=True, seed=seed)[0]
-    outcome = loop.try_demo(seed=seed, variation=variation, attempt=attempt)
+        task_environment.set_variation(variation)
+        return task_environment.get_demos(1, live_demos=True, seed=seed)[0]
+    outcome = task_environment.try_demo(seed=seed, variation=variation, attempt=attempt)
     if outcome.demo is None:
         raise DemoError(
-            f"Seed {seed}, attempt {attempt} of '{loop.get_name()}' does not succeed again: {outcome.cause}", loop.task
+            f"Seed {seed}, attempt {attempt} of '{task_environment.get_name()}' does not succeed again: {outcome.cause}",
+            task_environment.task,
         )
     return outcome.demo
 

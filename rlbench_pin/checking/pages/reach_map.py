@@ -32,7 +32,7 @@ def reach_map(task: str, reaches: Sequence[Reach], fixed: bool) -> Image.Image:
 
     Args:
         task: Name for the title.
-        reaches: Draws of the scene.
+        reaches: Random layouts of the task, each with what was reached.
         fixed: Draw the places of the waypoints instead of those of the task root, which stays where it is.
     """
     count = len(reaches[0].waypoints)
@@ -50,7 +50,7 @@ def _spot(reach: Reach, waypoint: int | None, fixed: bool) -> tuple[float, float
 
 
 def _panel(title: str, marks: Sequence[tuple[tuple[float, float], float, bool]], fixed: bool) -> Image.Image:
-    """Draw dots (reached) and crosses (not) on the table; the robot stands below, its left is left."""
+    """Draw dots (reached) and crosses (not) on the table; the robot is at the bottom, its left is left."""
     width, height = (round(_SCALE * np.ptp(_TABLE[axis])) for axis in (1, 0))
     panel = Image.new("RGB", (width, height + _CAPTION), _PAPER)
     draw = ImageDraw.Draw(panel)

@@ -1,4 +1,4 @@
-"""Any solver that `qpsolvers` knows (daqp, quadprog, proxqp, ...), behind our seam. Needs the `bench` extra."""
+"""Any solver of `qpsolvers` (daqp, quadprog, proxqp, ...) as a `QPSolver`. Needs the `bench` extra."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The quadratic program every controller here comes down to, and the seam through which solvers are exchanged.
+"""The quadratic program that every controller here solves, and the interface of solvers.
 
 minimise    1/2 x^T P x + q^T x
 subject to  lower <= A x <= upper,   x_lower <= x <= x_upper

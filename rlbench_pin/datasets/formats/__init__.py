@@ -1,4 +1,4 @@
-"""Formats of others: one exporter per module, and the reader of RLBench-style folders.
+"""Formats of other libraries: one exporter per module, and the reader of RLBench-style folders.
 
 `lerobot` and `zarr_buffer` need extras, so they are imported by name; `rlbench_pin.recording.export` does that for every format.
 """

@@ -107,7 +107,7 @@ def new_folder(out: Path) -> Iterator[Path]:
 
     Raises:
         DatasetConflict: `out` exists.
-        StorageError: The disk refused.
+        StorageError: The disk cannot be written to.
     """
     out = Path(out)
     if out.exists():

@@ -168,7 +168,7 @@ class _Export:
             videos.close()
 
     def discard(self) -> None:
-        """Close all files, whatever they say: the disk may be full."""
+        """Close all files and ignore their errors: the disk may be full."""
         with suppress(OSError):
             self._data.close()
         for videos in self._videos.values():

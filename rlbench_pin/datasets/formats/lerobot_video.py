@@ -63,7 +63,7 @@ class VideoFiles:
         self._writer = None
 
     def info(self) -> dict[str, object]:
-        """Return what readers want to know of the encoding."""
+        """Return the description of the encoding that readers need."""
         height, width, _ = self._shape
         return {
             "video.height": height,

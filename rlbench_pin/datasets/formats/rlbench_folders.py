@@ -76,7 +76,7 @@ def _write_pictures(folder: Path, demo: Demo, camera: str, product: str) -> None
     folder.mkdir()
     for index, (obs, picture) in enumerate(zip(demo, pictures)):
         if picture is None:
-            raise DatasetError(f"Frame {index} has no {camera}_{product}, others have. Record the demonstration anew.")
+            raise DatasetError(f"Frame {index} has no {camera}_{product}, others have. Record the demonstration again.")
         if product == "depth":
             picture = encode_depth(_normalised(picture, obs, camera))
         elif product == "mask":
@@ -90,12 +90,12 @@ def _normalised(depth: np.ndarray, obs: Observation, camera: str) -> np.ndarray:
         return depth
     near, far = (obs.misc.get(f"{camera}_camera_{plane}") for plane in ("near", "far"))
     if near is None or far is None:
-        raise DatasetError(f"Depth of '{camera}' is in metres, but `misc` lacks its clipping planes. Record it anew.")
+        raise DatasetError(f"Depth of '{camera}' is in metres, but `misc` lacks its clipping planes. Record it again.")
     return np.clip((depth - near) / (far - near), 0.0, 1.0)
 
 
 def _pickled(demo: Demo) -> PickledDemo:
-    """Return a stand-in with the attributes that loaders of this format know."""
+    """Return a stand-in with the attributes that loaders of this format read."""
     result = PickledDemo()
     attributes: dict[str, Any] = {
         "_observations": [_pickled_observation(obs) for obs in demo],

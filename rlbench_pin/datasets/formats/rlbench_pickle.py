@@ -2,7 +2,7 @@
 
 This is the one place with pickle, and only for that foreign format. Reading goes through a table of names: whatever else a file
 asks for is refused before anything runs. Writing puts the class paths of that package into the file, which is data and no
-import; the names of numpy's functions are written as all its versions know them.
+import; the names of numpy's functions are written as all its versions accept them.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ class _Dtype:
 
 
 class _Array:
-    """An array in the making; `_plain` puts the finished one in its place."""
+    """An array that is being read; `_plain` replaces it by the finished one."""
 
     value: np.ndarray
 
@@ -126,7 +126,7 @@ def _scalar(dtype: Any, data: Any = b"") -> Any:
 
 
 def _plain(value: Any, seen: dict[int, Any]) -> Any:
-    """Put finished arrays in the place of those in the making, in containers and stand-ins of any depth."""
+    """Replace arrays that are being read by the finished ones, in containers and stand-ins of any depth."""
     if isinstance(value, _Array):
         return value.value
     if isinstance(value, tuple):
@@ -173,7 +173,7 @@ _ALLOWED: Mapping[tuple[str, str], Callable[..., Any]] = {
 
 
 class _Reader(pickle.Unpickler):
-    """Knows the names of the table and no others."""
+    """Resolves the names of the table and no others."""
 
     def find_class(self, module: str, name: str) -> Callable[..., Any]:
         """Return what stands for a name."""

@@ -1,4 +1,4 @@
-"""Reading RLBench-style folders, those of this package and those of others, in both layouts."""
+"""Reading RLBench-style folders, whichever program wrote them, in both layouts."""
 
 from __future__ import annotations
 

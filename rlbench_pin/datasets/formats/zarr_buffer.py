@@ -1,4 +1,4 @@
-"""Export to a Zarr group as diffusion policies read it: all frames in a row, `meta/episode_ends` says where each episode ends."""
+"""Export to a Zarr group as diffusion policies read it: all frames in sequence, and where each episode ends."""
 
 from __future__ import annotations
 
@@ -75,21 +75,21 @@ def _append(data: zarr.Group, columns: Mapping[str, np.ndarray]) -> None:
 
 
 class DeferredErrorStore(LocalStore):
-    """A folder that raises what the disk refuses only when `check` is called.
+    """A folder that raises an error of the disk only when `check` is called.
 
     Zarr writes several chunks at a time; at an error it would leave the others to go on while the folder is being removed.
     """
 
     refused: OSError | None = None
-    """What the disk said first."""
+    """The first error of the disk."""
 
     def check(self) -> None:
-        """Raise what the disk said, if it refused anything."""
+        """Raise the first error of the disk, if there was one."""
         if self.refused is not None:
             raise self.refused
 
     async def set(self, key: str, value: Buffer) -> None:
-        """Write all of a chunk, or note why not."""
+        """Write all of a chunk, or keep the error."""
         if self.refused is None:
             try:
                 await super().set(key, value)
@@ -99,7 +99,7 @@ class DeferredErrorStore(LocalStore):
 
 @contextmanager
 def _deferred_error_store(folder: Path) -> Iterator[DeferredErrorStore]:
-    """Yield a store in a folder; at the end, what the disk refused comes before what followed from it."""
+    """Yield a store in a folder; at the end, an error of the disk is raised instead of those that follow from it."""
     store = DeferredErrorStore(folder)
     try:
         yield store

@@ -26,7 +26,7 @@ class Guard(BoundMode):
 
     filter: SafetyFilter = field(kw_only=True)
     seen: WorldSnapshot | None = None
-    """The world as the filter knows it."""
+    """The world as the filter has it."""
 
     def look_at(self, snapshot: WorldSnapshot) -> None:
         """Give the filter the world, when something but the arm has moved."""

@@ -35,6 +35,6 @@ def camera_view(name: str, config: CameraConfig, world: World, robot: RobotDescr
 
 @lru_cache(maxsize=32)
 def _fixed_view(name: str, size: tuple[int, int]) -> CameraView:
-    """View of a camera that stands still; one object, so that what it knows of its rays is computed once."""
+    """View of a camera that stands still; one object, so that its rays are computed once."""
     _eye, _target, fov, near, far = _FIXED[name]
     return CameraView(pose=_POSES[name], fov=fov, size=size, near=near, far=far)

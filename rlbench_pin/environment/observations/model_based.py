@@ -1,4 +1,4 @@
-"""What the analytic model knows of an instant: Jacobians, dynamics and distances, on request.
+"""Quantities of the analytic model at one instant: Jacobians, dynamics and distances, on request.
 
 Everything is written to `Observation.misc` under the names of the settings:
 
@@ -46,7 +46,7 @@ class ModelObservationConfig:
 
 
 class ModelObserver:
-    """Answers for one world; keeps its distance model between observations.
+    """Computes them for one world; keeps its distance model between observations.
 
     Args:
         world: Gives joint states and the places of all bodies.

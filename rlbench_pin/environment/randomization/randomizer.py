@@ -1,4 +1,4 @@
-"""Domain randomization of a running scene: draw a sample at the chosen events, apply it, remove it."""
+"""Domain randomization of a runtime: draw a sample at the chosen events, apply it, remove it."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from rlbench_pin.sim import read_texture
 
 
 class Randomizer:
-    """Changes looks and physics of one scene at the chosen events.
+    """Changes looks and physics of one world at the chosen events.
 
     Args:
-        runtime: The running scene.
+        runtime: Holds the world.
         config: Settings of its cameras and lights.
         every: The event.
         frequency: n: the first event and every n-th after it bring a new sample.
@@ -68,7 +68,7 @@ class Randomizer:
     # Samples ---------------------------------------------------------------------------------------------------------
 
     def apply(self, sample: RandomizationSample | None) -> None:
-        """Make the scene look and behave as `sample` says; None is the scene as it was built."""
+        """Make the world look and behave as `sample` says; None is the world as it was built."""
         self.remove()
         self.current = sample
         if sample is None:
@@ -88,7 +88,7 @@ class Randomizer:
         world.dynamics_overrides.scale_gains(sample.gains)
 
     def remove(self) -> None:
-        """Bring back the scene as it was built; the present sample is remembered."""
+        """Bring back the world as it was built; the present sample is remembered."""
         world, look = self._runtime.world, self._runtime.observer.look
         world.texture_overrides.clear()
         world.dynamics_overrides.clear()

@@ -1,4 +1,4 @@
-"""One draw of domain randomization: everything that differs from the scene as it was built."""
+"""One draw of domain randomization: everything that differs from the world as it was built."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def sample_looks(
     """Draw textures, lights and camera motions, as fields of a `RandomizationSample`.
 
     Args:
-        runtime: The running scene.
+        runtime: Holds the world.
         settings: Its lights and extra cameras.
         config: What may change.
         rng: Source of the draws.
@@ -68,7 +68,7 @@ def sample_dynamics(runtime: Runtime, config: DynamicsRandomizationConfig, rng: 
     """Draw factors of physical properties, as fields of a `RandomizationSample`.
 
     Args:
-        runtime: The running scene.
+        runtime: Holds the world.
         config: What may change, and how much.
         rng: Source of the draws.
     """

@@ -1,7 +1,7 @@
 """RRT-Connect (Kuffner, LaValle 2000) with edges walked configuration by configuration, kept as far as they are free.
 
 Two trees grow towards each other, one from the start, one from all goals. Written for collision checks that cost some
-microseconds: trees are arrays, the nearest node is one product, the smaller tree grows, samples are drawn in lots. (Edges that
+microseconds: trees are arrays, the nearest node is one product, the smaller tree grows, samples are drawn in batches. (Edges that
 shrink where they fail were tried: the 95th percentile became twenty times longer.)
 """
 

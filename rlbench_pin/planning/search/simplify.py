@@ -9,7 +9,7 @@ from rlbench_pin.spatial import FloatArray
 
 
 class _Counted:
-    """A collision check that says no once its budget is spent."""
+    """A collision check that reports a collision once its budget is spent."""
 
     def __init__(self, is_free: IsFree, checks: int) -> None:
         self._is_free, self.left = is_free, checks

@@ -33,7 +33,7 @@ logging.getLogger("toppra").addHandler(logging.NullHandler())
 
 
 class _ToppraPath(toppra.interpolator.AbstractGeometricPath):
-    """A `JointPath` as TOPPRA wants to see it."""
+    """A `JointPath` with the interface of TOPPRA."""
 
     def __init__(self, path: JointPath) -> None:
         self._path = path
@@ -77,7 +77,7 @@ def retime(
     smooth = path if isinstance(path, JointPath) else through(np.asarray(path, dtype=float))
     length = smooth.length()
     if length < SHORT:
-        return _twitch(smooth.start, smooth.end, limits)
+        return _short_motion(smooth.start, smooth.end, limits)
     constraints = _constraints(smooth, limits, max_speed)
     trajectory = _timed(smooth, constraints, limits, jerk_time)
     if torque is None or torque.surely_kept(trajectory, limits.acceleration) or torque.worst(trajectory) <= 1.0:
@@ -222,7 +222,7 @@ def _slowed(samples: tuple[FloatArray, ...], limits: JointLimits) -> Trajectory:
     return Trajectory(times * factor, q, v / factor, after / factor**2)
 
 
-def _twitch(start: FloatArray, end: FloatArray, limits: JointLimits) -> Trajectory:
+def _short_motion(start: FloatArray, end: FloatArray, limits: JointLimits) -> Trajectory:
     """Time a motion too short for TOPPRA: q = start + (3 x^2 - 2 x^3) (end - start), x = t / T."""
     way = end - start
     slowest = max(

@@ -12,7 +12,7 @@ from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
 
 DENSE = 1e-3
-"""Time between two looks at the torques of a finished trajectory [s]."""
+"""Time between two evaluations of the torques of a finished trajectory [s]."""
 _LOOK = 1.0 / 40.0
 _RESERVE = 0.97
 _ROUNDS = 12

@@ -19,7 +19,7 @@ class ObjectJoint:
     Args:
         name: `<body>/<joint>`.
         model: The body it belongs to.
-        info: What PyBullet knows of it.
+        info: What PyBullet says about it.
     """
 
     def __init__(self, name: str, model: LoadedModel, info: JointInfo) -> None:
@@ -105,7 +105,7 @@ class ObjectJoint:
         self._model.client.change(function, self._model.uid, self._info.index, *positional, **named)
 
     def _drive(self) -> None:
-        """Give PyBullet's motor the task that lock and friction ask for."""
+        """Set PyBullet's motor as lock and friction require."""
         if self._locked_at is not None:
             self._change(
                 bullet.setJointMotorControl2,

@@ -1,4 +1,4 @@
-"""What PyBullet knows of one loaded URDF and never changes: numbers of links and joints, limits, inertial offsets."""
+"""What PyBullet says about one loaded URDF and never changes: numbers of links and joints, limits, inertial offsets."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class LoadedModel:
 
 
 def inspect(client: PhysicsClient, uid: int, urdf: Path, scale: float) -> LoadedModel:
-    """Ask PyBullet all it knows of a body that was just loaded."""
+    """Read what PyBullet says about a body that was just loaded."""
     identifier = client.id
     base_name = bullet.getBodyInfo(uid, physicsClientId=identifier)[0].decode()
     links, joints = {base_name: BASE}, {}

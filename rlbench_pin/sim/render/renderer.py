@@ -1,6 +1,6 @@
 """Pictures: moving things by PyBullet's renderer, the room by the backdrop, shadows and fill lights on top.
 
-Drawing the room apart saves most of the work: a camera that stands still draws it once. Where a moving thing is nearer than the
+A separate drawing of the room saves most work: a camera that stands still draws it once. Where a moving thing is nearer than the
 room it is seen; this is exact to the pixel. Shadows come from one picture taken from the key light. The fill lights follow from
 the slopes of the depth.
 """

@@ -1,4 +1,4 @@
-"""The vocabulary of success: every condition a task may register."""
+"""Every condition that a task may register."""
 
 from __future__ import annotations
 

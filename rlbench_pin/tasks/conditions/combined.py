@@ -18,7 +18,7 @@ class _Combined(Condition):
         self.members = tuple(members)
 
     def _asked(self) -> list[bool]:
-        """Ask every member, so that those which keep count see every instant."""
+        """Evaluate every member, so that those which keep count see every instant."""
         return [member.met() for member in self.members]
 
     def reset(self) -> None:
@@ -40,7 +40,7 @@ class AllOf(_Combined):
     """Holds while every member holds at the same instant."""
 
     def met(self) -> bool:
-        """Return whether all members hold now; every one is asked."""
+        """Return whether all members hold now; every one is evaluated."""
         return all(self._asked())
 
 
@@ -48,7 +48,7 @@ class AnyOf(_Combined):
     """Holds while at least one member holds."""
 
     def met(self) -> bool:
-        """Return whether a member holds now; every one is asked."""
+        """Return whether a member holds now; every one is evaluated."""
         return any(self._asked())
 
 

@@ -24,7 +24,7 @@ class Detected(Condition):
     Args:
         thing: A body or a frame.
         sensor: The volume.
-        negated: Turn the answer round.
+        negated: Invert the answer.
     """
 
     def __init__(self, thing: Body | Frame, sensor: Sensor, negated: bool = False) -> None:

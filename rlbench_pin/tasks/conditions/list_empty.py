@@ -1,4 +1,4 @@
-"""A to-do list is done."""
+"""A list of the task is empty."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rlbench_pin.tasks.conditions.condition import Condition
 
 
 class ListEmpty(Condition):
-    """Holds while a bookkeeping list that the task keeps has no entries left."""
+    """Holds while a list that the task keeps has no entries left."""
 
     def __init__(self, items: Sized) -> None:
         self.items = items

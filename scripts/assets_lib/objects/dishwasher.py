@@ -20,7 +20,7 @@ RACK_X, RACK_FLOOR, RIM, TRAVEL = -0.012, 0.115, 0.155, 0.24
 """Middle of the rack, heights of its base and of its rim when it is in, and how far it slides out [m]."""
 RIM_RADIUS = 0.005
 PLATE_PLACE, CRADLE = (-0.053, 0.06), 0.031
-"""Where the plate stands in the rack, aside from where a hand pulls; half the distance of the rods that carry it [m]."""
+"""Where the plate stands in the rack, beside the place where a hand pulls; half the distance of the rods that carry it [m]."""
 PLATE_RADIUS, PLATE_HEIGHT = 0.08, 0.015
 STEEL, DARK, WIRE, SILVER = (0.86, 0.87, 0.88), (0.16, 0.17, 0.19), (0.30, 0.45, 0.70), (0.70, 0.71, 0.74)
 HALF_PI = 1.57079633
@@ -124,7 +124,7 @@ def _rack_link() -> Link:
 
 
 def _plate_solids() -> tuple[Shape, ...]:
-    """Return six crossed boxes, together a prism with twelve sides: on edge, a cylinder rocks for ever in the physics."""
+    """Return six crossed boxes, together a prism with twelve sides: on edge, a cylinder rocks forever in the physics."""
     half = HALF_PI / 6.0
     size = (2.0 * PLATE_RADIUS * cos(half), 2.0 * PLATE_RADIUS * sin(half), PLATE_HEIGHT)
     return tuple(box_shape(size, (0.0, 0.0, 0.0), (0.0, 0.0, (2 * k + 1) * half)) for k in range(6))

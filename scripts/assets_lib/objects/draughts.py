@@ -12,7 +12,7 @@ INLAY = 0.0004
 """How far the squares stand out, for the eye only [m]."""
 RADIUS, THICKNESS = 0.0175, 0.012
 BAR = (2.0 * RADIUS, 0.8 * RADIUS)
-"""Sides of the two crossed boxes that stand for a disc: a cylinder on a board rocks for ever in the physics, boxes rest [m]."""
+"""Sides of the two crossed boxes that stand for a disc: a cylinder on a board rocks forever in the physics, boxes rest [m]."""
 FRAME, DARK, LIGHT = (0.33, 0.19, 0.10), (0.36, 0.24, 0.16), (0.93, 0.85, 0.68)
 COLORS = {"light": ((0.95, 0.91, 0.80), (0.78, 0.70, 0.54)), "dark": ((0.10, 0.09, 0.09), (0.30, 0.27, 0.25))}
 

@@ -1,6 +1,6 @@
 """Table, floor, four walls and ceiling, all in world coordinates.
 
-Every mesh is made of rectangles, because `sim.backdrop` draws them by formulas.
+Every mesh is made of rectangles, because `sim.render.backdrop` draws them by formulas.
 """
 
 from __future__ import annotations

@@ -66,7 +66,7 @@ def test_an_infeasible_problem_raises_and_is_attached() -> None:
 
 
 @pytest.mark.parametrize("name", ["daqp", "quadprog"])
-def test_foreign_solvers_fit_the_seam(name: str, rng: np.random.Generator) -> None:
+def test_foreign_solvers_fit_the_interface(name: str, rng: np.random.Generator) -> None:
     """Solvers of the bench extra find the same solutions."""
     pytest.importorskip("qpsolvers")
     pytest.importorskip(name)

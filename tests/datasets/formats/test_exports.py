@@ -80,7 +80,7 @@ def _python_with(library: str) -> str:
     return sys.executable
 
 
-def _told_by(library: str, path: Path) -> dict[str, Any]:
+def _output_of(library: str, path: Path) -> dict[str, Any]:
     command = [_python_with(library), str(READERS / f"read_{library}.py"), str(path)]
     environment = {**os.environ, "HF_HUB_OFFLINE": "1", "HF_DATASETS_CACHE": str(path.parent / "cache")}
     done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
@@ -148,7 +148,7 @@ def test_lerobot_pictures(lerobot: Path, demos: list[Demo]) -> None:
 @pytest.mark.slow
 def test_lerobot_loads_it(lerobot: Path, demos: list[Demo]) -> None:
     """The dataset class of `lerobot` iterates over all frames, with pictures, state, action and task."""
-    found = _told_by("lerobot", lerobot)
+    found = _output_of("lerobot", lerobot)
     states, actions = _stacked(demos)
     assert (found["frames"], found["episodes"], found["fps"], found["window"]) == (21, 3, 20, [3, 8])
     assert found["tasks"] == ["reach the blue ball", "reach the red ball"]
@@ -197,7 +197,7 @@ def test_robomimic_structure(robomimic: Path, demos: list[Demo]) -> None:
 @pytest.mark.slow
 def test_robomimic_loads_it(robomimic: Path, demos: list[Demo]) -> None:
     """The dataset class of robomimic reads sequences from it."""
-    found = _told_by("robomimic", robomimic)
+    found = _output_of("robomimic", robomimic)
     assert found["environment"]["env_name"] == "rlbench_pin/reach_target-state-v0"
     assert found["shapes"]["front_image"] == [3, SIZE, SIZE]
     assert (found["steps"], found["actions"]) == (sum(LENGTHS) - 3, [10, 8])

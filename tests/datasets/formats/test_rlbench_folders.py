@@ -116,7 +116,7 @@ def test_the_layouts_are_those_of_the_format(root: Path, tmp_path: Path) -> None
 
 
 def test_the_pictures_are_those_of_the_format(root: Path, tmp_path: Path) -> None:
-    """Depth has its high byte in red, masks their low byte in red, as A.19 of the interface says."""
+    """Depth has its high byte in red, masks their low byte in red."""
     demo = read_demo(episode_files(root, TASK)[3])
     episode = export_rlbench(root, tmp_path / "x") / TASK / "variation0" / "episodes" / "episode3"
     rgb, depth, mask = (np.asarray(Image.open(episode / f"front_{p}" / "2.png")).astype(int) for p in ("rgb", "depth", "mask"))

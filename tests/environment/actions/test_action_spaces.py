@@ -1,4 +1,4 @@
-"""Every action space of the paper, absolute and relative: what one action does, to the letter."""
+"""Every action space of the paper, absolute and relative: what one action does."""
 
 from __future__ import annotations
 

@@ -41,9 +41,9 @@ MODES: dict[str, Callable[[], ActionMode]] = {
 def task_of(chosen: ActionMode, task: str = "reach_target", **settings: object) -> TaskEnvironment:
     """An episode with an action mode."""
     env = Environment(chosen, obs_config=low_dim_config(), seed=0, **settings)  # type: ignore[arg-type]
-    loop = env.get_task(task)
-    loop.reset(seed=2)
-    return loop
+    task_env = env.get_task(task)
+    task_env.reset(seed=2)
+    return task_env
 
 
 def played(first: TaskEnvironment, second: TaskEnvironment) -> bytes:
@@ -51,9 +51,9 @@ def played(first: TaskEnvironment, second: TaskEnvironment) -> bytes:
     rng = np.random.default_rng(0)
     seen = []
     for _ in range(8):
-        for loop in (first, second):
-            low, high = loop.action_bounds()
-            seen.append(loop.step(rng.uniform(low, high))[0].get_low_dim_data().tobytes())
+        for task_env in (first, second):
+            low, high = task_env.action_bounds()
+            seen.append(task_env.step(rng.uniform(low, high))[0].get_low_dim_data().tobytes())
     return b"".join(seen)
 
 
@@ -72,9 +72,9 @@ def test_environments_write_nothing_into_the_mode() -> None:
     gripper = GripperJointPosition()
     before = copy.deepcopy(vars(gripper))
     loops = [task_of(MoveArmThenGripper(JointPosition(), gripper), attach_grasped_objects=attach) for attach in (True, False)]
-    for loop in loops:
-        loop.step(np.append(loop.get_observation().joint_positions, 0.0))
-    assert [gripper.attaches(loop.runtime) for loop in loops] == [True, False]
+    for task_env in loops:
+        task_env.step(np.append(task_env.get_observation().joint_positions, 0.0))
+    assert [gripper.attaches(task_env.runtime) for task_env in loops] == [True, False]
     assert vars(gripper) == before
     assert [GripperJointPosition(attach).attaches(loops[1].runtime) for attach in (True, False)] == [True, False]
 
@@ -98,26 +98,26 @@ def test_an_action_is_checked_once_and_the_specification_made_once(
     for module in (mode, action_mode):
         monkeypatch.setattr(module, "as_action", counted)
     monkeypatch.setattr(ActionSpec, "__post_init__", counted_spec)
-    loop = task_of(make())
-    low, high = loop.action_bounds()
-    loop.step(0.5 * (low + high))
+    task_env = task_of(make())
+    low, high = task_env.action_bounds()
+    task_env.step(0.5 * (low + high))
     checks.clear()
     specs.clear()
     for _ in range(3):
-        loop.step(0.5 * (low + high))
-    loop.action_bounds()
+        task_env.step(0.5 * (low + high))
+    task_env.action_bounds()
     assert (len(checks), len(specs)) == (3, 0)
 
 
 def test_specifications_cannot_be_changed_by_those_who_read_them() -> None:
     """Bounds of the kept specification are read-only; `action_bounds` gives copies."""
-    loop = task_of(MoveArmThenGripper(JointVelocity(), Discrete()))
-    spec = loop.action_mode.action_spec(loop.runtime)
+    task_env = task_of(MoveArmThenGripper(JointVelocity(), Discrete()))
+    spec = task_env.action_mode.action_spec(task_env.runtime)
     with pytest.raises(ValueError, match="read-only"):
         spec.low[0] = 0.0
-    low, _ = loop.action_bounds()
+    low, _ = task_env.action_bounds()
     low[0] = 0.0
-    assert loop.action_bounds()[0][0] == spec.low[0] != 0.0
+    assert task_env.action_bounds()[0][0] == spec.low[0] != 0.0
 
 
 def test_an_arm_mode_with_an_action_of_its_own_gets_the_numbers() -> None:
@@ -130,13 +130,13 @@ def test_an_arm_mode_with_an_action_of_its_own_gets_the_numbers() -> None:
             super().action(runtime, 0.5 * given[-1] if given[-1][0] < 1.0 else [0.0])
 
     for arm in (Halved(), SafeArm(Halved())):
-        loop = task_of(MoveArmThenGripper(arm, Discrete()))
-        before = loop.get_observation().joint_positions
-        after = loop.step([0.5] + [0.0] * 6 + [1.0])[0].joint_positions
+        task_env = task_of(MoveArmThenGripper(arm, Discrete()))
+        before = task_env.get_observation().joint_positions
+        after = task_env.step([0.5] + [0.0] * 6 + [1.0])[0].joint_positions
         assert given.pop().tolist() == [0.5] + [0.0] * 6
         assert after[0] - before[0] == pytest.approx(0.25 * 0.05, abs=2e-3)
         with pytest.raises(InvalidActionError, match=r"Halved takes an array of shape \(7,\), not \(1,\)"):
-            loop.step([1.0] + [0.0] * 6 + [1.0])
+            task_env.step([1.0] + [0.0] * 6 + [1.0])
 
 
 def test_a_mode_of_ones_own_needs_an_action_and_a_shape() -> None:
@@ -150,12 +150,12 @@ def test_a_mode_of_ones_own_needs_an_action_and_a_shape() -> None:
             return self.arm_action_mode.action_shape(runtime)[0]
 
     with Environment(ArmAlone(JointPosition(), Discrete()), obs_config=low_dim_config(), seed=0) as env:
-        loop = env.get_task("reach_target")
-        _, start = loop.reset(seed=0)
+        task_env = env.get_task("reach_target")
+        _, start = task_env.reset(seed=0)
         assert env.action_shape == (7,)
-        loop.step(list(start.joint_positions))
+        task_env.step(list(start.joint_positions))
         with pytest.raises(InvalidActionError, match=r"JointPosition takes an array of shape \(7,\), not \(8,\)"):
-            loop.step(np.zeros(8))
+            task_env.step(np.zeros(8))
 
 
 def test_parts_that_only_act_and_know_their_shape_are_enough() -> None:
@@ -168,27 +168,27 @@ def test_parts_that_only_act_and_know_their_shape_are_enough() -> None:
         def action_shape(self, runtime: Runtime) -> tuple[int]:
             return (2,)
 
-    loop = task_of(MoveArmThenGripper(Still(), Discrete()))  # type: ignore[arg-type]
-    began = loop.world.time
-    loop.step([0.0, 0.0, 1.0])
-    assert loop.world.time - began == pytest.approx(0.05)
+    task_env = task_of(MoveArmThenGripper(Still(), Discrete()))  # type: ignore[arg-type]
+    began = task_env.world.time
+    task_env.step([0.0, 0.0, 1.0])
+    assert task_env.world.time - began == pytest.approx(0.05)
     with pytest.raises(InvalidActionError, match=r"shape \(3,\)"):
-        loop.step(np.zeros(8))
+        task_env.step(np.zeros(8))
 
 
 def test_settings_that_are_replaced_take_effect_at_once() -> None:
     """Specification, bounds and shape follow the settings of a mode that was used before, and of its parts."""
     arm, gripper = ERJointViaIK(), GripperJointPosition()
-    loop = task_of(MoveArmThenGripper(arm, gripper))
-    chosen, first = loop.action_mode, loop.action_mode.action_spec(loop.runtime)
+    task_env = task_of(MoveArmThenGripper(arm, gripper))
+    chosen, first = task_env.action_mode, task_env.action_mode.action_spec(task_env.runtime)
     arm.commanded_joints, arm.absolute_mode, arm.frame = (0, 6), False, RelativeFrame.EE
     gripper.absolute_mode = False
-    spec = chosen.action_spec(loop.runtime)
-    assert (first.size, spec.size, chosen.action_shape(loop.runtime)) == (9, 10, 10)
+    spec = chosen.action_spec(task_env.runtime)
+    assert (first.size, spec.size, chosen.action_shape(task_env.runtime)) == (9, 10, 10)
     assert (first.frame, spec.frame) == ("world", "end effector")
     assert (first.low[-1], spec.low[-1]) == (0.0, -spec.high[-1])
     chosen.arm_action_mode = JointVelocity()
-    assert loop.action_bounds()[1][:-1].tolist() == loop.runtime.model.limits.velocity.tolist()
+    assert task_env.action_bounds()[1][:-1].tolist() == task_env.runtime.model.limits.velocity.tolist()
 
 
 def test_a_subclass_whose_bounds_follow_its_own_setting() -> None:
@@ -202,10 +202,10 @@ def test_a_subclass_whose_bounds_follow_its_own_setting() -> None:
             return low / self.scale, high / self.scale
 
     arm = Scaled()
-    loop = task_of(MoveArmThenGripper(arm, Discrete()))
-    before = loop.action_bounds()[1]
+    task_env = task_of(MoveArmThenGripper(arm, Discrete()))
+    before = task_env.action_bounds()[1]
     arm.scale = 2.0
-    assert np.array_equal(2.0 * loop.action_bounds()[1][:-1], before[:-1])
+    assert np.array_equal(2.0 * task_env.action_bounds()[1][:-1], before[:-1])
 
 
 def test_a_check_may_return_nothing_or_other_numbers() -> None:
@@ -233,7 +233,7 @@ def test_a_check_may_return_nothing_or_other_numbers() -> None:
 @pytest.mark.parametrize("make", MODES.values(), ids=MODES)
 def test_a_mode_that_was_used_can_be_sent_to_another_process(make: Callable[[], ActionMode]) -> None:
     """Modes keep no solvers, so they can be pickled and copied at any time."""
-    loop = task_of(make())
-    loop.step(0.5 * sum(loop.action_bounds()))
-    copied = pickle.loads(pickle.dumps(loop.action_mode))
-    assert copied.action_shape(loop.runtime) == loop.action_mode.action_shape(loop.runtime)
+    task_env = task_of(make())
+    task_env.step(0.5 * sum(task_env.action_bounds()))
+    copied = pickle.loads(pickle.dumps(task_env.action_mode))
+    assert copied.action_shape(task_env.runtime) == task_env.action_mode.action_shape(task_env.runtime)

@@ -19,7 +19,7 @@ from rlbench_pin.environment.presets import low_dim_config
 
 
 def drive_down(arm: ArmActionMode) -> tuple[TaskEnvironment, float]:
-    """Drive the arm into the table for three seconds; return the loop and the deepest penetration [m]."""
+    """Drive the arm into the table for three seconds; return the environment and the deepest penetration [m]."""
     task = Environment(MoveArmThenGripper(arm, Discrete()), obs_config=low_dim_config(), seed=0).get_task("reach_target")
     _, obs = task.reset(seed=0)
     deepest = 0.0

@@ -36,7 +36,7 @@ def config_of(**front: object) -> ObservationConfig:
 
 
 @pytest.fixture(scope="module")
-def loop() -> Iterator[TaskEnvironment]:
+def task_env() -> Iterator[TaskEnvironment]:
     """reach_target with a small front camera."""
     with Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=config_of(), seed=0) as env:
         task = env.get_task("reach_target")
@@ -44,21 +44,21 @@ def loop() -> Iterator[TaskEnvironment]:
         yield task
 
 
-def test_extra_cameras_come_move_and_go(loop):
+def test_extra_cameras_come_move_and_go(task_env):
     """A camera that is added delivers its products and matrices, follows its pose and its parent, and is gone when removed."""
-    config = loop.runtime.observer._config
+    config = task_env.runtime.observer._config
     camera = config.add_camera("side", ExtraCamera(pose=SIDE_VIEW, config=CameraConfig(image_size=(40, 30))))
-    first = loop.get_observation()
+    first = task_env.get_observation()
     assert first.side_rgb.shape == (30, 40, 3) and first.side_point_cloud.shape == (30, 40, 3)
     np.testing.assert_allclose(first.misc["side_camera_extrinsics"][:3, 3], SIDE_VIEW[:3])
     camera.pose = look_at((0.3, -1.2, 1.4), (0.25, 0.0, 0.85))
-    assert (loop.get_observation().side_rgb != first.side_rgb).any()
+    assert (task_env.get_observation().side_rgb != first.side_rgb).any()
     camera.parent, camera.pose = "hand", np.array([0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
-    hand = loop.world.robot.link_pose(loop.runtime.description.hand_link)
-    seen = loop.get_observation().misc["side_camera_extrinsics"][:3, 3]
+    hand = task_env.world.robot.link_pose(task_env.runtime.description.hand_link)
+    seen = task_env.get_observation().misc["side_camera_extrinsics"][:3, 3]
     assert np.linalg.norm(seen - hand[:3]) == pytest.approx(0.1, abs=1e-6)
     config.remove_camera("side")
-    assert not hasattr(loop.get_observation(), "side_rgb")
+    assert not hasattr(task_env.get_observation(), "side_rgb")
 
 
 def test_unknown_and_impossible_cameras_are_refused():
@@ -94,29 +94,29 @@ def test_noise_is_seeded_and_depth_noise_reaches_the_point_cloud():
     np.testing.assert_allclose(first.front_point_cloud, point_cloud(first.front_depth, view), atol=1e-6)
 
 
-def test_only_what_is_enabled_is_delivered(loop):
+def test_only_what_is_enabled_is_delivered(task_env):
     """Switched-off products are None, switched-off cameras have no misc."""
-    config = loop.runtime.observer._config
+    config = task_env.runtime.observer._config
     config.front_camera.set_all(False)
     config.front_camera.mask = True
-    observation = loop.get_observation()
+    observation = task_env.get_observation()
     config.front_camera.set_all(True)
     assert observation.front_rgb is None and observation.front_depth is None and observation.front_mask is not None
     assert all(f"{name}_camera_far" not in observation.misc for name in CAMERAS if name != "front")
 
 
-def test_no_camera_sees_a_flat_white_background(loop):
+def test_no_camera_sees_a_flat_white_background(task_env):
     """Every pixel of the five cameras shows something with an id, and hardly any is pure white."""
     for name in CAMERAS:
-        view = camera_view(name, CameraConfig(), loop.world, loop.runtime.description)
-        pictures = loop.world.render(view, shadows=True)
+        view = camera_view(name, CameraConfig(), task_env.world, task_env.runtime.description)
+        pictures = task_env.world.render(view, shadows=True)
         assert (pictures.mask > 0).mean() > 0.99
         assert (pictures.rgb.min(axis=2) > 253).mean() < 0.02
 
 
-def test_arm_table_and_fingers_are_in_the_pictures(loop):
+def test_arm_table_and_fingers_are_in_the_pictures(task_env):
     """The front camera sees arm and table top; the wrist camera sees the fingers and what is below."""
-    world, robot = loop.world, loop.runtime.description
+    world, robot = task_env.world, task_env.runtime.description
     seen = {}
     for name in ("front", "wrist"):
         mask = world.render(camera_view(name, CameraConfig(), world, robot)).mask
