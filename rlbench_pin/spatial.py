@@ -19,6 +19,12 @@ PoseLike = Sequence[float] | FloatArray
 TABLE_HEIGHT = 0.752
 """Height of the table top above the floor, the origin of the world [m]."""
 
+
+def above_table(height: float) -> float:
+    """Return the world z [m] of what is `height` [m] above the table top, without float dust."""
+    return round(TABLE_HEIGHT + height, 12)
+
+
 IDENTITY: FloatArray = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
 IDENTITY.setflags(write=False)
 

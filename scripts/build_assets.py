@@ -64,7 +64,10 @@ def build(out: Path, only: str | None = None) -> None:
             build_robots(temporary)
         out.mkdir(parents=True, exist_ok=True)
         for made in sorted(temporary.iterdir()):
-            if made.is_dir():
+            if made.name == "robots":  # an arm whose files no script makes stays as it is
+                for robot in sorted(made.iterdir()):
+                    replace_folder(robot, out / made.name / robot.name)
+            elif made.is_dir():
                 replace_folder(made, out / made.name)
             else:
                 (out / made.name).write_bytes(made.read_bytes())

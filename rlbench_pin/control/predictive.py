@@ -28,9 +28,9 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from rlbench_pin.control.checks import as_placement, as_state, as_vector
-from rlbench_pin.control.predictive_program import PredictiveProgram, ProgramSize
 from rlbench_pin.control.qp.constraints import JointBounds
 from rlbench_pin.control.qp.osqp_solver import FIXED
+from rlbench_pin.control.qp.predictive_program import PredictiveProgram, ProgramSize
 from rlbench_pin.errors import InvalidTarget
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.limits import JointLimits

@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Literal
 
 from rlbench_pin.errors import MissingExtra
+from rlbench_pin.robot import DEFAULT_ROBOT
 
 ExportFormat = Literal["lerobot", "robomimic", "rlbench", "peract", "zarr"]
 """`lerobot` (LeRobotDataset v3), `robomimic` (one HDF5 file), `rlbench` and `peract` (folders of PNG files), `zarr`."""
 
 # Format -> module of `datasets.formats`, function, its options, extra that brings the library it needs.
 _EXPORTERS: dict[str, tuple[str, str, dict[str, str], str]] = {
-    "lerobot": ("lerobot", "export_lerobot", {}, "lerobot"),
+    "lerobot": ("lerobot", "export_lerobot", {"robot_type": DEFAULT_ROBOT}, "lerobot"),
     "robomimic": ("robomimic", "export_robomimic", {}, ""),
     "rlbench": ("rlbench_folders", "export_rlbench", {"layout": "upstream"}, ""),
     "peract": ("rlbench_folders", "export_rlbench", {"layout": "peract"}, ""),
@@ -65,4 +66,4 @@ def find_exporter(name: ExportFormat, cameras: tuple[str, ...] = ()) -> Callable
         export: Callable[..., Path] = getattr(importlib.import_module(f"rlbench_pin.datasets.formats.{module}"), function)
     except ImportError as error:
         raise MissingExtra(f"The export to '{name}'", error.name or extra, extra) from error
-    return partial(export, **options) if module == "rlbench_folders" else partial(export, cameras=cameras)
+    return partial(export, **options) if module == "rlbench_folders" else partial(export, cameras=cameras, **options)

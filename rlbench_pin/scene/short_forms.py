@@ -6,7 +6,7 @@ import re
 from typing import Any
 
 from rlbench_pin.scene.spec import PlacementSpec, Pose
-from rlbench_pin.spatial import TABLE_HEIGHT, euler_to_quaternion
+from rlbench_pin.spatial import TABLE_HEIGHT, above_table, euler_to_quaternion
 
 Entry = dict[str, Any]
 ARRAY_TABLES = ("body", "frame", "region", "sensor")
@@ -58,7 +58,7 @@ def placement_from_file(placement: PlacementSpec) -> PlacementSpec:
     if "pose" not in placement.model_fields_set:
         return placement
     x, y, z, *quaternion = placement.pose
-    return placement.model_copy(update={"pose": (x, y, round(TABLE_HEIGHT + z, _HEIGHT_DIGITS), *quaternion)})
+    return placement.model_copy(update={"pose": (x, y, above_table(z), *quaternion)})
 
 
 def placement_for_file(placement: PlacementSpec) -> TablePlacement:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from rlbench_pin.assets import asset_path
+from rlbench_pin.errors import RobotModelError
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.scene.model_files import resolve_asset
 from rlbench_pin.scene.snapshot import ROOM
@@ -19,7 +20,16 @@ from rlbench_pin.spatial import IDENTITY
 
 
 def load_robot(client: PhysicsClient, description: RobotDescription) -> LoadedModel:
-    """Load the arm, fixed at its base pose."""
+    """Load the arm, fixed at its base pose.
+
+    Raises:
+        RobotModelError: Its hand has not two fingers.
+    """
+    if (fingers := len(description.gripper_joints)) != 2:
+        raise RobotModelError(
+            f"The simulation drives a hand with two fingers; '{description.name}' has {fingers} gripper joints. "
+            "Describe a hand with two, or use this arm for planning and control alone."
+        )
     uid = client.load(description.urdf, f"robot '{description.name}'", np.array(description.base_pose), fixed=True)
     return inspect(client, uid, description.urdf, 1.0)
 

@@ -15,6 +15,7 @@ from rlbench_pin.assets import ASSETS
 
 URDFS = tuple(sorted(path for folder in ("objects", "robots", "room") for path in (ASSETS / folder).rglob("*.urdf")))
 OBJECTS = tuple(path for path in URDFS if "objects" in path.parts)
+ROBOTS = tuple(path for path in URDFS if "robots" in path.parts)
 PANDA = ASSETS / "robots/panda/panda.urdf"
 
 

@@ -12,11 +12,11 @@ import pybullet as p
 import pytest
 
 from rlbench_pin.robot.geometry import bounds, link_geometry
-from tests.assets.support import PANDA, URDFS, client, geometry, inertial_place, joint_table, label, load
+from tests.assets.support import ROBOTS, URDFS, client, geometry, inertial_place, joint_table, label, load
 
 SHAPES = {coal.Box: p.GEOM_BOX, coal.Cylinder: p.GEOM_CYLINDER, coal.Sphere: p.GEOM_SPHERE}
 
-LOOSE = {"panda": np.inf, "chest": 0.05, "dishwasher": 0.04}
+LOOSE = {**{path.stem: np.inf for path in ROBOTS}, "chest": 0.05, "dishwasher": 0.04}
 """How much larger PyBullet's boxes may be where shapes are turned in their link [m]."""
 
 
@@ -60,7 +60,7 @@ def test_masses_agree(path: Path) -> None:
 @pytest.mark.parametrize("path", URDFS, ids=label)
 def test_inertias_are_physical(path: Path) -> None:
     """The moments of inertia of every link with mass are positive and obey the triangle inequality."""
-    if path == PANDA:
+    if path in ROBOTS:
         pytest.skip("published numbers")
     for link in ET.parse(path).iterfind("link"):
         values = {k: float(v) for k, v in link.find("inertial/inertia").attrib.items()}

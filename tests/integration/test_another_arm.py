@@ -198,6 +198,12 @@ def test_another_hand_works_in_the_simulation(tmp_path: Path) -> None:
         assert masked == set(read_urdf(arm.urdf).link_names)
 
 
+def test_a_hand_without_two_fingers_is_refused(tmp_path: Path) -> None:
+    """The simulation names the arm, what its hand lacks, and what it is still good for."""
+    with pytest.raises(RobotModelError, match="two fingers; 'ur5' has 0 gripper joints.*planning and control"):
+        World(SceneSpec(format=1), ur5(tmp_path))
+
+
 def test_vectors_of_a_description_fit_its_joints(tmp_path: Path) -> None:
     """One number per joint, or the record is refused."""
     with pytest.raises(RobotModelError, match="6 arm joints, but 7 numbers in 'acceleration'"):

@@ -8,7 +8,7 @@ import pytest
 from rlbench_pin.errors import NotStraight
 from rlbench_pin.planning.straight import curve_path, straight_path, straight_spline
 from rlbench_pin.robot.model import RobotModel
-from rlbench_pin.spatial import compose, pose_at, rotation_distance
+from rlbench_pin.spatial import above_table, compose, pose_at, rotation_distance
 
 
 def distance_to_line(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -56,14 +56,14 @@ def test_a_line_out_of_reach_says_how_far_it_goes(model: RobotModel) -> None:
 
 def test_an_obstacle_interrupts_the_line(model: RobotModel) -> None:
     """Configurations that are not free end it."""
-    goal = pose_at((0.278, 0.0, 0.9), np.pi)
+    goal = pose_at((0.278, 0.0, above_table(0.148)), np.pi)
 
     def is_free(q: np.ndarray) -> bool:
-        return bool(model.tip_pose(q)[2] > 1.2)
+        return bool(model.tip_pose(q)[2] > above_table(0.448))
 
     with pytest.raises(NotStraight, match="in the way") as caught:
         straight_path(model, model.home, goal, is_free)
-    assert caught.value.fraction == pytest.approx((1.453 - 1.2) / (1.453 - 0.9), abs=0.05)
+    assert caught.value.fraction == pytest.approx((0.701 - 0.448) / (0.701 - 0.148), abs=0.05)
 
 
 def test_a_curve_visits_its_poses(model: RobotModel) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 from rlbench_pin.robot.catalogue import robot_description
 from rlbench_pin.scene.spec import BodySpec, FrameSpec, JointSpec, RegionSpec, SceneSpec, SensorSpec, SpringSpec
 from rlbench_pin.sim import World
+from rlbench_pin.spatial import above_table
 
 PANDA = robot_description("panda")
 HOME = np.array(PANDA.home)
@@ -17,7 +18,7 @@ AROUND = np.array([0.0, 0.599395, 0.0, -2.100885, 0.0, 2.700281, 0.785398])
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
-def cube(name: str, x: float, y: float, z: float = 0.777, **keys: object) -> BodySpec:
+def cube(name: str, x: float, y: float, z: float = above_table(0.025), **keys: object) -> BodySpec:
     """A cube of side 0.05 m, in world coordinates."""
     return BodySpec(name=name, asset="objects/cube/cube.urdf", parent="world", pose=(x, y, z, *UPRIGHT), **keys)
 

@@ -11,6 +11,7 @@ import pytest
 from rlbench_pin.errors import AssetNotFound, EnvironmentClosed, RlbenchPinError, UnknownName
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
 from rlbench_pin.sim import World
+from rlbench_pin.spatial import above_table
 from tests.sim.support import HOME, PANDA, build, close_on_cube, cube, cube_scene, digest, furniture_scene, steps
 
 
@@ -154,10 +155,10 @@ def test_a_broken_urdf_is_named(tmp_path, content):
 def test_bodies_come_and_go():
     """A body added at run time takes part; it can be removed, and bodies of the scene cannot."""
     with build() as world:
-        extra = world.add_body("extra", cube("any", 0.1, 0.3, 0.9))
+        extra = world.add_body("extra", cube("any", 0.1, 0.3, above_table(0.148)))
         assert world.masks[62] == "extra"
         steps(world, 20)
-        assert extra.position[2] == pytest.approx(0.777, abs=1e-3)
+        assert extra.position[2] == pytest.approx(above_table(0.025), abs=1e-3)
         with pytest.raises(RlbenchPinError, match="in use"):
             world.add_body("extra", cube("any", 0.1, 0.3))
         world.remove_body("extra")
@@ -197,10 +198,11 @@ def test_colours_of_links_and_bodies():
 
 def test_a_body_may_pass_through_things():
     """Without collisions a free body falls through the table, with them it rests."""
-    with build(cube_scene(cube("solid", 0.2, 0.2, 0.8), cube("ghost", 0.2, -0.2, 0.8, collides=False))) as world:
+    high = above_table(0.048)
+    with build(cube_scene(cube("solid", 0.2, 0.2, high), cube("ghost", 0.2, -0.2, high, collides=False))) as world:
         steps(world, 10)
-        assert world.body("solid").position[2] > 0.77
-        assert world.body("ghost").position[2] < 0.7
+        assert world.body("solid").position[2] > above_table(0.018)
+        assert world.body("ghost").position[2] < above_table(-0.052)
 
 
 @pytest.mark.simulation

@@ -9,14 +9,14 @@ import numpy as np
 from rlbench_pin.environment.observations.camera_config import CameraConfig
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.sim import CameraView, World, look_at
-from rlbench_pin.spatial import TABLE_HEIGHT, compose
+from rlbench_pin.spatial import above_table, compose
 
-# name -> (position [m], point looked at [m], field of view [rad], near [m], far [m])
+# name -> (position [m], point looked at [m], field of view [rad], near [m], far [m]); they stand with the table
 _FIXED = {
-    "left_shoulder": ((-0.175, 0.2, 1.98), (0.37, 0.10, 0.80), np.radians(40.0), 0.01, 3.2),
-    "right_shoulder": ((-0.175, -0.2, 1.98), (0.37, -0.10, 0.80), np.radians(40.0), 0.01, 3.2),
-    "overhead": ((-0.175, 0.0, 2.43), (0.22, 0.0, TABLE_HEIGHT), np.radians(40.0), 0.01, 3.3),
-    "front": ((1.35, 0.0, 1.58), (0.15, 0.0, 1.02), np.radians(40.0), 0.01, 4.5),
+    "left_shoulder": ((-0.175, 0.2, above_table(1.228)), (0.37, 0.10, above_table(0.048)), np.radians(40.0), 0.01, 3.2),
+    "right_shoulder": ((-0.175, -0.2, above_table(1.228)), (0.37, -0.10, above_table(0.048)), np.radians(40.0), 0.01, 3.2),
+    "overhead": ((-0.175, 0.0, above_table(1.678)), (0.22, 0.0, above_table(0.0)), np.radians(40.0), 0.01, 3.3),
+    "front": ((1.35, 0.0, above_table(0.828)), (0.15, 0.0, above_table(0.268)), np.radians(40.0), 0.01, 4.5),
 }
 _WRIST = (np.radians(60.0), 0.01, 3.5)
 

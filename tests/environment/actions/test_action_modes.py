@@ -19,7 +19,7 @@ from rlbench_pin.environment.actions.arm_mode import ArmActionMode, calculate_de
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.environment.runtime import TIP_WORKSPACE
 from rlbench_pin.errors import InvalidActionError
-from rlbench_pin.spatial import pose_at, rotation_distance
+from rlbench_pin.spatial import above_table, pose_at, rotation_distance
 
 DOWN = np.array([0.3, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 
@@ -132,7 +132,7 @@ def test_bad_quaternions_and_unreachable_poses_are_refused() -> None:
     with pytest.raises(InvalidActionError, match="norm 2.0000. Divide it by its norm"):
         task.step([0.3, 0, 1, 0, 0, 0, 2, 1])
     with pytest.raises(InvalidActionError, match=r"cannot reach .* mm and .* deg away"):
-        task.step([0.77, 0.65, 1.75, 0, 0, 0, 1, 1])
+        task.step([0.77, 0.65, above_table(0.998), 0, 0, 0, 1, 1])
     assert np.array_equal(task.get_observation().get_low_dim_data(), before)
     task.step(np.append(DOWN, 1.0))
 
