@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -26,6 +27,7 @@ def _name(file: Path) -> str:
     return file.relative_to(ROOT).as_posix()
 
 
+@cache
 def _tree(file: Path) -> ast.Module:
     return ast.parse(file.read_text(encoding="utf-8"))
 
@@ -36,7 +38,6 @@ def test_files_have_at_most_300_lines() -> None:
     assert {name: n for name, n in lengths.items() if n > MAX_FILE} == {}
 
 
-@pytest.mark.simulation
 def test_functions_have_at_most_40_lines() -> None:
     """Docstring included."""
     found = [
@@ -68,7 +69,6 @@ def _public(node: ast.AST, name: str = "") -> Iterator[tuple[str, ast.AST]]:
                 yield from _public(child, f"{child.name}.")
 
 
-@pytest.mark.simulation
 def test_everything_public_has_a_docstring() -> None:
     """Modules, classes, functions and methods."""
     lacking = []
@@ -98,7 +98,6 @@ def _patches(file: Path) -> Iterator[str]:
         yield f"{_name(file)} replaces a method"
 
 
-@pytest.mark.simulation
 def test_no_object_is_patched() -> None:
     """No attribute of another object is set by name, no method is replaced, no import hook is installed."""
     assert [found for file in _files("rlbench_pin", "benchmarks") for found in _patches(file)] == []
@@ -145,7 +144,6 @@ def _module_state(tree: ast.Module) -> Iterator[tuple[int, str]]:
                     yield node.lineno, f"{node.func.value.id}.{node.func.attr}"
 
 
-@pytest.mark.simulation
 def test_no_module_keeps_state() -> None:
     """Nothing at module level is changed by functions; caches of what files say are `lru_cache`."""
     found = [f"{_name(file)}:{line} {what}" for file in _files("rlbench_pin") for line, what in _module_state(_tree(file))]
