@@ -40,7 +40,7 @@ def test_export_demos(tmp_path: Path) -> None:
     demos = [read_demo(episode_path(tmp_path / "dataset", TASK, e.variation, e.episode), sha256=e.sha256) for e in entries]
     with h5py.File(tmp_path / f"{TASK}.hdf5") as file:
         assert [len(file[f"data/demo_{i}/actions"]) for i in range(2)] == [len(demo) - 1 for demo in demos]
-    folders = folder_demos(tmp_path / "rlbench", TASK, -1, -1)
+    folders = folder_demos(tmp_path / "rlbench", TASK, -1, -1, random_selection=False)
     for demo, folder in zip(demos, folders, strict=True):
         assert np.array_equal([o.joint_positions for o in demo], [o.joint_positions for o in folder])
         assert np.array_equal([o.wrist_rgb for o in demo], [o.wrist_rgb for o in folder])

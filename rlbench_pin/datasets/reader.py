@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from rlbench_pin.datasets.episode import Episode
-from rlbench_pin.datasets.layout import ALL_VARIATIONS, check_variation, episode_files, episode_number, manifest_path
+from rlbench_pin.datasets.layout import ALL_VARIATIONS, check_variation, episode_files, manifest_path
 from rlbench_pin.datasets.manifest import has_manifest, read_manifest
 from rlbench_pin.errors import DatasetError, EpisodeFileError
 from rlbench_pin.observation import CAMERAS, PRODUCTS, Demo
@@ -80,12 +80,13 @@ def stored_demos(
         variation: Variation, or -1 for all.
         image_paths: Leave pictures unread and put texts for `read_picture` in their place.
         random_selection: Pick at random, without repeats; otherwise in natural order.
-        from_episode_number: First episode when taken in order.
+        from_episode_number: First episode when taken in order, counted from 0 through all that there are, also over variations.
         rng: Draws the random selection; needed when there is one.
         fields: Names of `Observation` fields to read; None reads all.
 
     Raises:
-        DatasetError: More are asked for than are stored, or a file cannot be read, or a listed one is missing.
+        DatasetError: More are asked for than are stored, or from a later one on, or a file cannot be read, or a listed one is
+            missing.
     """
     root = Path(root)
     sums = counted_files(root, task, variation)
@@ -93,7 +94,8 @@ def stored_demos(
         list(sums),
         f"of variation {variation} of '{task}' in '{root}'",
         amount,
-        from_episode_number=None if random_selection else from_episode_number,
+        random_selection=random_selection,
+        from_episode_number=from_episode_number,
         rng=rng,
     )
     return [counted_demo(path, sums[path], fields, image_paths) for path in files]
@@ -133,13 +135,13 @@ def counted_demo(path: Path, sha256: str | None, fields: Collection[str] | None,
 
 
 def select(
-    episodes: list[Path],
+    episodes: Sequence[Path],
     what: str,
     amount: int,
     *,
-    from_episode_number: int | None,
+    random_selection: bool,
+    from_episode_number: int,
     rng: np.random.Generator | None,
-    number: Callable[[Path], int] = episode_number,
 ) -> list[Path]:
     """Choose `amount` episodes, -1 for all.
 
@@ -147,25 +149,32 @@ def select(
         episodes: What there is, in natural order.
         what: What that is, for errors.
         amount: How many.
-        from_episode_number: First episode, taken in order; None draws them at random.
+        random_selection: Draw them without repeats; otherwise they are taken in order.
+        from_episode_number: Index in `episodes` of the first one that is taken in order.
         rng: Draws them.
-        number: The number of an episode.
 
     Raises:
         DatasetError: There are too few.
     """
     if amount < -1:
         raise DatasetError(f"{amount} demos cannot be read; ask for 0 or more, or for all with -1.")
-    if from_episode_number is not None:
-        episodes = [path for path in episodes if number(path) >= from_episode_number]
-        what += f" from episode {from_episode_number}" if from_episode_number else ""
-    if amount > len(episodes):
+    first = 0 if random_selection else _checked_first(from_episode_number, len(episodes), what)
+    chosen = list(episodes[first:])
+    if amount > len(chosen):
+        held = f"{len(chosen)} of its {len(episodes)} from episode {first} on" if first else str(len(chosen))
         raise DatasetError(
-            f"{amount} demos {what} were asked for, but it holds {len(episodes)}. "
-            "Ask for fewer, or record more with `rlbench-pin record`."
+            f"{amount} demos {what} were asked for, but it holds {held}. Ask for fewer, or record more with `rlbench-pin record`."
         )
-    if from_episode_number is None:
+    if random_selection:
         if rng is None:
             raise DatasetError("A random selection needs a generator: pass `rng`, or random_selection=False.")
-        episodes = [episodes[i] for i in rng.permutation(len(episodes))]
-    return episodes if amount < 0 else episodes[:amount]
+        chosen = [chosen[i] for i in rng.permutation(len(chosen))]
+    return chosen if amount < 0 else chosen[:amount]
+
+
+def _checked_first(number: int, count: int, what: str) -> int:
+    """Return the index of the first episode, or raise DatasetError when there is none."""
+    if number == 0 or 0 < number < count:
+        return number
+    stored = f"it holds {count}, counted from 0" if count else "it holds none"
+    raise DatasetError(f"There is no episode {number} {what}: {stored}. `from_episode_number` is an index of these.")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -31,7 +30,7 @@ class StoredSelection:
     random_selection: bool
     """Pick at random."""
     from_episode_number: int
-    """First episode when not picked at random."""
+    """First episode when not picked at random: an index of the stored ones in natural order."""
 
 
 def read_stored_demos(
@@ -52,35 +51,15 @@ def read_stored_demos(
         DatasetError: No dataset root was given, something is missing or broken, or more are wanted than stored.
     """
     root = _checked_root(dataset_root, "demonstrations", ", or ask for `live_demos=True`")
-    read = folder_demos if _holds_folders(root, task_name) else _episode_demos
-    first = None if wanted.random_selection else wanted.from_episode_number
-    fields = wanted_fields(config)
+    read = folder_demos if _holds_folders(root, task_name) else stored_demos
     demos = read(
         root, task_name, wanted.amount, wanted.variation,
-        image_paths=wanted.image_paths, from_episode_number=first, rng=rng, fields=fields,
+        image_paths=wanted.image_paths, random_selection=wanted.random_selection,
+        from_episode_number=wanted.from_episode_number, rng=rng, fields=wanted_fields(config),
     )  # fmt: skip
     for observation in () if wanted.image_paths else chain.from_iterable(demos):
         fit(observation, config)
     return demos
-
-
-def _episode_demos(
-    root: Path | str,
-    task: str,
-    amount: int,
-    variation: int,
-    *,
-    image_paths: bool = False,
-    from_episode_number: int | None = 0,
-    rng: np.random.Generator | None = None,
-    fields: Collection[str] | None = None,
-) -> list[Demo]:
-    """`datasets.stored_demos` with the arguments of `folder_demos`: None as the first episode draws them."""
-    drawn, first = from_episode_number is None, from_episode_number or 0
-    return stored_demos(
-        root, task, amount, variation,
-        image_paths=image_paths, random_selection=drawn, from_episode_number=first, rng=rng, fields=fields,
-    )  # fmt: skip
 
 
 def read_stored_descriptions(dataset_root: str, task_name: str, episode: int) -> list[str]:

@@ -234,7 +234,7 @@ class TaskEnvironment:
             callable_each_step: Called with every recorded observation.
             max_attempts: Tries per live demonstration.
             random_selection: Pick stored demonstrations at random.
-            from_episode_number: First stored episode when not picked at random.
+            from_episode_number: First stored episode when not picked at random; with variation -1 counted through all variations.
             seed: Live demonstration i starts from `seed + i`; a retry is a further attempt of the same seed.
 
         Raises:

@@ -12,12 +12,14 @@ import pytest
 from rlbench_pin.datasets import (
     DatasetWriter,
     episode_files,
+    episode_path,
     read_demo,
     read_manifest,
     read_picture,
     stored_demos,
     stored_variations,
     verify_task,
+    write_demo,
 )
 from rlbench_pin.errors import DatasetError
 from tests.demos_for_tests import assert_equal, make_demo
@@ -73,6 +75,14 @@ def test_load_in_order(root: Path) -> None:
     """Without a generator, episodes come in natural order from a first one."""
     demos = stored_demos(root, TASK, 3, 0, random_selection=False, from_episode_number=9)
     assert [d.random_seed for d in demos] == [9, 10, 11]
+
+
+def test_gaps_in_the_numbers_do_not_count(tmp_path: Path) -> None:
+    """The first episode is an index of what is there, whatever the files are called."""
+    for number in (2, 10, 30):
+        write_demo(make_demo(frames=2, seed=number), episode_path(tmp_path, TASK, 0, number))
+    demos = stored_demos(tmp_path, TASK, -1, 0, random_selection=False, from_episode_number=1)
+    assert [d.random_seed for d in demos] == [10, 30]
 
 
 def test_load_at_random(root: Path) -> None:

@@ -72,6 +72,26 @@ def test_no_simulator_is_started(stored: Path) -> None:
 
 
 @pytest.mark.simulation
+def test_the_first_episode_is_an_index(stored: Path) -> None:
+    """With variation -1 through the episodes of all variations, as sentences are counted; too high a number is explained."""
+    env = environment(stored)
+    seeds = [d.random_seed for d in env.get_demos(TASK, -1, -1, random_selection=False)]
+    for first in range(4):
+        (demo,) = env.get_demos(TASK, 1, -1, random_selection=False, from_episode_number=first)
+        assert demo.random_seed == seeds[first]
+        assert demo.instructions == tuple(env.get_task_descriptions_with_episode(TASK, first))
+    rest = env.get_demos(TASK, -1, -1, random_selection=False, from_episode_number=1)
+    assert [d.random_seed for d in rest] == seeds[1:]
+    with pytest.raises(DatasetError, match="3 demos.*holds 2 of its 4 from episode 2"):
+        env.get_demos(TASK, 3, -1, random_selection=False, from_episode_number=2)
+    for number in (4, -1):
+        with pytest.raises(DatasetError, match=f"no episode {number} of variation -1.*holds 4, counted from 0"):
+            env.get_demos(TASK, 1, -1, random_selection=False, from_episode_number=number)
+    with pytest.raises(DatasetError, match="no episode 2 of variation.*holds 2, counted from 0"):
+        env.get_demos(TASK, 1, variations(stored)[1], random_selection=False, from_episode_number=2)
+
+
+@pytest.mark.simulation
 def test_random_selection_follows_the_seed(stored: Path) -> None:
     """The same seed of the environment draws the same, another another; never twice the same episode."""
     draws = {seed: tuple(d.random_seed for d in environment(stored, seed=seed).get_demos(TASK, 3, -1)) for seed in range(6)}

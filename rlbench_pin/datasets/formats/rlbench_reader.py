@@ -44,7 +44,8 @@ def folder_demos(
     variation: int,
     *,
     image_paths: bool = False,
-    from_episode_number: int | None = 0,
+    random_selection: bool = True,
+    from_episode_number: int = 0,
     rng: np.random.Generator | None = None,
     fields: Collection[str] | None = None,
 ) -> list[Demo]:
@@ -56,8 +57,9 @@ def folder_demos(
         amount: How many, or -1 for all.
         variation: Variation, or -1 for all.
         image_paths: Put paths of PNG files into picture fields and leave the files unread.
-        from_episode_number: First episode, in order; None draws them at random.
-        rng: Draws them.
+        random_selection: Pick at random, without repeats; otherwise in natural order.
+        from_episode_number: First episode when taken in order, counted from 0 through all that there are, also over variations.
+        rng: Draws the random selection; needed when there is one.
         fields: Names of `Observation` fields to read; None reads all.
 
     Raises:
@@ -65,7 +67,7 @@ def folder_demos(
     """
     episodes = folder_episodes(Path(root), task, variation)
     what = f"of variation {variation} of '{task}' in '{root}'"
-    chosen = select(episodes, what, amount, from_episode_number=from_episode_number, rng=rng, number=_number)
+    chosen = select(episodes, what, amount, random_selection=random_selection, from_episode_number=from_episode_number, rng=rng)
     return [read_folder(path, fields, image_paths=image_paths) for path in chosen]
 
 

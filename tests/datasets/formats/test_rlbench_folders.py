@@ -88,12 +88,12 @@ def check_equal(read: Demo, original: Demo) -> None:
 def test_what_is_read_is_what_was_written(root: Path, folders: Path) -> None:
     """Every episode comes back equal within the encodings, in natural order, with seed, variation and sentences."""
     originals = [read_demo(path) for path in episode_files(root, TASK)]
-    demos = folder_demos(folders, TASK, -1, -1)
+    demos = folder_demos(folders, TASK, -1, -1, random_selection=False)
     for read, original in zip(demos, originals, strict=True):
         check_equal(read, original)
-    assert [d.random_seed for d in folder_demos(folders, TASK, 1, 2)] == [20]
-    assert [d.random_seed for d in folder_demos(folders, TASK, 2, 0, from_episode_number=9)] == [9, 10]
-    drawn = folder_demos(folders, TASK, 5, 0, from_episode_number=None, rng=np.random.default_rng(0))
+    assert [d.random_seed for d in folder_demos(folders, TASK, 1, 2, random_selection=False)] == [20]
+    assert [d.random_seed for d in folder_demos(folders, TASK, 2, 0, random_selection=False, from_episode_number=9)] == [9, 10]
+    drawn = folder_demos(folders, TASK, 5, 0, rng=np.random.default_rng(0))
     assert len({d.random_seed for d in drawn}) == 5
 
 
@@ -154,7 +154,7 @@ def test_broken_folders_are_named(root: Path, tmp_path: Path) -> None:
     with pytest.raises(EpisodeFileError, match="no list of observations"):
         read_folder(episodes[2])
     with pytest.raises(DatasetError, match="13 demos"):
-        folder_demos(folders, TASK, 13, -1)
+        folder_demos(folders, TASK, 13, -1, random_selection=False)
 
 
 def test_old_episodes_are_read(tmp_path: Path) -> None:
@@ -166,7 +166,7 @@ def test_old_episodes_are_read(tmp_path: Path) -> None:
     demo.__dict__.update(_observations=[observation, observation], random_seed=None)
     (folder / "low_dim_obs.pkl").write_bytes(dump(demo))
     (folder.parents[1] / "variation_descriptions.pkl").write_bytes(dump(observation))
-    (read,) = folder_demos(tmp_path, TASK, -1, 3)
+    (read,) = folder_demos(tmp_path, TASK, -1, 3, random_selection=False)
     assert (read.variation_number, read.instructions, len(read)) == (3, (), 2)
     assert read[1].misc["variation_index"] == 3
 
@@ -174,7 +174,7 @@ def test_old_episodes_are_read(tmp_path: Path) -> None:
 def test_paths_instead_of_pictures(root: Path, tmp_path: Path) -> None:
     """With `image_paths`, picture fields hold the paths of files that any program opens."""
     folders = export_rlbench(root, tmp_path / "x")
-    (demo,) = folder_demos(folders, TASK, 1, 0, image_paths=True)
+    (demo,) = folder_demos(folders, TASK, 1, 0, image_paths=True, random_selection=False)
     assert str(demo[2].front_rgb).endswith(os.path.join("episode0", "front_rgb", "2.png"))
     with Image.open(str(demo[2].front_rgb)) as picture:
         assert picture.size == (16, 12)
