@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rlbench_pin.datasets.episode import Episode
 from rlbench_pin.datasets.info import TaskInfo, stored_pictures, task_info
+from rlbench_pin.datasets.key_frames import key_frames
 from rlbench_pin.datasets.layout import (
     EPISODE_SUFFIX,
     checked_task_name,
@@ -41,6 +42,7 @@ __all__ = [
     "episode_path",
     "fold_journal",
     "hold",
+    "key_frames",
     "merge_datasets",
     "plan_merge",
     "read_demo",

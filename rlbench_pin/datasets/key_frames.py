@@ -1,0 +1,74 @@
+"""Key frames: the few frames of a demonstration that agents learn to reach."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rlbench_pin.errors import DatasetError
+from rlbench_pin.observation import Observation
+
+
+def key_frames(demo: Sequence[Observation], *, max_speed: float = 0.1, frames_between_stops: int = 4) -> list[int]:
+    """Return the indices of the key frames of a demonstration, by the rule that published agents use.
+
+    A frame is a key frame when it is not the first and
+
+    * `gripper_open` differs from the frame before, or
+    * it is the last frame, or
+    * the arm has stopped there. Frame i is a stop when no joint is faster than `max_speed`, `gripper_open` is the same in the
+      frames i - 2 to i + 1, it is none of the last two frames, and none of the `frames_between_stops` frames before is a stop.
+
+    Where the last two key frames follow each other directly, the earlier of them is left out.
+
+    As in those programs, the frames before the first are the last ones (frame -1 is the last frame), and the first frame can be
+    a stop that keeps those after it from being one, although it is never a key frame.
+
+    Args:
+        demo: Observations with `joint_velocities` and `gripper_open`.
+        max_speed: Speed up to which a joint is at rest [rad/s].
+        frames_between_stops: How many frames after a stop cannot be one.
+
+    Raises:
+        DatasetError: An observation lacks one of the two fields.
+    """
+    resting = [_speed(demo, i) <= max_speed for i in range(len(demo))]
+    opening = [_opening(demo, i) for i in range(len(demo))]
+    stops = _stops(resting, opening, frames_between_stops)
+    last = len(demo) - 1
+    found = [i for i in range(1, len(demo)) if opening[i] != opening[i - 1] or i == last or i in stops]
+    if len(found) > 1 and found[-2] == last - 1:
+        del found[-2]
+    return found
+
+
+def _stops(resting: Sequence[bool], opening: Sequence[float], frames_between: int) -> set[int]:
+    stops: set[int] = set()
+    free_from = 0
+    for i in range(len(resting) - 2):
+        unchanged = opening[i - 2] == opening[i - 1] == opening[i] == opening[i + 1]  # indices below 0 count from the end
+        if i >= free_from and resting[i] and unchanged:
+            stops.add(i)
+            free_from = i + frames_between + 1
+    return stops
+
+
+def _speed(demo: Sequence[Observation], index: int) -> float:
+    velocities = demo[index].joint_velocities
+    if velocities is None:
+        raise _missing("joint_velocities", index)
+    return float(np.abs(velocities).max())
+
+
+def _opening(demo: Sequence[Observation], index: int) -> float:
+    opening = demo[index].gripper_open
+    if opening is None:
+        raise _missing("gripper_open", index)
+    return opening
+
+
+def _missing(field: str, index: int) -> DatasetError:
+    return DatasetError(
+        f"Frame {index} has no {field}, so its key frames are unknown. Record or read it with `ObservationConfig.{field} = True`."
+    )
