@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from types import MappingProxyType
 from typing import Any, overload
 
 import numpy as np
@@ -88,6 +89,15 @@ class Demo(Sequence[Observation]):
         attempt: Which try of the seed this demo is, from 0.
         task_name: Snake-case name of the task.
     """
+
+    random_seed: int | None = None  # with defaults of the class, an unpickled demo that lacks some of these can be used
+    num_reset_attempts: int | None = None
+    variation_number: int = 0
+    instructions: tuple[str, ...] = ()
+    state: Mapping[str, Array] | None = None
+    versions: Mapping[str, str] = MappingProxyType({})
+    attempt: int = 0
+    task_name: str = ""
 
     def __init__(
         self,

@@ -91,13 +91,9 @@ def stored_demos(
     root = Path(root)
     sums = counted_files(root, task, variation)
     files = select(
-        list(sums),
-        f"of variation {variation} of '{task}' in '{root}'",
-        amount,
-        random_selection=random_selection,
-        from_episode_number=from_episode_number,
-        rng=rng,
-    )
+        list(sums), f"of variation {variation} of '{task}' in '{root}'", amount,
+        random_selection=random_selection, from_episode_number=from_episode_number, rng=rng,
+    )  # fmt: skip
     return [counted_demo(path, sums[path], fields, image_paths) for path in files]
 
 

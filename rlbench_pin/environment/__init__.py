@@ -30,6 +30,7 @@ from rlbench_pin.environment.observations import (
     ModelObservationConfig,
     NoiseModel,
     ObservationConfig,
+    rgb_handles_to_mask,
 )
 from rlbench_pin.environment.randomization import DynamicsRandomizationConfig, RandomizeEvery, VisualRandomizationConfig
 from rlbench_pin.environment.runtime import Runtime
@@ -69,4 +70,5 @@ __all__ = [
     "SafeArm",
     "TaskEnvironment",
     "VisualRandomizationConfig",
+    "rgb_handles_to_mask",
 ]

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
 from rlbench_pin.environment.demonstrate import DemoOutcome, DemoPlayer, try_play
-from rlbench_pin.environment.episode import EpisodeOrigin
+from rlbench_pin.environment.episode import EpisodeOrigin, checked_seed
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import DemoError, TaskEnvironmentError
 from rlbench_pin.observation import Demo, Observation
@@ -99,13 +99,18 @@ def check_start(demo: Demo, task_name: str) -> int:
     """Return the seed of a demonstration.
 
     Raises:
-        TaskEnvironmentError: It is of another task than `task_name`, or carries no seed.
+        TaskEnvironmentError: It is of another task than `task_name`, or carries no seed that is a whole number.
     """
     if demo.task_name and demo.task_name != task_name:
         raise TaskEnvironmentError(f"The demonstration shows '{demo.task_name}', this is '{task_name}'.")
     if demo.random_seed is None:
         raise TaskEnvironmentError("The demonstration carries no seed, so its start cannot be restored. Record it again.")
-    return demo.random_seed
+    if not isinstance(demo.random_seed, int | np.integer):
+        raise TaskEnvironmentError(
+            "The demonstration carries the state of a random number generator instead of a seed: its start cannot be restored. "
+            "Record it again."
+        )
+    return checked_seed(demo.random_seed)
 
 
 def restore_start(runtime: Runtime, demo: Demo) -> None:
@@ -115,7 +120,7 @@ def restore_start(runtime: Runtime, demo: Demo) -> None:
         runtime.task.reset_conditions()
 
 
-def _same_arrays(a: dict[str, np.ndarray], b: dict[str, np.ndarray]) -> bool:
+def _same_arrays(a: Mapping[str, np.ndarray], b: Mapping[str, np.ndarray]) -> bool:
     return a.keys() == b.keys() and all(np.array_equal(a[k], b[k]) for k in a)
 
 

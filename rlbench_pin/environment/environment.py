@@ -198,21 +198,31 @@ class Environment:
 
     @property
     def action_shape(self) -> tuple[int]:
-        """Shape of an action; needs a task."""
+        """Shape of an action; known after `launch()`."""
         return (self.action_size,)
 
     @property
     def action_size(self) -> int:
-        """How many numbers an action has; needs a task."""
-        if self._runtime is None:
-            raise NoTask("The shape of actions is known once a task is loaded. Call `get_task(...)` first.")
-        return self._action_mode.action_shape(self._runtime)
+        """How many numbers an action has; known after `launch()`."""
+        return self._action_mode.action_shape(self._launched("shape"))
 
     def action_bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lowest and highest values of an action; needs a task."""
+        """Lowest and highest values of an action, each of shape (n,); known after `launch()`.
+
+        Raises:
+            NotLaunched: Before `launch()` (also a RuntimeError).
+        """
+        return self._action_mode.action_bounds(self._launched("bounds"))
+
+    def _launched(self, what: str) -> Runtime:
+        """Return the present runtime; before the first task, one of the arm at an empty table."""
+        if self._model is None:
+            raise NotLaunched(
+                f"The {what} of actions is known once the robot is loaded. Call `launch()` or `get_task(...)` first."
+            )
         if self._runtime is None:
-            raise NoTask("The bounds of actions are known once a task is loaded. Call `get_task(...)` first.")
-        return self._action_mode.action_bounds(self._runtime)
+            self._runtime = self._build(_EmptyTable, SceneSpec(format=1), self._model)
+        return self._runtime
 
     def get_scene_data(self) -> dict[str, dict[str, Any] | None]:
         """Return intrinsics, extrinsics and clipping planes of each camera at the home posture, None where it is switched off."""
@@ -236,5 +246,12 @@ class AlreadyLaunched(TaskEnvironmentError, RuntimeError):
     """`launch` was called twice."""
 
 
-class NoTask(EnvironmentClosed):
-    """Something was asked that only a loaded task can answer."""
+class NotLaunched(EnvironmentClosed):
+    """Something was asked that only a launched environment can answer."""
+
+
+class _EmptyTable(Task):
+    """No task: the arm alone decides what actions look like."""
+
+    def init_task(self) -> None:
+        """Nothing."""

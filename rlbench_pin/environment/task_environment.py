@@ -16,7 +16,7 @@ from rlbench_pin.environment.randomization.randomizer import Randomizer
 from rlbench_pin.environment.reset import start_episode
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.stored import StoredSelection, read_stored_demos
-from rlbench_pin.errors import NotReset, TaskEnvironmentError
+from rlbench_pin.errors import NoShapedReward, NotReset, TaskEnvironmentError
 from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.sim import World
 from rlbench_pin.tasks import Task
@@ -169,6 +169,7 @@ class TaskEnvironment:
         Raises:
             NotReset: Before the first reset.
             InvalidActionError: The action was refused; the world is as it was.
+            NoShapedReward: Shaped rewards are on and the task gives none (also a RuntimeError).
         """
         self._started("step")
         self._action_mode.action(self._runtime, action)
@@ -181,9 +182,7 @@ class TaskEnvironment:
             return float(success)
         reward = self.task.reward()
         if reward is None:
-            raise TaskEnvironmentError(
-                f"Task '{self.get_name()}' has no shaped reward. Use shaped_rewards=False, or give the task a `reward()`."
-            )
+            raise NoShapedReward(self.get_name())
         return float(reward)
 
     def action_bounds(self) -> tuple[np.ndarray, np.ndarray]:

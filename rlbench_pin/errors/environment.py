@@ -22,6 +22,13 @@ class NotReset(TaskEnvironmentError, RuntimeError):
         super().__init__(f"`{call}` was called before the first reset. Call `reset()` first.")
 
 
+class NoShapedReward(TaskEnvironmentError, RuntimeError):
+    """Shaped rewards were asked for, but the task gives none."""
+
+    def __init__(self, task: str) -> None:
+        super().__init__(f"Task '{task}' has no shaped reward. Use shaped_rewards=False, or give the task a `reward()`.")
+
+
 class ResetError(TaskEnvironmentError):
     """No start state was found; carries why each attempt failed."""
 

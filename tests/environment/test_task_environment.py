@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from rlbench_pin import Demo, Observation
 from rlbench_pin.environment import Discrete, Environment, JointPosition, MoveArmThenGripper, TaskEnvironment
 from rlbench_pin.environment.presets import low_dim_config
-from rlbench_pin.errors import DatasetError, NotReset, TaskEnvironmentError, UnknownName
+from rlbench_pin.errors import DatasetError, NoShapedReward, NotReset, TaskEnvironmentError, UnknownName
 
 
 def environment(**settings: object) -> Environment:
@@ -113,6 +114,19 @@ def test_demos_carry_all_that_is_needed_to_play_them_again(lift: TaskEnvironment
 
 
 @pytest.mark.simulation
+def test_a_demo_without_a_usable_seed_is_refused(reach: TaskEnvironment) -> None:
+    """One unpickled without our fields has none; that of another program is the state of a random number generator."""
+    demo = Demo.__new__(Demo)
+    demo.__dict__["_observations"] = [Observation()]
+    with pytest.raises(TaskEnvironmentError, match="carries no seed"):
+        reach.reset_to_demo(demo)
+    demo.__dict__["random_seed"] = ("MT19937", np.zeros(624, dtype=np.uint32), 0, 0, 0.0)
+    with pytest.raises(TaskEnvironmentError, match="state of a random number generator instead of a seed"):
+        reach.reset_to_demo(demo)
+    demo.random_seed = 3
+    assert reach.reset_to_demo(demo)[0] == reach.reset(seed=3, variation=0)[0]
+
+
 def test_demo_i_starts_from_seed_plus_i(lift: TaskEnvironment) -> None:
     """Two demos from seed 20 are the demos of seeds 20 and 21."""
     both = lift.get_demos(2, live_demos=True, seed=20)
@@ -134,14 +148,32 @@ def test_launching_twice_is_refused_and_shutdown_allows_a_new_launch() -> None:
     env.shutdown()
 
 
-def test_action_size_needs_a_task() -> None:
-    """Before a task is loaded the error says what to call."""
-    with environment() as env:
-        with pytest.raises(RuntimeError, match="Call `get_task"):
-            _ = env.action_shape
-        env.get_task("reach_target")
+def test_action_size_needs_a_launch() -> None:
+    """The arm alone decides; before it is loaded the error says what to call."""
+    env = environment()
+    for ask in (lambda: env.action_shape, lambda: env.action_size, env.action_bounds):
+        with pytest.raises(RuntimeError, match=r"Call `launch\(\)` or `get_task"):
+            ask()
+    with env:
+        before = env.action_bounds()
         assert env.action_shape == (8,)
-        assert env.action_size == 8
+        task = env.get_task("reach_target")
+        assert (env.action_shape, env.action_size) == ((8,), 8)
+        assert np.array_equal(before, env.action_bounds())
+        assert np.array_equal(before, task.action_bounds())
+        assert task.reset(seed=0)[0]
+
+
+@pytest.mark.parametrize("asks_before", [False, True])
+def test_asking_for_the_bounds_first_changes_no_episode(asks_before: bool) -> None:
+    """The world in which they are found has no effect on the task's."""
+    with environment(seed=0) as env:
+        if asks_before:
+            env.action_bounds()
+        _, obs = env.get_task("reach_target").reset()
+    with environment(seed=0) as env:
+        _, plain = env.get_task("reach_target").reset()
+    assert obs.get_low_dim_data().tobytes() == plain.get_low_dim_data().tobytes()
 
 
 def test_two_environments_do_not_disturb_each_other() -> None:
@@ -165,5 +197,7 @@ def test_shaped_rewards_are_the_tasks_own() -> None:
         assert reward == pytest.approx(-distance, abs=1e-6)
         other = env.get_task("open_drawer")
         _, obs = other.reset(seed=1)
-        with pytest.raises(TaskEnvironmentError, match="has no shaped reward. Use shaped_rewards=False"):
+        with pytest.raises(NoShapedReward, match="has no shaped reward. Use shaped_rewards=False") as caught:
             other.step(np.append(obs.joint_positions, 1.0))
+        assert isinstance(caught.value, TaskEnvironmentError)
+        assert isinstance(caught.value, RuntimeError)

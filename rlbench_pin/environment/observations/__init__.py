@@ -4,6 +4,7 @@ from rlbench_pin.environment.observations.camera_config import CameraConfig
 from rlbench_pin.environment.observations.cameras import camera_view
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.extra_cameras import ExtraCamera
+from rlbench_pin.environment.observations.masks import rgb_handles_to_mask
 from rlbench_pin.environment.observations.model_based import ModelObservationConfig
 from rlbench_pin.environment.observations.noise import GaussianNoise, Identity, NoiseModel
 from rlbench_pin.environment.observations.observe import Observer
@@ -18,4 +19,5 @@ __all__ = [
     "ObservationConfig",
     "Observer",
     "camera_view",
+    "rgb_handles_to_mask",
 ]

@@ -10,6 +10,7 @@ import numpy as np
 
 from rlbench_pin.environment.observations.cameras import camera_view
 from rlbench_pin.environment.observations.config import LOW_DIM_FIELDS, CameraConfig, Instant, ObservationConfig
+from rlbench_pin.environment.observations.masks import spread_mask
 from rlbench_pin.environment.observations.model_based import ModelObserver
 from rlbench_pin.environment.observations.noise import Identity
 from rlbench_pin.observation import CAMERAS, Observation
@@ -127,12 +128,6 @@ def camera_misc(name: str, view: CameraView) -> dict[str, Any]:
 def normalised_depth(metres: np.ndarray, view: CameraView) -> np.ndarray:
     """Map depth [m] linearly to 0 at the near and 1 at the far plane."""
     return ((metres - view.near) / (view.far - view.near)).astype(np.float32)
-
-
-def spread_mask(mask: np.ndarray) -> np.ndarray:
-    """Spread ids over three channels, lowest byte first, as float32 in 0..1."""
-    channels = np.stack([mask & 0xFF, (mask >> 8) & 0xFF, (mask >> 16) & 0xFF], axis=-1)
-    return channels.astype(np.float32) / 255.0
 
 
 def point_cloud(depth: np.ndarray, view: CameraView) -> np.ndarray:

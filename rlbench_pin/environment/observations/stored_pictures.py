@@ -8,7 +8,7 @@ import numpy as np
 
 from rlbench_pin.environment.observations.camera_config import CameraConfig
 from rlbench_pin.environment.observations.config import ObservationConfig
-from rlbench_pin.environment.observations.observe import spread_mask
+from rlbench_pin.environment.observations.masks import spread_mask
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import CAMERAS, LOW_DIM, PRODUCTS, Observation
 

@@ -100,8 +100,14 @@ class VisualRandomizationConfig(RandomizationConfig):
         self.textures, self.light, self.camera_shift, self.camera_turn = textures, light, camera_shift, camera_turn
         self._images = _pictures_in(self.image_directory)
 
-    def sample(self, samples: int, rng: np.random.Generator) -> list[Path]:
-        """Draw pictures, with replacement."""
+    def sample(self, samples: int, rng: np.random.Generator | None = None) -> list[Path]:
+        """Draw pictures, with replacement.
+
+        Args:
+            samples: How many.
+            rng: Draws them; without one, every call draws others.
+        """
+        rng = np.random.default_rng() if rng is None else rng
         return [self._images[i] for i in rng.integers(len(self._images), size=samples).tolist()]
 
 

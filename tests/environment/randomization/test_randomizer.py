@@ -47,6 +47,17 @@ def differ(a, b) -> bool:
     return bool((a.front_rgb != b.front_rgb).any(axis=2).mean() > 0.5)
 
 
+def test_textures_are_drawn_with_or_without_a_generator():
+    """`sample(n)` gives n pictures of the folder; with a generator they are the same for the same seed."""
+    config = VisualRandomizationConfig()
+    drawn = config.sample(5)
+    assert len(drawn) == 5
+    assert all(path.parent == config.image_directory and path.is_file() for path in drawn)
+    assert len({tuple(config.sample(5)) for _ in range(20)}) > 1
+    assert config.sample(5, np.random.default_rng(1)) == config.sample(samples=5, rng=np.random.default_rng(1))
+    assert config.sample(0) == []
+
+
 @pytest.mark.simulation
 def test_events_are_distinct():
     """EPISODE changes at each reset, VARIATION when the variation changes, TRANSITION within an episode."""
