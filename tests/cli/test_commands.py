@@ -10,23 +10,16 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from rlbench_pin.cli.main import main
 from rlbench_pin.datasets import episode_files, read_demo, verify_task
 from rlbench_pin.tasks import task_names
+from tests.cli.support import exit_code
 
 Capture = pytest.CaptureFixture[str]
 
 
-def _exit_code(*arguments: str) -> int:
-    try:
-        return main(arguments)
-    except SystemExit as stop:
-        return int(stop.code or 0)
-
-
 def test_list_names_every_task(capsys: Capture) -> None:
     """One line per task, name first."""
-    assert _exit_code("list") == 0
+    assert exit_code("list") == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == list(task_names())
     assert all(len(line.split()) > 2 for line in lines)
@@ -34,14 +27,14 @@ def test_list_names_every_task(capsys: Capture) -> None:
 
 def test_list_for_programs(capsys: Capture) -> None:
     """`--json` prints one object."""
-    assert _exit_code("list", "--json") == 0
+    assert exit_code("list", "--json") == 0
     assert list(json.loads(capsys.readouterr().out)) == list(task_names())
 
 
 @pytest.mark.parametrize("arguments", [(), ("fly",), ("demo",), ("demo", "reach_target", "--episodes", "many")])
 def test_misuse_ends_with_two(arguments: tuple[str, ...], capsys: Capture) -> None:
     """A wrong command line is explained on stderr and exits with 2."""
-    assert _exit_code(*arguments) == 2
+    assert exit_code(*arguments) == 2
     captured = capsys.readouterr()
     assert captured.err
 
@@ -49,13 +42,13 @@ def test_misuse_ends_with_two(arguments: tuple[str, ...], capsys: Capture) -> No
 @pytest.mark.parametrize("command", ["demo", "check", "view"])
 def test_an_unknown_task_is_misuse(command: str, capsys: Capture) -> None:
     """The nearest name is proposed."""
-    assert _exit_code(command, "reach_targt") == 2
+    assert exit_code(command, "reach_targt") == 2
     assert "Did you mean 'reach_target'" in capsys.readouterr().err
 
 
 def test_an_unknown_variation_is_misuse(tmp_path: Path, capsys: Capture) -> None:
     """The possible ones are named."""
-    assert _exit_code("demo", "take_lid_off_saucepan", "--variation", "7", "--out", str(tmp_path)) == 2
+    assert exit_code("demo", "take_lid_off_saucepan", "--variation", "7", "--out", str(tmp_path)) == 2
     assert "no variation 7" in capsys.readouterr().err
 
 
@@ -63,10 +56,10 @@ def test_demo_writes_an_episode(tmp_path: Path, capsys: Capture) -> None:
     """The episode holds pictures of the size asked for, depth, and a passing checksum; twice is once."""
     arguments = ("demo", "reach_target", "--seed", "4", "--out", str(tmp_path), "--no-video", "--json")
     options = ("--image-size", "24", "16", "--cameras", "front", "wrist")
-    assert _exit_code(*arguments, *options) == 0
+    assert exit_code(*arguments, *options) == 0
     (recorded,) = json.loads(capsys.readouterr().out)
     assert (recorded["task"], recorded["seed"], recorded["video"]) == ("reach_target", 4, None)
-    assert _exit_code(*arguments, *options) == 0
+    assert exit_code(*arguments, *options) == 0
     (path,) = episode_files(tmp_path, "reach_target")
     assert str(path) == recorded["episode"]
     demo = read_demo(path)
@@ -82,7 +75,7 @@ def test_demo_writes_an_episode(tmp_path: Path, capsys: Capture) -> None:
 @pytest.mark.slow
 def test_demo_films(tmp_path: Path, capsys: Capture) -> None:
     """The film lies beside the episode, runs in real time and shows motion."""
-    assert _exit_code("demo", "take_lid_off_saucepan", "--out", str(tmp_path), "--cameras", "front") == 0
+    assert exit_code("demo", "take_lid_off_saucepan", "--out", str(tmp_path), "--cameras", "front") == 0
     out = capsys.readouterr().out
     film = tmp_path / "take_lid_off_saucepan" / "variation0" / "videos" / "episode0.mp4"
     assert str(film) in out
@@ -99,7 +92,7 @@ def test_demo_films(tmp_path: Path, capsys: Capture) -> None:
 def test_view_draws_a_contact_sheet(tmp_path: Path, capsys: Capture) -> None:
     """Five cameras side by side, five moments below each other."""
     out = tmp_path / "sheet.png"
-    assert _exit_code("view", "reach_target", "--out", str(out), "--size", "32") == 0
+    assert exit_code("view", "reach_target", "--out", str(out), "--size", "32") == 0
     assert capsys.readouterr().out.strip() == str(out)
     with Image.open(out) as sheet:
         assert sheet.width > 5 * 32

@@ -12,30 +12,22 @@ import numpy as np
 import pytest
 import tyro
 
-from rlbench_pin.cli.main import COMMANDS, main
+from rlbench_pin.cli.main import COMMANDS
 from rlbench_pin.datasets import DatasetWriter, episode_files, read_demo, read_manifest
+from tests.cli.support import RECORD, TASK, exit_code
 from tests.demos_for_tests import make_demo
 
 Capture = pytest.CaptureFixture[str]
 MonkeyPatch = pytest.MonkeyPatch
-TASK = "reach_target"
-HERE = ("record", TASK, "--workers", "0", "--products")
-
-
-def _exit_code(*arguments: str) -> int:
-    try:
-        return main(arguments)
-    except SystemExit as stop:
-        return int(stop.code or 0)
 
 
 def test_info_counts(made_up: Path, capsys: Capture) -> None:
     """Episodes, frames, lengths, pictures and versions, for people and for programs."""
-    assert _exit_code("dataset", "info", str(made_up)) == 0
+    assert exit_code("dataset", "info", str(made_up)) == 0
     out = capsys.readouterr().out
     assert "2..3..4" in out
     assert "rlbench_pin 0.1.0" in out
-    assert _exit_code("dataset", "info", str(made_up), "--json") == 0
+    assert exit_code("dataset", "info", str(made_up), "--json") == 0
     (info,) = json.loads(capsys.readouterr().out)
     assert (info["task"], info["episodes"], info["frames"], info["longest"]) == (TASK, 3, 9, 4)
     assert info["pictures"]["front_rgb"] == [12, 16, 3]
@@ -43,14 +35,14 @@ def test_info_counts(made_up: Path, capsys: Capture) -> None:
 
 def test_verify_names_every_bad_file(made_up: Path, capsys: Capture) -> None:
     """Exit 0 when all is well; 1 and the names of the bad files otherwise."""
-    assert _exit_code("dataset", "verify", str(made_up)) == 0
+    assert exit_code("dataset", "verify", str(made_up)) == 0
     assert "no faults" in capsys.readouterr().out
     files = episode_files(made_up, TASK)
     os.truncate(files[0], 1000)
     data = bytearray(files[2].read_bytes())
     data[len(data) // 2] ^= 1
     files[2].write_bytes(bytes(data))
-    assert _exit_code("dataset", "verify", str(made_up)) == 1
+    assert exit_code("dataset", "verify", str(made_up)) == 1
     out = capsys.readouterr().out
     assert str(files[0]) in out
     assert str(files[2]) in out
@@ -60,9 +52,9 @@ def test_verify_names_every_bad_file(made_up: Path, capsys: Capture) -> None:
 def test_a_folder_without_demonstrations_is_named(tmp_path: Path, capsys: Capture) -> None:
     """So is one that does not exist."""
     for command in ("info", "verify"):
-        assert _exit_code("dataset", command, str(tmp_path)) == 1
+        assert exit_code("dataset", command, str(tmp_path)) == 1
         assert "holds no demonstrations" in capsys.readouterr().err
-        assert _exit_code("dataset", command, str(tmp_path / "nowhere")) == 1
+        assert exit_code("dataset", command, str(tmp_path / "nowhere")) == 1
         assert "does not exist" in capsys.readouterr().err
 
 
@@ -70,27 +62,27 @@ def test_merge_copies(made_up: Path, tmp_path: Path, capsys: Capture) -> None:
     """Episodes of two folders in one; conflicts exit with 1."""
     DatasetWriter(tmp_path / "more").add(make_demo(frames=2, seed=8))
     out = ("--out", str(tmp_path / "all"))
-    assert _exit_code("dataset", "merge", str(made_up), str(tmp_path / "more"), *out) == 0
+    assert exit_code("dataset", "merge", str(made_up), str(tmp_path / "more"), *out) == 0
     assert "4 episodes copied" in capsys.readouterr().out
     assert len(read_manifest(tmp_path / "all", TASK)) == 4
     DatasetWriter(tmp_path / "other").add(make_demo(frames=5, seed=8))
-    assert _exit_code("dataset", "merge", str(tmp_path / "other"), *out) == 1
+    assert exit_code("dataset", "merge", str(tmp_path / "other"), *out) == 1
     assert "but differ" in capsys.readouterr().err
 
 
 def test_rerender_gives_the_same_motion_new_pictures(tmp_path: Path, capsys: Capture) -> None:
     """From the files, from the manifest alone, and from a list of seeds: the same joints, and the pictures asked for."""
     source = tmp_path / "source"
-    assert _exit_code(*HERE, "--episodes", "1", "--out", str(source)) == 0
-    assert _exit_code("dataset", "seeds", str(source), str(tmp_path / "seeds.json")) == 0
+    assert exit_code(*RECORD, "--episodes", "1", "--out", str(source)) == 0
+    assert exit_code("dataset", "seeds", str(source), str(tmp_path / "seeds.json")) == 0
     options = ("--workers", "0", "--cameras", "front", "--products", "rgb", "mask", "--image-size", "24", "16")
     outs = [tmp_path / name for name in ("files", "manifest", "seeds")]
-    assert _exit_code("dataset", "rerender", str(source), "--out", str(outs[0]), *options) == 0
-    assert _exit_code("dataset", "rerender", str(tmp_path / "seeds.json"), "--out", str(outs[2]), *options) == 0
+    assert exit_code("dataset", "rerender", str(source), "--out", str(outs[0]), *options) == 0
+    assert exit_code("dataset", "rerender", str(tmp_path / "seeds.json"), "--out", str(outs[2]), *options) == 0
     before = [read_demo(path) for path in episode_files(source, TASK)]
     for path in episode_files(source, TASK):
         path.unlink()
-    assert _exit_code("dataset", "rerender", str(source), "--out", str(outs[1]), *options) == 0
+    assert exit_code("dataset", "rerender", str(source), "--out", str(outs[1]), *options) == 0
     for old, path in zip(before, episode_files(outs[0], TASK), strict=True):
         new = read_demo(path)
         assert np.array_equal([o.joint_positions for o in old], [o.joint_positions for o in new])
@@ -98,7 +90,7 @@ def test_rerender_gives_the_same_motion_new_pictures(tmp_path: Path, capsys: Cap
         assert new[0].front_depth is None
         assert new.random_seed == old.random_seed
     larger = ("--workers", "0", "--cameras", "front", "--products", "rgb", "mask", "--image-size", "48", "32")
-    assert _exit_code("dataset", "rerender", str(source), "--out", str(outs[0]), *larger) == 1
+    assert exit_code("dataset", "rerender", str(source), "--out", str(outs[0]), *larger) == 1
     assert "Choose the same, or another folder" in capsys.readouterr().err
     manifests = [(out / TASK / "manifest.json").read_bytes() for out in outs]
     assert manifests[0] == manifests[1] == manifests[2]
@@ -107,7 +99,7 @@ def test_rerender_gives_the_same_motion_new_pictures(tmp_path: Path, capsys: Cap
 def test_rerender_follows_the_states_when_the_seed_does_not(tmp_path: Path, capsys: Capture) -> None:
     """A demo whose seed gives something else now is replayed from its own start and actions; one that cannot be is named."""
     source = tmp_path / "source"
-    assert _exit_code(*HERE, "--episodes", "2", "--out", str(source)) == 0
+    assert exit_code(*RECORD, "--episodes", "2", "--out", str(source)) == 0
     demos = [read_demo(path) for path in episode_files(source, TASK)]
     nudged, lost = demos
     for observation in nudged:
@@ -117,7 +109,7 @@ def test_rerender_follows_the_states_when_the_seed_does_not(tmp_path: Path, caps
     for demo in demos:
         DatasetWriter(source).add(demo)
     arguments = ("dataset", "rerender", str(source), "--out", str(tmp_path / "out"), "--workers", "0", "--products", "rgb")
-    assert _exit_code(*arguments, "--cameras", "wrist", "--image-size", "16", "16") == 1
+    assert exit_code(*arguments, "--cameras", "wrist", "--image-size", "16", "16") == 1
     err = capsys.readouterr().err
     assert f"seed {lost.random_seed}" in err
     assert "Neither its seed nor its actions" in err
@@ -131,12 +123,12 @@ def test_rerender_follows_the_states_when_the_seed_does_not(tmp_path: Path, caps
 
 def test_rerender_refuses_nonsense(made_up: Path, tmp_path: Path, capsys: Capture) -> None:
     """Onto itself, from a file that is no list of seeds, of a task that is not there."""
-    assert _exit_code("dataset", "rerender", str(made_up), "--out", str(made_up)) == 1
+    assert exit_code("dataset", "rerender", str(made_up), "--out", str(made_up)) == 1
     assert "Choose another folder" in capsys.readouterr().err
     (tmp_path / "seeds.json").write_text("[]")
-    assert _exit_code("dataset", "rerender", str(tmp_path / "seeds.json"), "--out", str(tmp_path / "out")) == 1
+    assert exit_code("dataset", "rerender", str(tmp_path / "seeds.json"), "--out", str(tmp_path / "out")) == 1
     assert "holds no list of seeds" in capsys.readouterr().err
-    assert _exit_code("dataset", "rerender", str(made_up), "--out", str(tmp_path / "out"), "--tasks", "push_button") == 1
+    assert exit_code("dataset", "rerender", str(made_up), "--out", str(tmp_path / "out"), "--tasks", "push_button") == 1
     assert "push_button" in capsys.readouterr().err
 
 

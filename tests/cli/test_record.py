@@ -15,32 +15,24 @@ import pytest
 
 from rlbench_pin.cli.main import main
 from rlbench_pin.datasets import episode_files, read_demo, read_manifest, task_faults
+from tests.cli.support import RECORD, TASK, exit_code
 
 Capture = pytest.CaptureFixture[str]
 MonkeyPatch = pytest.MonkeyPatch
-TASK = "reach_target"
-HERE = ("record", TASK, "--workers", "0", "--products")
-
-
-def _exit_code(*arguments: str) -> int:
-    try:
-        return main(arguments)
-    except SystemExit as stop:
-        return int(stop.code or 0)
 
 
 def test_record_and_resume(tmp_path: Path, capsys: Capture) -> None:
     """The report counts; recording again is refused, resuming finds everything there, growing adds the rest."""
     out = ("--out", str(tmp_path), "--json")
-    assert _exit_code(*HERE, "--episodes", "2", *out) == 0
+    assert exit_code(*RECORD, "--episodes", "2", *out) == 0
     report = json.loads(capsys.readouterr().out)
     assert (report["wanted"], report["recorded"], report["found"], report["failed"]) == (2, 2, 0, [])
     assert report["num_bytes"] == sum(path.stat().st_size for path in episode_files(tmp_path, TASK))
-    assert _exit_code(*HERE, "--episodes", "2", *out) == 1
+    assert exit_code(*RECORD, "--episodes", "2", *out) == 1
     assert "--resume" in capsys.readouterr().err
-    assert _exit_code("record", "--resume", "--workers", "0", *out) == 0
+    assert exit_code("record", "--resume", "--workers", "0", *out) == 0
     assert json.loads(capsys.readouterr().out)["found"] == 2
-    assert _exit_code(*HERE, "--episodes", "3", "--resume", *out) == 0
+    assert exit_code(*RECORD, "--episodes", "3", "--resume", *out) == 0
     assert json.loads(capsys.readouterr().out)["recorded"] == 1
 
 
@@ -49,7 +41,7 @@ def test_without_ray_the_engine_is_explained(made_up: Path, tmp_path: Path, caps
     monkeypatch.delitem(sys.modules, "rlbench_pin.recording.ray_engine", raising=False)
     monkeypatch.setitem(sys.modules, "ray", None)
     for command in (("record", TASK), ("dataset", "rerender", str(made_up))):
-        assert _exit_code(*command, "--engine", "ray", "--out", str(tmp_path / "out")) == 1, command
+        assert exit_code(*command, "--engine", "ray", "--out", str(tmp_path / "out")) == 1, command
         err = capsys.readouterr().err
         assert "The engine 'ray' needs 'ray', which is not installed. `pip install 'rlbench-pin[ray]'`" in err, command
         assert "Traceback" not in err
@@ -67,21 +59,21 @@ def test_without_ray_the_engine_is_explained(made_up: Path, tmp_path: Path, caps
 )
 def test_misuse_is_explained(tmp_path: Path, capsys: Capture, arguments: tuple[str, ...], words: str) -> None:
     """Wrong names and numbers exit with 2 and write nothing."""
-    assert _exit_code("record", *arguments, "--workers", "0", "--out", str(tmp_path / "data")) == 2
+    assert exit_code("record", *arguments, "--workers", "0", "--out", str(tmp_path / "data")) == 2
     assert words in capsys.readouterr().err
     assert not (tmp_path / "data").exists()
 
 
 def test_resuming_nothing_is_an_error(tmp_path: Path, capsys: Capture) -> None:
     """A folder without a recording cannot be resumed without naming tasks."""
-    assert _exit_code("record", "--resume", "--out", str(tmp_path)) == 1
+    assert exit_code("record", "--resume", "--out", str(tmp_path)) == 1
     assert "Name the tasks" in capsys.readouterr().err
 
 
 def test_pictures_are_those_asked_for(tmp_path: Path) -> None:
     """Cameras, products and size are as on the command line; depth is exact."""
     options = ("--cameras", "front", "wrist", "--products", "rgb", "depth", "--image-size", "32", "24", "--episodes", "1")
-    assert _exit_code("record", TASK, "--workers", "0", *options, "--out", str(tmp_path)) == 0
+    assert exit_code("record", TASK, "--workers", "0", *options, "--out", str(tmp_path)) == 0
     demo = read_demo(episode_files(tmp_path, TASK)[0])
     pictures = {name for name, value in vars(demo[0]).items() if isinstance(value, np.ndarray) and value.ndim >= 2}
     assert pictures - {"gripper_matrix"} == {"front_rgb", "front_depth", "wrist_rgb", "wrist_depth"}
@@ -145,7 +137,7 @@ def test_files_carry_no_time(tmp_path: Path) -> None:
     """Two recordings of the same plan at different times are the same bytes."""
     roots = [tmp_path / "a", tmp_path / "b"]
     for root in roots:
-        assert _exit_code(*HERE, "--episodes", "1", "--out", str(root)) == 0
+        assert exit_code(*RECORD, "--episodes", "1", "--out", str(root)) == 0
         time.sleep(1.1)
     one, two = (episode_files(root, TASK)[0] for root in roots)
     assert one.read_bytes() == two.read_bytes()
