@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 
-from rlbench_pin.planning.listener import PlanningListener
+from rlbench_pin.planning.listener import ListenerList, PlanningListener
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.sim import World
 from rlbench_pin.tasks import Waypoint
@@ -28,32 +28,12 @@ class Listener(PlanningListener):
         """The motion to a waypoint of a demonstration was chosen and is about to begin."""
 
 
-class Listeners:
-    """The listeners of one runtime; nothing is measured while there are none."""
+class Listeners(ListenerList[Listener]):
+    """The listeners of one runtime."""
 
-    def __init__(self) -> None:
-        self._listeners: list[Listener] = []
-
-    @contextmanager
-    def including(self, listener: Listener) -> Iterator[None]:
-        """Report to `listener` as well, for the duration of a block."""
-        self._listeners.append(listener)
-        try:
-            yield
-        finally:
-            self._listeners.remove(listener)
-
-    @contextmanager
-    def observe(self) -> Iterator[None]:
+    def observe(self) -> AbstractContextManager[None]:
         """Report the block as one observation."""
-        if not self._listeners:
-            yield
-            return
-        began = time.process_time()
-        yield
-        seconds = time.process_time() - began
-        for listener in self._listeners:
-            listener.on_observe(seconds)
+        return self.timed(lambda listener, seconds, _: listener.on_observe(seconds))
 
     def leg(self, waypoint: Waypoint, plan: Plan) -> None:
         """Report that the motion to a waypoint is about to begin."""

@@ -1,12 +1,12 @@
-"""What a planner reports about its calls: the interface of listeners, and the listeners of one planner."""
+"""What a planner reports about its calls: the interface of listeners, lists of listeners, and the listeners of one planner."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
-from typing import Literal
+from typing import Generic, Literal, TypeVar
 
 from rlbench_pin.errors import PlanningError
 from rlbench_pin.planning.kinematics.goals import PoseRegion
@@ -56,14 +56,19 @@ class PlanningListener:
         """A configuration at a pose was looked for, without a motion to it, in `seconds` [s] of process time."""
 
 
-class PlanningListeners:
-    """The listeners of one planner; nothing is measured while there are none."""
+ListenerT = TypeVar("ListenerT", bound=PlanningListener)
+Report = Callable[[ListenerT, float, BaseException | None], None]
+"""Calls one listener with the process time of a block [s], and the error that ended it, or None."""
+
+
+class ListenerList(Generic[ListenerT]):
+    """Listeners, each for the duration of a block; nothing is measured while there are none."""
 
     def __init__(self) -> None:
-        self._listeners: list[PlanningListener] = []
+        self._listeners: list[ListenerT] = []
 
     @contextmanager
-    def including(self, listener: PlanningListener) -> Iterator[None]:
+    def including(self, listener: ListenerT) -> Iterator[None]:
         """Report to `listener` as well, for the duration of a block."""
         self._listeners.append(listener)
         try:
@@ -72,46 +77,48 @@ class PlanningListeners:
             self._listeners.remove(listener)
 
     @contextmanager
-    def update(self, snapshot: WorldSnapshot) -> Iterator[None]:
-        """Report the block as one update."""
+    def timed(self, report: Report[ListenerT], errors: type[BaseException] | tuple[()] = ()) -> Iterator[None]:
+        """Report a block when it ends.
+
+        Args:
+            report: Is called for every listener.
+            errors: Errors that are reported, too; a block that ends with another is not.
+        """
         if not self._listeners:
             yield
             return
         began = time.process_time()
-        yield
-        seconds = time.process_time() - began
+        try:
+            yield
+        except errors as error:
+            self._report(report, time.process_time() - began, error)
+            raise
+        self._report(report, time.process_time() - began, None)
+
+    def _report(self, report: Report[ListenerT], seconds: float, error: BaseException | None) -> None:
         for listener in self._listeners:
-            listener.on_update(snapshot, seconds)
+            report(listener, seconds, error)
+
+
+class PlanningListeners(ListenerList[PlanningListener]):
+    """The listeners of one planner."""
+
+    def update(self, snapshot: WorldSnapshot) -> AbstractContextManager[None]:
+        """Report the block as one update."""
+        return self.timed(lambda listener, seconds, _: listener.on_update(snapshot, seconds))
 
     @contextmanager
     def plan(self, request: PlanRequest, stages: Stages) -> Iterator[Stages]:
         """Report the block as one planned motion: `stages.plan`, or the error that it raises."""
-        if not self._listeners:
-            yield stages
-            return
-        began = time.process_time()
-        try:
-            yield stages
-        except PlanningError as error:
-            self._report(request, error, time.process_time() - began)
-            raise
-        assert stages.plan is not None
-        self._report(request, stages.plan, time.process_time() - began)
 
-    @contextmanager
-    def reach(self) -> Iterator[None]:
-        """Report the block as one search for a configuration."""
-        if not self._listeners:
-            yield
-            return
-        began = time.process_time()
-        try:
-            yield
-        finally:
-            seconds = time.process_time() - began
-            for listener in self._listeners:
-                listener.on_reach(seconds)
-
-    def _report(self, request: PlanRequest, outcome: Plan | PlanningError, seconds: float) -> None:
-        for listener in self._listeners:
+        def report(listener: PlanningListener, seconds: float, error: BaseException | None) -> None:
+            outcome = error if isinstance(error, PlanningError) else stages.plan
+            assert outcome is not None
             listener.on_plan(request, outcome, seconds)
+
+        with self.timed(report, PlanningError):
+            yield stages
+
+    def reach(self) -> AbstractContextManager[None]:
+        """Report the block as one search for a configuration, found or not."""
+        return self.timed(lambda listener, seconds, _: listener.on_reach(seconds), BaseException)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.errors import NoIkSolution, PlanningError
-from rlbench_pin.planning.listener import PlanningListener, PlanRequest
+from rlbench_pin.planning.listener import ListenerList, PlanningListener, PlanRequest
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.planning.planner import MotionPlanner
 from rlbench_pin.robot.model import RobotModel
@@ -84,3 +84,25 @@ def test_listening_changes_no_plan(model: RobotModel, boxes: Boxes) -> None:
         with planner.listeners.including(listener):
             plans.append(planner.plan_to_pose(HOME, GOAL, rng=np.random.default_rng(3)))
     assert plans[0].trajectory.q.tobytes() == plans[1].trajectory.q.tobytes()
+
+
+def test_a_block_that_raises_is_reported_only_for_the_errors_named() -> None:
+    """Every listener gets the same time and the error; other errors pass without a report."""
+    listeners = ListenerList[PlanningListener]()
+    reports: list[tuple[PlanningListener, float, BaseException | None]] = []
+
+    def run(error: Exception) -> None:
+        with listeners.timed(lambda *report: reports.append(report), KeyError):
+            raise error
+
+    first, second, known = Record(), Record(), KeyError("known")
+    with pytest.raises(KeyError):
+        run(known)
+    assert reports == []
+    with listeners.including(first), listeners.including(second):
+        with pytest.raises(KeyError):
+            run(known)
+        with pytest.raises(ValueError, match="another"):
+            run(ValueError("another"))
+    seconds = reports[0][1]
+    assert reports == [(first, seconds, known), (second, seconds, known)]
