@@ -15,6 +15,7 @@ from rlbench_pin.checking import Item, Part, TaskReport, Trial, TrialJournal, ex
 from rlbench_pin.checking.pages.page import page
 from rlbench_pin.checking.pages.pictures import draw_pictures
 from rlbench_pin.checking.pages.table import table
+from rlbench_pin.cli.list_tasks import named_tasks
 from rlbench_pin.cli.progress import CheckBar
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.errors import TaskEnvironmentError
@@ -31,7 +32,7 @@ class Check:
     """Judge tasks: demonstrations succeed and replay, resets repeat and rest, doing nothing and random actions solve nothing."""
 
     tasks: tyro.conf.Positional[tuple[str, ...]] = ()
-    """Task names, as `rlbench-pin list` prints them; all when none is given."""
+    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them; all when none is given."""
     task_file: tuple[Path, ...] = ()
     """Task files outside the package, each with its scene file beside it."""
     episodes: int = 30
@@ -90,7 +91,7 @@ class Check:
         missing = [str(path) for path in self.task_file if not path.is_file()]
         if missing:
             raise TaskEnvironmentError(f"There is no task file '{missing[0]}'. `rlbench-pin new NAME` makes a pair of files.")
-        asked = self.tasks or (() if self.task_file else task_names())
+        asked = named_tasks(self.tasks) or (() if self.task_file else task_names())
         named = {task_class(name).get_name(): task_class(name).get_name() for name in asked}
         return named | {find_task(str(path)).get_name(): str(path.resolve()) for path in self.task_file}
 

@@ -11,6 +11,7 @@ from typing import Annotated
 import tyro
 from tqdm import tqdm
 
+from rlbench_pin.cli.list_tasks import split_names
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
 from rlbench_pin.cli.record import EngineName, make_engine, print_report
 from rlbench_pin.datasets import TaskInfo, merge_datasets, plan_merge, stored_tasks, task_faults, task_info
@@ -86,7 +87,7 @@ class Rerender:
     out: Path
     """Folder of the result; an interrupted run is resumed."""
     tasks: tuple[str, ...] = ()
-    """Only these tasks."""
+    """Only these tasks, with spaces or commas between them."""
     image_size: tuple[int, int] = (128, 128)
     """Width and height of the pictures [px]."""
     cameras: tuple[str, ...] = CAMERAS
@@ -103,7 +104,9 @@ class Rerender:
         pictures = PictureConfig(cameras=self.cameras, products=self.products, image_size=self.image_size)
         engine = make_engine(self.engine, self.workers)
         with stopping_gently() as stop, closing(RecordBar("rerender")) as bar:
-            report = rerender(self.source, self.out, pictures, tasks=self.tasks, engine=engine, on_progress=bar, stop=stop)
+            report = rerender(
+                self.source, self.out, pictures, tasks=split_names(self.tasks), engine=engine, on_progress=bar, stop=stop
+            )
         return print_report(report, self.out, "the same command", as_json=False)
 
 
@@ -134,19 +137,20 @@ class Export:
     out: tyro.conf.Positional[Path]
     """The new folder or file."""
     tasks: tuple[str, ...] = ()
-    """Only these tasks."""
+    """Only these tasks, with spaces or commas between them."""
     cameras: tuple[str, ...] = ()
     """Cameras whose pictures go along; all stored ones when none is named. Folders always get all."""
 
     def run(self) -> int:
         """Export and say where it is."""
-        total = len(stored_episodes(self.root, self.tasks))
+        tasks = split_names(self.tasks)
+        total = len(stored_episodes(self.root, tasks))
         with tqdm(total=total, unit="episode", desc=f"export {self.format}") as bar:
             export_dataset(
                 self.format,
                 self.root,
                 self.out,
-                tasks=self.tasks,
+                tasks=tasks,
                 cameras=self.cameras,
                 on_episode=lambda _: bar.update() and None,
             )

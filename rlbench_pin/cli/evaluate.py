@@ -10,6 +10,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from rlbench_pin.cli.list_tasks import named_tasks
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.evaluation.controller_summary import ControllerSummary, summarise_legs, table
@@ -30,7 +31,7 @@ class Evaluate:
     controllers: bool = False
     """Evaluate the controllers of `rlbench_pin.control`."""
     tasks: tuple[str, ...] = TASKS
-    """Task names, as `rlbench-pin list` prints them, or task files."""
+    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, `all`, or task files."""
     episodes: int = 1
     """Demonstrations of each task."""
     seed: int = 0
@@ -58,7 +59,7 @@ class Evaluate:
         """Return what the JSON file says."""
         return {
             "format": 1,
-            "tasks": list(self.tasks),
+            "tasks": list(named_tasks(self.tasks)),
             "episodes": self.episodes,
             "seed": self.seed,
             "legs": self.legs,
@@ -69,7 +70,7 @@ class Evaluate:
     def trials(self) -> Iterator[LegTrial]:
         """Let every controller follow every leg."""
         names = chosen_controllers(self.only)
-        classes = [find_task(name) for name in self.tasks]
+        classes = [find_task(name) for name in named_tasks(self.tasks)]
         with tqdm(total=len(classes) * self.episodes, unit="episode", desc="controllers") as bar:
             for task_class in classes:
                 with make_environment(low_dim_config()) as environment:

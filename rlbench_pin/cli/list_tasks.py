@@ -1,12 +1,29 @@
-"""`rlbench-pin list`: which tasks there are."""
+"""`rlbench-pin list`: the tasks; and task names as the other commands take them."""
 
 from __future__ import annotations
 
 import inspect
 import json
+import os.path
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from rlbench_pin.tasks import task_class, task_names
+
+ALL = "all"
+"""Stands for all tasks on a command line."""
+
+
+def split_names(words: Iterable[str]) -> tuple[str, ...]:
+    """Return the names in `words`, each once, in order; `a,b` is two names, unless there is a file of that name."""
+    parts = [part.strip() for word in words for part in ([word] if os.path.isfile(word) else word.split(","))]
+    return tuple(dict.fromkeys(part for part in parts if part))
+
+
+def named_tasks(words: Iterable[str]) -> tuple[str, ...]:
+    """Return the names in `words`, each once, in order, with those of all tasks in the place of `all`."""
+    names = (task_names() if name == ALL else (name,) for name in split_names(words))
+    return tuple(dict.fromkeys(name for some in names for name in some))
 
 
 @dataclass(frozen=True)

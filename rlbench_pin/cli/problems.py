@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import tyro
 
+from rlbench_pin.cli.list_tasks import named_tasks
 from rlbench_pin.environment.listener import Listener
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import PlanningError
@@ -26,7 +27,7 @@ class Problems:
     action: tyro.conf.Positional[str]
     """What to do: `export`."""
     tasks: tyro.conf.Positional[tuple[str, ...]]
-    """Task names, as `rlbench-pin list` prints them."""
+    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, or `all`."""
     episodes: int = 5
     """Demonstrations of each task."""
     seed: int = 0
@@ -36,10 +37,11 @@ class Problems:
 
     def run(self) -> int:
         """Play demonstrations, write their legs, print how many; 2 when misused."""
-        if self.action != "export" or not self.tasks:
+        names = named_tasks(self.tasks)
+        if self.action != "export" or not names:
             print("rlbench-pin: use `rlbench-pin problems export TASK...`", file=sys.stderr)
             return 2
-        for name in [task_class(name).get_name() for name in self.tasks]:
+        for name in [task_class(name).get_name() for name in names]:
             count = self._export(name)
             print(f"{name}: {count} problems in {self.out}")
         return 0

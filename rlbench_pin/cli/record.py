@@ -14,6 +14,7 @@ from typing import Literal
 
 import tyro
 
+from rlbench_pin.cli.list_tasks import named_tasks
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
 from rlbench_pin.datasets import Compression
 from rlbench_pin.errors import MissingExtra
@@ -21,10 +22,8 @@ from rlbench_pin.observation import CAMERAS
 from rlbench_pin.recording.config import PictureConfig, RecordConfig
 from rlbench_pin.recording.engines import Engine, ProcessEngine, SerialEngine
 from rlbench_pin.recording.record import RecordReport, read_recording, record
-from rlbench_pin.tasks import task_names
 
 EngineName = Literal["processes", "ray"]
-ALL_TASKS = "all"
 
 
 @dataclass(frozen=True)
@@ -32,7 +31,8 @@ class Record:
     """Plan demonstrations of tasks and write them to a dataset. Whatever kills it, `--resume` continues where it ended."""
 
     tasks: tyro.conf.Positional[tuple[str, ...]] = ()
-    """Task names, as `rlbench-pin list` prints them, `all`, or task files; with `--resume` alone, those recorded before."""
+    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, `all`, or task files; with `--resume`
+    alone, those recorded before."""
     episodes: int = 10
     """Episodes of each task, spread evenly over its variations."""
     per_variation: bool = False
@@ -72,7 +72,7 @@ class Record:
 
     def _config(self) -> RecordConfig:
         return RecordConfig(
-            tasks=task_names() if self.tasks == (ALL_TASKS,) else self.tasks,
+            tasks=named_tasks(self.tasks),
             episodes=self.episodes,
             per_variation=self.per_variation,
             variations=self.variations,

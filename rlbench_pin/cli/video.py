@@ -12,6 +12,7 @@ import numpy as np
 import tyro
 from tqdm import tqdm
 
+from rlbench_pin.cli.list_tasks import named_tasks
 from rlbench_pin.datasets import VideoWriter
 from rlbench_pin.environment import (
     Discrete,
@@ -26,9 +27,7 @@ from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import DemoError
 from rlbench_pin.recording.grid import Reel, grid_frames, grid_size
 from rlbench_pin.recording.orbit import Orbit
-from rlbench_pin.tasks import task_names
 
-ALL = "all"
 _CELL = (320, 240)
 
 
@@ -37,7 +36,7 @@ class Video:
     """Film demonstrations of one or more tasks: one film per task, or one film of all of them in a grid."""
 
     tasks: tyro.conf.Positional[tuple[str, ...]]
-    """Task names, as `rlbench-pin list` prints them, or `all`."""
+    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, or `all`."""
     grid: bool = False
     """All tasks side by side in one film instead of a film each."""
     variation: int = 0
@@ -63,9 +62,9 @@ class Video:
 
     def run(self) -> int:
         """Film, and print where the films are."""
-        names = task_names() if ALL in self.tasks else self.tasks
+        names = named_tasks(self.tasks)
         if self.grid:
-            print(self._film_grid(tuple(names)))
+            print(self._film_grid(names))
             return 0
         for name in names:
             path = self.out / f"{name}.mp4"

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.cli.main import main
-from rlbench_pin.datasets import episode_files, read_demo, read_manifest, task_faults
+from rlbench_pin.datasets import episode_files, read_demo, read_manifest, stored_tasks, task_faults
 from tests.cli.support import RECORD, TASK, exit_code
 
 Capture = pytest.CaptureFixture[str]
@@ -62,6 +62,18 @@ def test_misuse_is_explained(tmp_path: Path, capsys: Capture, arguments: tuple[s
     assert exit_code("record", *arguments, "--workers", "0", "--out", str(tmp_path / "data")) == 2
     assert words in capsys.readouterr().err
     assert not (tmp_path / "data").exists()
+
+
+def test_tasks_with_commas_between_them(tmp_path: Path, capsys: Capture) -> None:
+    """Recorded, checked and exported like tasks with spaces between them."""
+    names = f"{TASK},push_button"
+    assert exit_code("record", names, "--workers", "0", "--episodes", "1", "--out", str(tmp_path / "data"), "--products") == 0
+    assert stored_tasks(tmp_path / "data") == ("push_button", TASK)
+    assert exit_code("dataset", "export", "rlbench", str(tmp_path / "data"), str(tmp_path / "x"), "--tasks", names) == 0
+    assert "2 episodes" in capsys.readouterr().out
+    for command in (("check",), ("problems", "export"), ("video",), ("evaluate", "--controllers", "--tasks")):
+        assert exit_code(*command, "reach_targt,push_buton") == 2
+        assert "Did you mean 'reach_target'" in capsys.readouterr().err
 
 
 def test_resuming_nothing_is_an_error(tmp_path: Path, capsys: Capture) -> None:
