@@ -10,6 +10,7 @@ from rlbench_pin.environment.actions.joint import JointPosition
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.observation import CAMERAS
+from rlbench_pin.sim import RendererName
 
 
 def low_dim_config() -> ObservationConfig:
@@ -34,6 +35,6 @@ def picture_config(
     return config
 
 
-def make_environment(config: ObservationConfig) -> Environment:
+def make_environment(config: ObservationConfig, renderer: RendererName = "cpu") -> Environment:
     """An environment whose actions are the ones that demonstrations record: absolute joint positions and the hand."""
-    return Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=config, seed=0)
+    return Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=config, seed=0, renderer=renderer)

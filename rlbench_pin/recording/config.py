@@ -8,12 +8,10 @@ from dataclasses import dataclass, field
 
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.datasets.writer import Compression
-from rlbench_pin.environment.actions.action_mode import MoveArmThenGripper
-from rlbench_pin.environment.actions.gripper import Discrete
-from rlbench_pin.environment.actions.joint import JointPosition
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import drawn_variations
 from rlbench_pin.environment.observations.config import ObservationConfig
+from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import TaskEnvironmentError, UnknownName
 from rlbench_pin.observation import CAMERAS, PRODUCTS
 from rlbench_pin.sim import RENDERERS, RendererName
@@ -45,9 +43,7 @@ class PictureConfig:
 
     def obs_config(self) -> ObservationConfig:
         """Return the observation config: all joint, gripper and task data, and these pictures."""
-        config = ObservationConfig()
-        config.set_all_high_dim(False)
-        config.set_all_low_dim(True)
+        config = low_dim_config()
         for name in self.cameras:
             camera = config.camera(name)
             camera.image_size = self.image_size
@@ -63,8 +59,7 @@ class PictureConfig:
 
     def environment(self) -> Environment:
         """Return an environment that delivers these pictures; its actions are those that demonstrations record."""
-        mode = MoveArmThenGripper(JointPosition(), Discrete())
-        return Environment(mode, obs_config=self.obs_config(), seed=0, renderer=self.renderer)
+        return make_environment(self.obs_config(), self.renderer)
 
 
 @dataclass(frozen=True, kw_only=True)
