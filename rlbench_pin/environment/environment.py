@@ -19,17 +19,17 @@ from rlbench_pin.environment.randomization.config import (
     check_randomization,
 )
 from rlbench_pin.environment.randomization.randomizer import Randomizer
-from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.environment.runtime import EmptyTable, Runtime, build_runtime
 from rlbench_pin.environment.stored import StoredSelection, read_stored_demos, read_stored_descriptions
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DatasetError, EnvironmentClosed, TaskEnvironmentError, UnknownName
 from rlbench_pin.observation import CAMERAS, Demo
-from rlbench_pin.planning.planner import MotionPlanner, PlannerConfig
+from rlbench_pin.planning.planner import PlannerConfig
 from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import RENDERERS, RendererName, World
-from rlbench_pin.tasks import Task, task_class, task_scene
+from rlbench_pin.tasks import Task, task_class
 
 
 class Environment:
@@ -135,7 +135,7 @@ class Environment:
         if self._model is None:
             self.launch()
         assert self._model is not None
-        runtime = self._build(chosen, task_scene(chosen), self._model)
+        runtime = self._build(chosen, self._model)
         if self._runtime is not None:
             self._runtime.world.close()
         self._runtime = runtime
@@ -155,16 +155,15 @@ class Environment:
             return None
         return Randomizer(runtime, self._obs_config, self._randomize_every, self._frequency, self._visual, self._dynamics)
 
-    def _build(self, chosen: type[Task], spec: SceneSpec, model: RobotModel) -> Runtime:
-        world = World(spec, model.description, renderer=self._renderer)
-        try:
-            task = chosen(world)
-            task.init_task()
-            planner = MotionPlanner(model, self._planner_config)
-            return Runtime(world, task, model.description, model, planner, self._obs_config, self._attach_grasped_objects)
-        except BaseException:
-            world.close()
-            raise
+    def _build(self, task: type[Task], model: RobotModel) -> Runtime:
+        return build_runtime(
+            task,
+            model,
+            self._obs_config,
+            planning=self._planner_config,
+            attach_grasped_objects=self._attach_grasped_objects,
+            renderer=self._renderer,
+        )
 
     def get_demos(
         self,
@@ -221,7 +220,7 @@ class Environment:
                 f"The {what} of actions is known once the robot is loaded. Call `launch()` or `get_task(...)` first."
             )
         if self._runtime is None:
-            self._runtime = self._build(_EmptyTable, SceneSpec(format=1), self._model)
+            self._runtime = self._build(EmptyTable, self._model)
         return self._runtime
 
     def get_scene_data(self) -> dict[str, dict[str, Any] | None]:
@@ -248,10 +247,3 @@ class AlreadyLaunched(TaskEnvironmentError, RuntimeError):
 
 class NotLaunched(EnvironmentClosed):
     """Something was asked that only a launched environment can answer."""
-
-
-class _EmptyTable(Task):
-    """No task: the arm alone decides what actions look like."""
-
-    def init_task(self) -> None:
-        """Nothing."""

@@ -14,12 +14,13 @@ from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import Observer
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.observation import Observation
-from rlbench_pin.planning.planner import MotionPlanner
+from rlbench_pin.planning.planner import MotionPlanner, PlannerConfig
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.robot.model import RobotModel
-from rlbench_pin.sim import World
+from rlbench_pin.scene.spec import SceneSpec
+from rlbench_pin.sim import RendererName, World
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray
-from rlbench_pin.tasks import Task
+from rlbench_pin.tasks import Task, task_scene
 
 TIP_WORKSPACE = np.array([[-0.274, -0.655, TABLE_HEIGHT], [0.774, 0.655, TABLE_HEIGHT + 1.0]])
 """Lowest and highest corner of the box that tip targets must lie in [m]."""
@@ -183,3 +184,40 @@ class Runtime:
         self.variation = state.variation
         self.noise_rng.bit_generator.state = state.noise
         self.planning_rng.bit_generator.state = state.planning
+
+
+class EmptyTable(Task):
+    """No task: the arm alone at an empty table."""
+
+    def init_task(self) -> None:
+        """Nothing."""
+
+
+def build_runtime(
+    task: type[Task],
+    model: RobotModel,
+    config: ObservationConfig,
+    *,
+    planning: PlannerConfig | None = None,
+    attach_grasped_objects: bool = True,
+    renderer: RendererName = "cpu",
+) -> Runtime:
+    """Build the world of a task and set the task up.
+
+    Args:
+        task: What the world is for; `EmptyTable` has no scene file.
+        model: The arm.
+        config: What observations contain.
+        planning: Settings of the planner.
+        attach_grasped_objects: As in `Runtime`.
+        renderer: Who draws pictures.
+    """
+    spec = SceneSpec(format=1) if task is EmptyTable else task_scene(task)
+    world = World(spec, model.description, renderer=renderer)
+    try:
+        running = task(world)
+        running.init_task()
+        return Runtime(world, running, model.description, model, MotionPlanner(model, planning), config, attach_grasped_objects)
+    except BaseException:
+        world.close()
+        raise
