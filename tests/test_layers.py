@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[1] / PACKAGE
 
 # Top row first; the packages of one row do not import each other.
 ROWS: tuple[tuple[str, ...], ...] = (
-    ("cli",),
+    ("cli", "compat"),
     ("checking", "evaluation", "recording", "gym"),
     ("environment",),
     ("tasks",),
