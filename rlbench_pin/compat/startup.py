@@ -1,0 +1,51 @@
+"""The names on the module search path: what `install()` and Python's start with `RLBENCH_PIN_COMPAT=1` share.
+
+`rlbench_pin_compat.pth` runs this file by its path when Python starts with the variable set. Nothing of rlbench_pin is imported
+here, so that a start stays cheap and a program may still set variables such as `OMP_NUM_THREADS` before numpy is loaded.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import sys
+from pathlib import Path
+
+PACKAGES = Path(__file__).resolve().parent / "packages"
+"""Folder with the packages `rlbench` and `pyrep`."""
+NAMES = ("rlbench", "pyrep")
+VARIABLE = "RLBENCH_PIN_COMPAT"
+"""Environment variable: any value but nothing and `0` makes Python's start add the names."""
+
+
+def taken_name() -> str | None:
+    """Say which of the names belongs to another package, and where it lies; None when both are free or ours."""
+    for name in NAMES:
+        found = sys.modules[name].__spec__ if name in sys.modules else importlib.util.find_spec(name)
+        if found is None:
+            continue
+        folders = [Path(folder) for folder in found.submodule_search_locations or ()]
+        places = [Path(found.origin).parent] if found.origin is not None else folders
+        if not any(place.resolve().is_relative_to(PACKAGES) for place in places):
+            return (
+                f"The real '{name}' is installed at {places[0] if places else 'an unknown place'}, so its name cannot stand "
+                "for rlbench_pin. Use a virtual environment without it, take the folder off the module search path, or "
+                "import from rlbench_pin."
+            )
+    return None
+
+
+def add_packages() -> None:
+    """Append the folder with the packages to the module search path, once."""
+    if str(PACKAGES) not in sys.path:
+        sys.path.append(str(PACKAGES))
+
+
+def start() -> None:
+    """Add the names when Python starts; where they are taken, say so on stderr and let Python start without them."""
+    taken = taken_name()
+    if taken is not None:
+        sys.stderr.write(f"{VARIABLE}: {taken}\n")
+        os.environ[VARIABLE] = "0"  # in a virtual environment Python reads start-up files twice: say it once
+        return
+    add_packages()
