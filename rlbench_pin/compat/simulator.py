@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from rlbench_pin.environment import ObservationConfig
-from rlbench_pin.environment.runtime import EmptyTable, Runtime, build_runtime
+from rlbench_pin.environment.runtime import EmptyTable, Runtime, RuntimeT, build_runtime
 from rlbench_pin.planning.planner import PlannerConfig
 from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
 from rlbench_pin.robot.model import RobotModel
@@ -50,10 +50,16 @@ class Simulator:
         """The world that views look at."""
         return self.runtime.world
 
-    def load(self, task: type[Task], config: ObservationConfig, attach_grasped_objects: bool = True) -> Runtime:
-        """Build the world of a task in place of the present one."""
+    def load(
+        self,
+        task: type[Task],
+        config: ObservationConfig,
+        attach_grasped_objects: bool = True,
+        kind: type[RuntimeT] = Runtime,  # type: ignore[assignment]
+    ) -> RuntimeT:
+        """Build the world of a task in place of the present one; the runtime is of class `kind`."""
         runtime = build_runtime(
-            task, self.model, config, planning=self.planning, attach_grasped_objects=attach_grasped_objects
+            task, self.model, config, planning=self.planning, attach_grasped_objects=attach_grasped_objects, kind=kind
         )
         self.runtime.world.close()
         self.runtime = runtime

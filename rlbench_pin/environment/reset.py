@@ -11,7 +11,6 @@ from rlbench_pin.environment.episode import EpisodeRandom
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.turns import check_feasible
 from rlbench_pin.errors import BoundaryError, PlanningError, ResetError, WaypointError
-from rlbench_pin.tasks import place_task
 
 MAX_RESET_ATTEMPTS = 40
 """Placements that a reset tries."""
@@ -81,7 +80,7 @@ def lay_out(runtime: Runtime, variation: int, random: EpisodeRandom, *, static: 
     runtime.begin(variation, random.planning, random.noise)
     instructions = task.begin_episode(variation, random.placement)
     if not static and not task.is_static_workspace():
-        place_task(runtime.world, random.placement, task.base_rotation_bounds())
+        task.place(random.placement)
     return instructions
 
 

@@ -26,6 +26,7 @@ TIP_WORKSPACE = np.array([[-0.274, -0.655, TABLE_HEIGHT], [0.774, 0.655, TABLE_H
 """Lowest and highest corner of the box that tip targets must lie in [m]."""
 
 BoundT = TypeVar("BoundT", covariant=True)
+RuntimeT = TypeVar("RuntimeT", bound="Runtime")
 
 
 class Bindable(Protocol[BoundT]):
@@ -201,7 +202,8 @@ def build_runtime(
     planning: PlannerConfig | None = None,
     attach_grasped_objects: bool = True,
     renderer: RendererName = "cpu",
-) -> Runtime:
+    kind: type[RuntimeT] = Runtime,  # type: ignore[assignment]
+) -> RuntimeT:
     """Build the world of a task and set the task up.
 
     Args:
@@ -211,13 +213,14 @@ def build_runtime(
         planning: Settings of the planner.
         attach_grasped_objects: As in `Runtime`.
         renderer: Who draws pictures.
+        kind: `Runtime`, or a subclass of it.
     """
     spec = SceneSpec(format=1) if task is EmptyTable else task_scene(task)
     world = World(spec, model.description, renderer=renderer)
     try:
         running = task(world)
         running.init_task()
-        return Runtime(world, running, model.description, model, MotionPlanner(model, planning), config, attach_grasped_objects)
+        return kind(world, running, model.description, model, MotionPlanner(model, planning), config, attach_grasped_objects)
     except BaseException:
         world.close()
         raise

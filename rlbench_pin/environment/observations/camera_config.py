@@ -43,6 +43,15 @@ class CameraConfig:
         """Whether any product is wanted."""
         return self.rgb or self.depth or self.point_cloud or self.mask
 
+    @property
+    def draws_shadows(self) -> bool:
+        """Whether things cast shadows on each other."""
+        return self.render_mode == "opengl3"
+
+    def noise_of(self, product: Literal["rgb", "depth"]) -> NoiseModel:
+        """Return the noise of colours or of depth."""
+        return self.rgb_noise if product == "rgb" else self.depth_noise
+
     def check(self, name: str) -> None:
         """Raise CameraError when the settings make no picture."""
         width, height = self.image_size

@@ -87,12 +87,12 @@ class Observer:
             rgb=config.rgb,
             depth=config.depth or config.point_cloud,
             mask=config.mask,
-            shadows=self._shadow_map() if config.rgb and config.render_mode == "opengl3" else False,
+            shadows=self._shadow_map() if config.rgb and config.draws_shadows else False,
         )
         if config.rgb and pictures.rgb is not None:
             setattr(observation, f"{name}_rgb", _noisy_rgb(pictures.rgb, config, rng))
         if pictures.depth is not None:
-            metres = config.depth_noise.apply(pictures.depth, rng)
+            metres = config.noise_of("depth").apply(pictures.depth, rng)
             if config.point_cloud:
                 setattr(observation, f"{name}_point_cloud", point_cloud(metres, view))
             if config.depth:
@@ -109,9 +109,10 @@ class Observer:
 
 
 def _noisy_rgb(rgb: np.ndarray, config: CameraConfig, rng: np.random.Generator) -> np.ndarray:
-    if isinstance(config.rgb_noise, Identity):
+    noise = config.noise_of("rgb")
+    if isinstance(noise, Identity):
         return rgb
-    noisy = config.rgb_noise.apply(rgb.astype(np.float32) / 255.0, rng)
+    noisy = noise.apply(rgb.astype(np.float32) / 255.0, rng)
     return np.rint(np.clip(noisy, 0.0, 1.0) * 255.0).astype(np.uint8)
 
 

@@ -39,7 +39,7 @@ class NoTextures(CameraError, RuntimeError):
     """The folder of textures has no pictures."""
 
 
-@dataclass(kw_only=True)
+@dataclass
 class RandomizationConfig:
     """Which things may change. Names are those of bodies, of the room (`table`, `floor`, `wall_front`...) and of the robot."""
 

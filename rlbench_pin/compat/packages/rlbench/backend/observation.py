@@ -1,0 +1,7 @@
+"""What is known at one instant."""
+
+from __future__ import annotations
+
+from rlbench_pin.observation import Observation
+
+__all__ = ["Observation"]

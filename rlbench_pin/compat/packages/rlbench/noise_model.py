@@ -1,0 +1,39 @@
+"""Noise that observations get; it draws from numpy's global generator."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+class NoiseModel:
+    """Changes a measured array. Subclasses override `apply`."""
+
+    def apply(self, val: np.ndarray) -> np.ndarray:
+        """Return `val` with noise."""
+        raise NotImplementedError(f"{type(self).__name__} has no `apply(val)`. Override it.")
+
+
+class Identity(NoiseModel):
+    """No noise."""
+
+    def apply(self, val: np.ndarray) -> np.ndarray:
+        """Return `val` itself."""
+        return val
+
+
+class GaussianNoise(NoiseModel):
+    """Additive normal noise.
+
+    Args:
+        variance: Standard deviation, in the unit of the value; the name is the one existing programs use.
+        min_max_clip: Bounds that the noisy value is clipped to.
+    """
+
+    def __init__(self, variance: float, min_max_clip: tuple[float, float] | None = None) -> None:
+        self._variance, self._min_max_clip = variance, min_max_clip
+
+    def apply(self, val: np.ndarray) -> np.ndarray:
+        """Return a noisy copy of `val`, of its dtype."""
+        value = np.asarray(val)
+        noisy = value + np.random.normal(0.0, self._variance, value.shape)
+        return (noisy if self._min_max_clip is None else np.clip(noisy, *self._min_max_clip)).astype(value.dtype)
