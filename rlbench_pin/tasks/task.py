@@ -15,6 +15,7 @@ from rlbench_pin.errors import TaskError
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks.conditions import Condition
 from rlbench_pin.tasks.low_dim import LowDimState
+from rlbench_pin.tasks.placement import place_task
 from rlbench_pin.tasks.state import Memory, recall, remember
 from rlbench_pin.tasks.waypoints import Waypoint, WaypointHook, waypoints_of
 
@@ -204,6 +205,10 @@ class Task:
         self.reset_conditions()
         self.state()  # an attribute that cannot be saved is found here, not at the first save
         return instructions
+
+    def place(self, rng: np.random.Generator) -> None:
+        """Put the whole task somewhere on the table; called after `init_episode` unless it is to stay."""
+        place_task(self.world, rng, self.base_rotation_bounds())
 
     def end_episode(self) -> None:
         """Clean up after an episode, if one was begun."""

@@ -1,0 +1,236 @@
+"""What success is made of, under the known names. Every condition is asked for the present instant."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence, Sized
+from typing import Any
+
+import numpy as np
+from pyrep.objects.joint import Joint
+from pyrep.objects.object import Object
+from pyrep.objects.proximity_sensor import ProximitySensor
+from pyrep.objects.shape import Shape
+from pyrep.robots.end_effectors.gripper import Gripper
+
+from rlbench_pin import tasks
+from rlbench_pin.compat.user_memory import Remembered
+from rlbench_pin.spatial import FloatArray
+
+MAX_STRIKES = 3
+"""Misses that a `FollowCondition` forgives."""
+
+Answer = tuple[bool, bool]
+"""Whether the condition is met, and whether the episode should end."""
+
+
+class Condition:
+    """Base class; a condition of one's own overrides `condition_met`, and `reset` when it remembers something."""
+
+    def condition_met(self) -> Answer:
+        """Return whether the condition is met now, and whether the episode should end."""
+        raise NotImplementedError(f"{type(self).__name__} must define condition_met(self) -> (met, terminate).")
+
+    def reset(self) -> None:
+        """Forget what was remembered; called when an episode begins."""
+
+
+class NativeCondition(tasks.Condition):
+    """A condition of a user as one of ours; what it remembers is saved with the episode."""
+
+    def __init__(self, condition: Condition) -> None:
+        self.condition, self._memory = condition, Remembered(condition)
+
+    def met(self) -> bool:
+        """Return whether the condition is met now."""
+        return bool(self.condition.condition_met()[0])
+
+    def reset(self) -> None:
+        """Reset the condition."""
+        self.condition.reset()
+
+    def state(self) -> object:
+        """Return what the condition remembers."""
+        return self._memory.state()
+
+    def set_state(self, state: Any) -> None:
+        """Let the condition remember what `state()` returned before."""
+        self._memory.set_state(state)
+
+
+class JointCondition(Condition):
+    """Met while a joint is more than `position` [rad] or [m] away from where it was when the condition was made."""
+
+    def __init__(self, joint: Joint, position: float) -> None:
+        self.joint, self.position = joint, position
+        self.start = float(joint.get_joint_position())
+
+    def condition_met(self) -> Answer:
+        """Return whether the joint is far enough from its start now."""
+        met = abs(float(self.joint.get_joint_position()) - self.start) > self.position
+        return met, met
+
+
+class DetectedCondition(Condition):
+    """Met while a sensor sees an object, or while it does not when `negated`."""
+
+    def __init__(self, obj: Object, detector: ProximitySensor, negated: bool = False) -> None:
+        self.obj, self.detector, self.negated = obj, detector, negated
+
+    def condition_met(self) -> Answer:
+        """Return whether the object is seen now."""
+        met = bool(self.detector.is_detected(self.obj)) != self.negated
+        return met, met
+
+
+class DetectedSeveralCondition(Condition):
+    """Met while a sensor sees at least `number_needed` of the objects."""
+
+    def __init__(self, objects: Sequence[Object], detector: ProximitySensor, number_needed: int) -> None:
+        self.objects, self.detector, self.number_needed = objects, detector, number_needed
+
+    def condition_met(self) -> Answer:
+        """Return whether enough objects are seen now."""
+        met = sum(bool(self.detector.is_detected(obj)) for obj in self.objects) >= self.number_needed
+        return met, met
+
+
+class NothingGrasped(Condition):
+    """Met while the hand holds nothing."""
+
+    def __init__(self, gripper: Gripper) -> None:
+        self.gripper = gripper
+
+    def condition_met(self) -> Answer:
+        """Return whether nothing is attached to the hand now."""
+        met = len(self.gripper.get_grasped_objects()) == 0
+        return met, met
+
+
+class GraspedCondition(Condition):
+    """Met while an object is attached to the hand."""
+
+    def __init__(self, gripper: Gripper, object: Object) -> None:
+        self.gripper, self.object = gripper, object
+
+    def condition_met(self) -> Answer:
+        """Return whether the object is attached to the hand now."""
+        handle = self.object.get_handle()
+        met = any(held.get_handle() == handle for held in self.gripper.get_grasped_objects())
+        return met, met
+
+
+class EmptyCondition(Condition):
+    """Met while a list that the task keeps has no entries left."""
+
+    def __init__(self, container: Sized) -> None:
+        self.container = container
+
+    def condition_met(self) -> Answer:
+        """Return whether the list is empty now."""
+        met = len(self.container) == 0
+        return met, met
+
+
+class FollowCondition(Condition):
+    """Met once an object has visited all points in order, coming within half of `delta_limit` of each.
+
+    A question that finds the object farther than `delta_limit` from the point it looks at first is a strike; a visited point
+    clears the strikes. More than `MAX_STRIKES` strikes ask for the end of the episode.
+
+    Args:
+        obj: What has to travel.
+        points: Points or poses; x, y, z come first [m].
+        relative_to: The points are in its frame; None is the world.
+        delta_limit: Distance of a miss [m].
+        start_after_first: No strikes before the first point was visited.
+    """
+
+    def __init__(
+        self,
+        obj: Object,
+        points: Sequence[Sequence[float]] | FloatArray,
+        relative_to: Object | None = None,
+        delta_limit: float = 0.01,
+        start_after_first: bool = True,
+    ) -> None:
+        self.obj, self.relative_to = obj, relative_to
+        self.points = np.array([np.asarray(point, dtype=float)[:3] for point in points])
+        self.delta_limit, self.start_after_first = delta_limit, start_after_first
+        self.index, self.strikes = 0, 0
+
+    def condition_met(self) -> Answer:
+        """Pass the points that the object is at now; return whether all were visited, and whether the path was lost."""
+        first = True
+        while self.index < len(self.points):
+            place = np.asarray(self.obj.get_position(relative_to=self.relative_to))
+            distance = float(np.linalg.norm(place - self.points[self.index]))
+            if distance > self.delta_limit / 2.0:
+                if distance > self.delta_limit and first and (self.index > 0 or not self.start_after_first):
+                    self.strikes += 1
+                return False, self.strikes > MAX_STRIKES
+            self.index, self.strikes, first = self.index + 1, 0, False
+        return True, True
+
+    def reset(self) -> None:
+        """Begin with the first point again, without strikes."""
+        self.index, self.strikes = 0, 0
+
+
+class ConditionSet(Condition):
+    """Met while all conditions are met; with `order_matters`, once they were met one after the other.
+
+    Args:
+        conditions: What has to be met.
+        order_matters: What was met in its turn stays met.
+        simultaneously_met: Without effect: unordered conditions have to be met together.
+    """
+
+    def __init__(self, conditions: Sequence[Condition], order_matters: bool = False, simultaneously_met: bool = True) -> None:
+        self.conditions, self.order_matters, self.simultaneously_met = list(conditions), order_matters, simultaneously_met
+        self.passed = 0
+
+    def condition_met(self) -> Answer:
+        """Return whether all conditions are met."""
+        if not self.order_matters:
+            answers = [condition.condition_met() for condition in self.conditions]
+            met = all(answer[0] for answer in answers)
+            return met, met or any(answer[1] and not answer[0] for answer in answers)
+        while self.passed < len(self.conditions) and self.conditions[self.passed].condition_met()[0]:
+            self.passed += 1
+        met = self.passed == len(self.conditions)
+        return met, met
+
+    def reset(self) -> None:
+        """Reset the conditions, and begin with the first."""
+        self.passed = 0
+        for condition in self.conditions:
+            condition.reset()
+
+
+class OrConditions(Condition):
+    """Met while one of the conditions is met."""
+
+    def __init__(self, conditions: Sequence[Condition]) -> None:
+        self.conditions = list(conditions)
+
+    def condition_met(self) -> Answer:
+        """Return whether a condition is met now; every one is asked."""
+        met = any([bool(condition.condition_met()[0]) for condition in self.conditions])
+        return met, met
+
+    def reset(self) -> None:
+        """Reset the conditions."""
+        for condition in self.conditions:
+            condition.reset()
+
+
+class ColorCondition(Condition):
+    """Met while an object shows exactly the colour `success_rgb`, each channel in 0..1."""
+
+    def __init__(self, shape: Shape, success_rgb: Sequence[float]) -> None:
+        self.shape, self.success_rgb = shape, tuple(float(channel) for channel in success_rgb)[:3]
+
+    def condition_met(self) -> Answer:
+        """Return whether the object shows the colour now."""
+        met = bool(np.allclose(np.asarray(self.shape.get_color(), dtype=float)[:3], self.success_rgb, rtol=0.0, atol=1e-6))
+        return met, met

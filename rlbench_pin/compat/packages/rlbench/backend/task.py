@@ -1,0 +1,246 @@
+"""What every task is under the known names: a class of the library, or one written in the paper's style."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from pyrep.objects.dummy import Dummy
+from pyrep.objects.object import Object
+from pyrep.objects.shape import Shape
+from rlbench.backend.conditions import Condition, NativeCondition
+from rlbench.backend.waypoints import Waypoint, waypoint_of
+
+from rlbench_pin.compat.library_tasks import check_present, library_task
+from rlbench_pin.compat.paper_task import PaperTask, adapter_of
+from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.compat.task_tree import TreeState, restore_tree, save_tree, thing_name
+from rlbench_pin.environment import ObservationConfig
+from rlbench_pin.environment.turns import check_feasible
+from rlbench_pin.errors import TaskError
+from rlbench_pin.observation import Observation
+from rlbench_pin.spatial import FloatArray
+from rlbench_pin.tasks import LIBRARY
+from rlbench_pin.tasks import Task as NativeTask
+from rlbench_pin.tasks.task import RotationBounds, snake_case
+
+if TYPE_CHECKING:
+    from pyrep import PyRep
+    from rlbench.backend.robot import Robot
+
+TASKS_PATH = str(LIBRARY)
+"""Folder whose `.py` files are the tasks of the library."""
+
+
+class Task:
+    """A task: override `init_task`, `init_episode` and `variation_count`; the rest is optional.
+
+    The scene of a user's task is a `.toml` file of ours beside its module, called after the task or after the module. What
+    `init_episode` and hooks draw from `np.random` or `random` repeats with the seed of the episode.
+
+    Args:
+        pyrep: The simulator.
+        robot: Arm and hand.
+        name: Name of the task; by default that of the class in snake case.
+    """
+
+    library_name: ClassVar[str] = ""
+    """Name of the task of our library that the class is, or was made from; empty for others."""
+
+    def __init__(self, pyrep: PyRep, robot: Robot, name: str | None = None) -> None:
+        if self.library_name:
+            check_present(self.library_name)
+        self.pyrep, self.robot = pyrep, robot
+        self.name = snake_case(type(self).__name__) if name is None else name
+        self._native: NativeTask | None = None
+
+    # The task behind it -----------------------------------------------------------------------------------------------
+
+    @classmethod
+    def origin(cls) -> type[NativeTask]:
+        """Return the native class whose behaviour holds for what is not overridden."""
+        return library_task(cls.library_name) if cls.library_name else NativeTask
+
+    @classmethod
+    def native_class(cls) -> type[NativeTask]:
+        """Return the native class that runs this one."""
+        return cls.origin() if "library_name" in vars(cls) else adapter_of(cls)
+
+    def bind(self, native: NativeTask) -> None:
+        """Take the native task of the world that was built; a task in the paper's style looks its objects up now."""
+        self._native = native
+        if isinstance(native, PaperTask):
+            native.tie(self)
+
+    @property
+    def native(self) -> NativeTask:
+        """The native task.
+
+        Raises:
+            TaskError: The task is not loaded.
+        """
+        if self._native is None:
+            raise TaskError(f"Task '{self.name}' is not loaded. Load it with `Environment.get_task(...)` or `Scene.load(...)`.")
+        return self._native
+
+    # To override ------------------------------------------------------------------------------------------------------
+
+    def init_task(self) -> None:
+        """Look things up and register what never changes; called once."""
+        if not self.library_name:
+            raise NotImplementedError(f"Task '{self.name}' must define init_task(self).")
+        self.origin().init_task(self.native)
+
+    def init_episode(self, index: int) -> list[str]:
+        """Lay out one episode of variation `index` and return sentences that all ask for the goal."""
+        if not self.library_name:
+            raise NotImplementedError(f"Task '{self.name}' must define init_episode(self, index).")
+        if isinstance(self.native, PaperTask):
+            return self.native.origin_episode(index)
+        rng = np.random.default_rng(np.random.randint(2**31 - 1))  # noqa: NPY002
+        return self.native.begin_episode(index, rng)
+
+    def variation_count(self) -> int:
+        """Return how many variations there are; tasks of the library know it before they are loaded."""
+        if not self.library_name:
+            raise NotImplementedError(f"Task '{self.name}' must define variation_count(self).")
+        origin = self.origin()
+        return origin.variation_count(object.__new__(origin) if self._native is None else self._native)
+
+    def get_low_dim_state(self) -> FloatArray:
+        """Return the state of the objects, shape (n,): poses of all bodies by name, then all joint values."""
+        return self.origin().get_low_dim_state(self.native)
+
+    def step(self) -> None:
+        """Run after every simulation step."""
+        self.origin().step(self.native)
+
+    def reward(self) -> float | None:
+        """Return the shaped reward of this instant, or None when the task has none."""
+        return self.origin().reward(self.native)
+
+    def cleanup(self) -> None:
+        """Run after an episode."""
+        self.origin().cleanup(self.native)
+
+    def base_rotation_bounds(self) -> RotationBounds:
+        """Return the lowest and highest roll, pitch, yaw [rad] of the random rotation; by default what the scene file says."""
+        return self.origin().base_rotation_bounds(self.native)
+
+    def boundary_root(self) -> Object:
+        """Return what is moved when the task is placed at random; by default the whole task."""
+        return self.get_base()
+
+    def decorate_observation(self, observation: Observation) -> Observation:
+        """Return the observation, perhaps with more in it."""
+        return self.origin().decorate_observation(self.native, observation)
+
+    def is_static_workspace(self) -> bool:
+        """Return whether the task stays where it is; by default what the scene file says."""
+        return self.origin().is_static_workspace(self.native)
+
+    def set_initial_objects_in_scene(self) -> None:
+        """Nothing: which objects the low-dimensional state has, and their order, follows from the scene file."""
+
+    def load(self) -> Object:
+        """Build the world of the task in place of the present one, unless it is the present one, and return its base.
+
+        Raises:
+            FileNotFoundError: There is no scene file.
+        """
+        simulator = Simulator.current()
+        if self._native is None or simulator.runtime.task is not self._native:
+            self.bind(simulator.load(self.native_class(), ObservationConfig()).task)
+        return self.get_base()
+
+    # To register; each call replaces what was registered before -------------------------------------------------------
+
+    def register_success_conditions(self, condition: Sequence[Condition]) -> None:
+        """Success is all of these at the same instant."""
+        self.native.register_success_conditions([NativeCondition(c) for c in condition])
+
+    def register_fail_conditions(self, condition: Sequence[Condition]) -> None:
+        """All of these at the same instant end the episode without success."""
+        self.native.register_fail_conditions([NativeCondition(c) for c in condition])
+
+    def register_graspable_objects(self, objects: Iterable[Object]) -> None:
+        """Allow the hand to hold these objects."""
+        self.native.register_graspable_objects([thing_name(thing) for thing in objects])
+
+    def register_waypoint_ability_start(self, waypoint_index: int, func: Callable[[Waypoint], Any]) -> None:
+        """Call `func(waypoint)` before the path to a waypoint is planned."""
+        self.native.register_waypoint_ability_start(waypoint_index, lambda w: func(waypoint_of(w, self.robot)))
+
+    def register_waypoint_ability_end(self, waypoint_index: int, func: Callable[[Waypoint], Any]) -> None:
+        """Call `func(waypoint)` when a waypoint was reached."""
+        self.native.register_waypoint_ability_end(waypoint_index, lambda w: func(waypoint_of(w, self.robot)))
+
+    def register_waypoints_should_repeat(self, func: Callable[[], bool]) -> None:
+        """Ask `func` after the last waypoint whether to play the list again."""
+        self.native.register_waypoints_should_repeat(func)
+
+    def register_stop_at_waypoint(self, waypoint_index: int) -> None:
+        """Leave out this waypoint and all later ones."""
+        self.native.register_stop_at_waypoint(waypoint_index)
+
+    # To call ----------------------------------------------------------------------------------------------------------
+
+    def get_name(self) -> str:
+        """Return the name of the task in snake case."""
+        return self.name
+
+    def get_base(self) -> Dummy:
+        """Return the root of the task, which carries all its objects."""
+        return Dummy(self.native.world.root.name)
+
+    def get_waypoints(self) -> list[Waypoint]:
+        """Return the waypoints in order, up to the stop index."""
+        return [waypoint_of(waypoint, self.robot) for waypoint in self.native.get_waypoints()]
+
+    def should_repeat_waypoints(self) -> bool:
+        """Return whether the waypoint list is to be played again; asked once after the last waypoint."""
+        return self.native.should_repeat_waypoints()
+
+    def get_graspable_objects(self) -> list[Object]:
+        """Return the objects that the hand may hold."""
+        return [Shape(name) for name in self.native.get_graspable_objects()]
+
+    def success(self) -> tuple[bool, bool]:
+        """Return whether the goal is reached, and whether the episode is over."""
+        return self.origin().success(self.native)
+
+    def validate(self) -> None:
+        """Raise WaypointError unless every waypoint can be reached in sequence, collisions ignored."""
+        runtime = Simulator.current().runtime
+        runtime.refresh_planner()
+        home = np.array(runtime.description.home)
+        check_feasible(runtime.planner, self.native.get_waypoints(), home, np.random.default_rng(0))
+
+    def get_state(self) -> TreeState:
+        """Return where the objects of the task are."""
+        return save_tree(self.native.world)
+
+    def restore_state(self, state: TreeState) -> None:
+        """Put the objects of the task back.
+
+        Raises:
+            RuntimeError: The task has other objects than it had.
+        """
+        restore_tree(self.native.world, state)
+
+    def cleanup_(self) -> None:
+        """Clean up after an episode, if one was begun."""
+        self.native.end_episode()
+
+    def clear_registerings(self) -> None:
+        """Forget everything that was registered."""
+        if isinstance(self.native, PaperTask):
+            self.native.forget_registrations()
+
+    def unload(self) -> None:
+        """Take the task out of the simulator, its registrations with it."""
+        native, self._native = self._native, None
+        simulator = Simulator.running
+        if native is not None and simulator is not None and simulator.runtime.task is native:
+            simulator.unload()

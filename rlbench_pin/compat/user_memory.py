@@ -1,0 +1,179 @@
+"""What the objects of a user's task file remember, taken and given back with the episode.
+
+Such a task keeps whatever its author liked: views, lists, records, conditions. Views hold no state of their own, since the
+world has it; everything else is remembered with its contents.
+"""
+
+from __future__ import annotations
+
+import random
+import sys
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from rlbench_pin.tasks.state import FUNCTIONS, PLAIN
+
+Recall = Callable[[], Any]
+"""Gives a value the contents that it had back, and returns it."""
+AS_THEY_ARE = ("pyrep.", "rlbench_pin.", "rlbench.backend.robot", "rlbench.backend.scene", "rlbench.backend.task")
+"""Modules of classes that keep no state of an episode, or whose state the world and the native task save."""
+
+
+def keep(value: Any, seen: dict[int, Any] | None = None) -> Recall:
+    """Remember a value with its contents.
+
+    Args:
+        value: Anything.
+        seen: Objects that are being remembered already, by id, so that circles end.
+
+    Returns:
+        What gives the contents back; the value itself stays the same object.
+    """
+    seen = {} if seen is None else seen
+    if isinstance(value, (*PLAIN, *FUNCTIONS)) or _stays(value) or id(value) in seen:
+        return lambda: value
+    seen[id(value)] = value
+    if isinstance(value, np.ndarray):
+        return _keep_array(value)
+    if isinstance(value, np.random.Generator):
+        return _keep_by(value, value.bit_generator.state, lambda state: _set_bits(value, state))
+    if isinstance(value, np.random.RandomState):
+        return _keep_by(value, value.get_state(), value.set_state)
+    if isinstance(value, random.Random):
+        return _keep_by(value, value.getstate(), value.setstate)
+    if isinstance(value, list | tuple | set | frozenset | deque | dict):
+        return _keep_container(value, seen)
+    if hasattr(value, "__dict__") and not _is_foreign(value):
+        contents = _keep_container(vars(value), seen)
+        return _keep_by(value, None, lambda _: contents())
+    return lambda: value
+
+
+def _stays(value: Any) -> bool:
+    kinds = type(value).__mro__
+    return any(f"{kind.__module__}.".startswith(AS_THEY_ARE) for kind in kinds)
+
+
+def _is_foreign(value: Any) -> bool:
+    """Whether a value is of a class that the author of a task did not write: a module, a logger, a lock."""
+    package = type(value).__module__.partition(".")[0]
+    return (package in sys.stdlib_module_names or package == "numpy") and not isinstance(value, SimpleNamespace)
+
+
+def _set_bits(generator: np.random.Generator, state: Any) -> None:
+    generator.bit_generator.state = state
+
+
+def _keep_by(value: Any, state: Any, give_back: Callable[[Any], object]) -> Recall:
+    def recall() -> Any:
+        give_back(state)
+        return value
+
+    return recall
+
+
+def _keep_array(value: np.ndarray) -> Recall:
+    copy = value.copy()
+
+    def recall() -> Any:
+        if value.flags.writeable:
+            value[...] = copy
+        return value
+
+    return recall
+
+
+def _keep_container(value: Any, seen: dict[int, Any]) -> Recall:
+    if isinstance(value, dict):
+        pairs = [(key, keep(item, seen)) for key, item in value.items()]
+        return _keep_by(value, None, lambda _: _refill(value, value.update, [(key, item()) for key, item in pairs]))
+    items = [keep(item, seen) for item in value]
+    if isinstance(value, list | deque):
+        return _keep_by(value, None, lambda _: _refill(value, value.extend, [item() for item in items]))
+    if isinstance(value, set):
+        return _keep_by(value, None, lambda _: _refill(value, value.update, [item() for item in items]))
+    return _keep_by(value, None, lambda _: [item() for item in items])
+
+
+def _refill(container: Any, fill: Callable[[Iterable[Any]], object], items: list[Any]) -> None:
+    container.clear()
+    fill(items)
+
+
+class Remembered:
+    """The attributes of one object as something that native tasks save.
+
+    Args:
+        owner: The object.
+        without: Names of attributes that stay as they are.
+    """
+
+    def __init__(self, owner: object, without: Iterable[str] = ()) -> None:
+        self.owner, self._without = owner, frozenset(without)
+
+    def state(self) -> dict[str, Recall]:
+        """Return what the attributes hold now."""
+        seen: dict[int, Any] = {id(self.owner): self.owner}
+        return {name: keep(value, seen) for name, value in vars(self.owner).items() if name not in self._without}
+
+    def set_state(self, state: dict[str, Recall]) -> None:
+        """Give the attributes what `state()` returned before."""
+        attributes = vars(self.owner)
+        for name in [name for name in attributes if name not in self._without and name not in state]:
+            del attributes[name]
+        for name, recall in state.items():
+            attributes[name] = recall()
+
+
+class GlobalDraws:
+    """Lends a task the global generators of numpy and Python, in a state of the task's own.
+
+    Task files in the paper's style draw from `np.random`. What they draw repeats with the seed of the episode, and nobody
+    else's draws change.
+    """
+
+    def __init__(self) -> None:
+        self._lent = False
+        self.seed(0)
+
+    def seed(self, seed: int) -> None:
+        """Begin anew from a seed in 0..2**32 - 1."""
+        self._state = (np.random.RandomState(seed).get_state(), random.Random(seed).getstate())  # noqa: NPY002
+
+    @contextmanager
+    def lent(self) -> Iterator[None]:
+        """Let the global generators continue where the task left them, for the duration of a block."""
+        if self._lent:
+            yield
+            return
+        before = _global_state()
+        self._lent = True
+        _set_global_state(self._state)
+        try:
+            yield
+        finally:
+            self._state = _global_state()
+            self._lent = False
+            _set_global_state(before)
+
+    def state(self) -> object:
+        """Return where the task's draws are."""
+        return self._state
+
+    def set_state(self, state: Any) -> None:
+        """Continue the draws from what `state()` returned before."""
+        self._state = state
+
+
+def _global_state() -> tuple[Any, Any]:
+    return np.random.get_state(), random.getstate()  # noqa: NPY002
+
+
+def _set_global_state(state: tuple[Any, Any]) -> None:
+    np.random.set_state(state[0])  # noqa: NPY002
+    random.setstate(state[1])
