@@ -113,7 +113,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         self._variation = variation
         self._spec = self._task.action_mode.action_spec(self._task.runtime)
         self.action_space = action_space(self._spec)
-        self._dict_space = observation_space(self._task, seen, size)
+        self._dict_space = observation_space(self._task.runtime, seen, size)
         self.observation_space = self._dict_space  # type: ignore[assignment]
 
     @property

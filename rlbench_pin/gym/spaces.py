@@ -10,7 +10,7 @@ from gymnasium import spaces
 
 from rlbench_pin.environment.actions.specification import ActionSpec
 from rlbench_pin.environment.observations.config import LOW_DIM_FIELDS, Instant, ObservationConfig
-from rlbench_pin.environment.task_environment import TaskEnvironment
+from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import InvalidActionError, TaskError
 from rlbench_pin.observation import LOW_DIM, Observation
 from rlbench_pin.spatial import FloatArray
@@ -43,12 +43,11 @@ def observation_settings(cameras: Sequence[str], image_size: tuple[int, int]) ->
     return config
 
 
-def observation_space(task: TaskEnvironment, cameras: Sequence[str], image_size: tuple[int, int]) -> spaces.Dict:
-    """Return the space of a task's observations: float32 boxes, and a uint8 picture (h, w, 3) for each camera.
+def observation_space(runtime: Runtime, cameras: Sequence[str], image_size: tuple[int, int]) -> spaces.Dict:
+    """Return the space of the observations of a running task: float32 boxes, and a uint8 picture (h, w, 3) for each camera.
 
     The bounds are those of the simulation: joint torques are capped at the effort limits, joint speeds by the simulator.
     """
-    runtime = task.runtime
     instant = Instant(runtime.world, runtime.model, runtime.task)
     boxes: dict[str, spaces.Space[Any]] = {
         name: spaces.Box(*_float32(*part.bounds(instant))) for name, part in LOW_DIM_FIELDS.items() if name in LOW_DIM

@@ -1,0 +1,272 @@
+"""The scene: world, task and robot together, under the names that programs know."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from pyrep.pyrep import PyRep
+
+from rlbench.backend.exceptions import BoundaryError, DemoError, NoWaypointsError, WaypointError
+from rlbench.backend.observation import Observation
+from rlbench.backend.robot import Robot
+from rlbench.backend.task import Task
+from rlbench.demo import Demo
+from rlbench.observation_config import ObservationConfig
+from rlbench_pin.compat.scene_parts import SceneParts
+from rlbench_pin.compat.scene_runtime import SceneRuntime
+from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.environment import demos
+from rlbench_pin.environment.episode import EpisodeOrigin, EpisodeRandom
+from rlbench_pin.environment.reset import SETTLE_TICKS, start_episode
+from rlbench_pin.environment.runtime import EmptyTable
+from rlbench_pin.errors import NotReset, ResetError, TaskEnvironmentError
+from rlbench_pin.tasks import Task as NativeTask
+
+STEPS_BEFORE_EPISODE_START = SETTLE_TICKS
+"""Control ticks that a placed task comes to rest in."""
+
+
+class Scene(SceneParts):
+    """World, task and robot together.
+
+    What the package itself steps and observes goes through `step`, `get_observation` and `check_target_in_workspace` of this
+    object, so a subclass that overrides them is asked every time.
+
+    Args:
+        pyrep: The simulator.
+        robot: Arm and gripper.
+        obs_config: What observations contain; a fresh default when None.
+        robot_setup: Name of the arm.
+
+    Attributes:
+        pyrep: The simulator.
+        robot: Arm and gripper.
+        robot_setup: Name of the arm.
+        task: The task that is loaded, or None.
+    """
+
+    def __init__(
+        self, pyrep: PyRep, robot: Robot, obs_config: ObservationConfig | None = None, robot_setup: str = "panda"
+    ) -> None:
+        super().__init__()
+        self.pyrep, self.robot, self.robot_setup = pyrep, robot, robot_setup
+        self.task: Any = None
+        self._obs_config = ObservationConfig() if obs_config is None else obs_config
+        self._step_callback: Callable[[], None] | None = None
+        self._observed: dict[str, Any] | None = None
+        self._next_demo: Demo | None = None
+        self._forget_task()
+        self._runtime = self._build(EmptyTable)
+        self._start_arm_joint_pos = self._runtime.robot.joint_positions.tolist()
+        self._starting_gripper_joint_pos = self._runtime.robot.fingers.tolist()
+        self._initial_robot_state = (robot.arm.get_configuration_tree(), robot.gripper.get_configuration_tree())
+        self._set_camera_properties()
+
+    def _forget_task(self) -> None:
+        self._has_init_task = self._has_init_episode = False
+        self._variation_index = self._attempts = 0
+        self._initial_task_state: Any = None
+        self._initial_task_pose: Any = None
+        self._joint_position_action: np.ndarray | None = None
+        self._origin: EpisodeOrigin | None = None
+
+    def _build(self, native: type[NativeTask]) -> SceneRuntime:
+        runtime = Simulator.current().load(native, self._obs_config, kind=SceneRuntime)
+        runtime.serve(self)
+        runtime.register_step_callback(self._after_step)
+        return runtime
+
+    def _set_camera_properties(self) -> None:
+        """Check that the cameras can be served; pictures follow the settings at every observation."""
+        self._obs_config.check()
+
+    @property
+    def runtime(self) -> SceneRuntime:
+        """World, task and planner together, as the package itself uses them."""
+        return self._runtime
+
+    # Tasks ----------------------------------------------------------------------------------------------------------
+
+    def load(self, task: Task) -> None:
+        """Build the world of a task in place of the present one, and tie the task to it."""
+        self._forget_task()
+        self._runtime = self._build(type(task).native_class())
+        self.task = task
+        task.bind(self._runtime.task)
+        self._runtime.world.end_building()
+        self._initial_task_pose = self._runtime.world.root.pose
+
+    def unload(self) -> None:
+        """Go back to the empty table; without a task nothing happens."""
+        if self.task is None:
+            return
+        self._runtime.task.end_episode()
+        self._forget_task()
+        self.task = None
+        self._runtime = self._build(EmptyTable)
+
+    def init_task(self) -> None:
+        """Remember how the task begins; its own `init_task` was called when it was loaded."""
+        self._initial_task_state = self._loaded("init_task").get_state()
+        self._has_init_task = True
+
+    def init_episode(
+        self, index: int, randomly_place: bool = True, max_attempts: int = 5, place_demo: bool = False
+    ) -> list[str]:
+        """Lay out one episode; what is drawn comes from numpy's global generator.
+
+        Args:
+            index: Variation of the task.
+            randomly_place: Put the task at a random place.
+            max_attempts: Placements to try.
+            place_demo: Start as the demonstration that `start_next_as` was given.
+
+        Returns:
+            Sentences that say what to do.
+
+        Raises:
+            BoundaryError: Something found no place.
+            WaypointError: The last placement had waypoints out of reach.
+        """
+        self._loaded("init_episode")
+        if not self._has_init_task:
+            self.init_task()
+        demo, self._next_demo = (self._next_demo if place_demo else None), None
+        seed = int(np.random.randint(2**31)) if demo is None else demos.check_start(demo, self.task.get_name())
+        attempt = 0 if demo is None else demo.attempt
+        random = EpisodeRandom.from_seed(seed, attempt)
+        self._variation_index = index
+        self._before_episode()
+        try:
+            start = start_episode(self._runtime, index, random, static=not randomly_place, max_attempts=max_attempts)
+        except ResetError as error:
+            kind = WaypointError if error.causes[-1:] and not error.causes[-1].startswith("BoundaryError") else BoundaryError
+            raise kind(str(error)) from error
+        if demo is not None:
+            demos.restore_start(self._runtime, demo)
+        self._attempts = start.attempts
+        self._origin = EpisodeOrigin(seed, attempt, start.attempts, start.instructions)
+        self._has_init_episode = True
+        self._after_episode_start(index, random.randomization)
+        return list(start.instructions)
+
+    def start_next_as(self, demo: Demo) -> None:
+        """Let the next `init_episode(..., place_demo=True)` start as a demonstration did."""
+        demos.check_start(demo, self._loaded("start_next_as").get_name())
+        self._next_demo = demo
+
+    def _before_episode(self) -> None:
+        """Called before an episode is laid out."""
+
+    def _after_episode_start(self, variation: int, rng: np.random.Generator) -> None:
+        """Called when an episode is laid out and settled."""
+
+    def reset(self) -> None:
+        """End the episode and put the world back as it was built."""
+        self._runtime.task.end_episode()
+        world = self._runtime.world
+        world.restore(world.origin)
+        self._has_init_episode = False
+
+    def _place_task(self) -> None:
+        """Put the task at a random place on the table, drawn from numpy's global generator."""
+        rng = np.random.default_rng(int(np.random.randint(2**31)))
+        self._runtime.task.place(rng)
+
+    def _loaded(self, call: str) -> Any:
+        if self.task is None:
+            raise TaskEnvironmentError(f"`Scene.{call}` needs a task. Call `load(task)` first, or `Environment.get_task(...)`.")
+        return self.task
+
+    # The loop -------------------------------------------------------------------------------------------------------
+
+    def step(self) -> None:
+        """Advance one control tick: physics, the task's own step, then the registered callback."""
+        self._runtime.advance()
+
+    def register_step_callback(self, func: Callable[[], None] | None) -> None:
+        """Call `func` after every control tick, in place of what was registered before; None calls nothing."""
+        self._step_callback = func
+
+    def _after_step(self) -> None:
+        if self._step_callback is not None:
+            self._step_callback()
+
+    def get_observation(self) -> Observation:
+        """Observe without stepping."""
+        observation = self._runtime.observe()
+        self._observed = observation.misc
+        try:
+            observation.misc = self._get_misc()
+        finally:
+            self._observed = None
+        return observation
+
+    def _get_misc(self) -> dict[str, Any]:
+        """Return the `misc` entries of the observation that is being made, or of the present instant."""
+        return dict(self._runtime.observe().misc if self._observed is None else self._observed)
+
+    def get_observation_config(self) -> ObservationConfig:
+        """Return what observations contain."""
+        return self._obs_config
+
+    def check_target_in_workspace(self, pos: Sequence[float] | np.ndarray) -> bool:
+        """Whether a target (3,) [m] is strictly inside the workspace."""
+        x, y, z = (float(value) for value in pos)
+        return bool(
+            self._workspace_minx < x < self._workspace_maxx
+            and self._workspace_miny < y < self._workspace_maxy
+            and self._workspace_minz < z < self._workspace_maxz
+        )
+
+    # Demonstrations -------------------------------------------------------------------------------------------------
+
+    def get_demo(
+        self,
+        record: bool = True,
+        callable_each_step: Callable[[Observation], None] | None = None,
+        randomly_place: bool = True,
+    ) -> Demo:
+        """Play the demonstration of the present episode; without one, an episode is started first.
+
+        Args:
+            record: Keep observations; otherwise the demonstration is empty.
+            callable_each_step: Called with every recorded observation.
+            randomly_place: Put the task at a random place, when an episode is started.
+
+        Raises:
+            NoWaypointsError: The task has none.
+            DemoError: The goal was not reached, or a motion could not be planned.
+        """
+        task = self._loaded("get_demo")
+        if not self._has_init_episode:
+            self.init_episode(self._variation_index, randomly_place=randomly_place)
+        if self._origin is None:
+            raise NotReset("get_demo")
+        if not self._runtime.task.get_waypoints():
+            raise NoWaypointsError(f"Task '{task.get_name()}' has no waypoints, so it cannot be demonstrated.", task)
+        outcome = demos.play_demo(
+            self._runtime,
+            self._origin,
+            record=record,
+            record_gripper=self._obs_config.record_gripper_closing,
+            on_frame=callable_each_step,
+        )
+        if outcome.demo is None:
+            raise DemoError(f"Task '{task.get_name()}' was not demonstrated: {outcome.cause}", task)
+        self._joint_position_action = outcome.demo[-1].misc.get("joint_position_action") if len(outcome.demo) else None
+        return outcome.demo
+
+    def _demo_record_step(
+        self, demo_list: list[Observation], record: bool, func: Callable[[Observation], None] | None
+    ) -> None:
+        """Observe once: keep the observation with `record`, and call `func` with it."""
+        if not record and func is None:
+            return
+        observation = self.get_observation()
+        if record:
+            demo_list.append(observation)
+        if func is not None:
+            func(observation)

@@ -1,0 +1,174 @@
+"""A task as a gymnasium environment: `gymnasium.make("rlbench/reach_target-state-v0")`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+
+from rlbench.action_modes.action_mode import ActionMode, JointPositionActionMode
+from rlbench.backend.task import Task
+from rlbench.environment import Environment
+from rlbench.observation_config import ObservationConfig
+from rlbench.utils import name_to_task_class
+from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.errors import UnknownName
+from rlbench_pin.gym.environment import CINEMATIC, OBSERVATION_MODES, RENDER_MODES
+from rlbench_pin.gym.spaces import VISION_CAMERAS, GymObservation, as_gym_observation, observation_space
+from rlbench_pin.gym.window import Window
+from rlbench_pin.observation import LOW_DIM, Demo, Observation
+
+
+class UnknownMode(UnknownName, ValueError):
+    """An observation mode or a render mode that there is not."""
+
+
+def convert_dtype_to_float32_if_float(dtype: Any) -> Any:
+    """Return float32 for floating types of numbers, and other types as they are."""
+    return np.float32 if np.issubdtype(dtype, np.floating) else dtype
+
+
+class RLBenchEnv(gymnasium.Env[GymObservation, np.ndarray]):
+    """One task behind gymnasium's interface. Every instance has a simulator of its own, so several may live in one process.
+
+    Observations are a dict of float32 boxes, and of four pictures with `observation_mode="vision"`. `info` holds
+    `text_descriptions`, `success` and `variation`.
+
+    Args:
+        task_class: The task, by class or by name.
+        observation_mode: `state`, or `vision` for pictures as well.
+        render_mode: `rgb_array`, `human`, or None.
+        action_mode: What actions mean; None is joint differences and a finger position in one tick.
+
+    Attributes:
+        rlbench_env: The environment behind it.
+        rlbench_task_env: The task environment behind it.
+        obs_config: What observations contain.
+
+    Raises:
+        UnknownMode: No such observation mode or render mode (also a ValueError).
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["human", "rgb_array"], "render_fps": 4}  # type: ignore[misc]
+
+    def __init__(
+        self,
+        task_class: type[Task] | str,
+        observation_mode: str = "state",
+        render_mode: str | None = None,
+        action_mode: ActionMode | None = None,
+    ) -> None:
+        if observation_mode not in OBSERVATION_MODES:
+            raise UnknownMode("observation mode", str(observation_mode), OBSERVATION_MODES)
+        if render_mode is not None and render_mode not in RENDER_MODES:
+            raise UnknownMode("render mode", str(render_mode), RENDER_MODES)
+        self.task_class = name_to_task_class(task_class) if isinstance(task_class, str) else task_class
+        self.observation_mode, self.render_mode = observation_mode, render_mode
+        self.action_mode = JointPositionActionMode() if action_mode is None else action_mode
+        self._cameras = VISION_CAMERAS if observation_mode == "vision" else ()
+        self.obs_config = _settings(self._cameras)
+        self._window = Window(f"rlbench: {self.task_class.__name__}") if render_mode == "human" else None
+        self._simulator: Simulator | None = None
+        Simulator.make_current(None)
+        self.rlbench_env = Environment(self.action_mode, obs_config=self.obs_config, headless=True)
+        self.rlbench_env.launch()
+        self._simulator = Simulator.current()
+        try:
+            self._load()
+        except BaseException:
+            self.close()
+            raise
+
+    def _load(self) -> None:
+        """Load the task and span the spaces."""
+        self.rlbench_task_env = self.rlbench_env.get_task(self.task_class)
+        self.rlbench_task_env.reset()
+        runtime = self.rlbench_task_env.runtime
+        self._dict_space = observation_space(runtime, self._cameras, self.obs_config.front_camera.image_size)
+        self.observation_space = self._dict_space  # type: ignore[assignment]
+        low, high = self.action_mode.action_bounds()
+        self.action_space = gymnasium.spaces.Box(
+            np.asarray(low, dtype=np.float32), np.asarray(high, dtype=np.float32), dtype=np.float32
+        )
+
+    def reset(
+        self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
+    ) -> tuple[GymObservation, dict[str, Any]]:
+        """Start an episode.
+
+        Args:
+            seed: Seeds numpy's global generator, which the episode is drawn from.
+            options: `reset_to_demo`: the demonstration to start as.
+        """
+        super().reset(seed=seed)
+        Simulator.make_current(self._simulator)
+        if seed is not None:
+            np.random.seed(seed)
+        demo: Demo | None = (options or {}).get("reset_to_demo")
+        task = self.rlbench_task_env
+        descriptions, observation = task.reset() if demo is None else task.reset_to_demo(demo)
+        self._show()
+        return self._observed(observation), self._info(descriptions, success=False)
+
+    def step(self, action: np.ndarray) -> tuple[GymObservation, float, bool, bool, dict[str, Any]]:
+        """Run one action to its end.
+
+        Returns:
+            Observation, reward, whether the episode has ended by success or failure, False, and `info`.
+
+        Raises:
+            InvalidActionError: The action was refused; the world is as it was.
+        """
+        Simulator.make_current(self._simulator)
+        observation, reward, terminated = self.rlbench_task_env.step(np.asarray(action, dtype=np.float64))
+        self._show()
+        success = self.rlbench_task_env.succeeded
+        info = self._info(self.rlbench_task_env.get_task_descriptions(), success=success)
+        return self._observed(observation), reward, terminated, False, info
+
+    def _observed(self, observation: Observation) -> GymObservation:
+        return as_gym_observation(observation, self._dict_space)
+
+    def _info(self, descriptions: list[str], success: bool) -> dict[str, Any]:
+        variation = self.rlbench_task_env.runtime.variation
+        return {"text_descriptions": descriptions, "success": success, "is_success": success, "variation": variation}
+
+    def render(self) -> np.ndarray | None:  # type: ignore[override]
+        """Return a picture from the side, uint8 (360, 640, 3), or show it with `render_mode="human"`."""
+        if self.render_mode is None:
+            gymnasium.logger.warn("render() without a render_mode shows nothing. Pass render_mode='rgb_array' to make().")
+            return None
+        Simulator.make_current(self._simulator)
+        world = self.rlbench_task_env.runtime.world
+        picture = world.render(CINEMATIC, rgb=True, depth=False, mask=False, shadows=True).rgb
+        if self._window is None:
+            return picture
+        assert picture is not None
+        self._window.show(picture)
+        return None
+
+    def _show(self) -> None:
+        if self._window is not None:
+            self.render()
+
+    def close(self) -> None:
+        """Free the simulator and the window; may be called again."""
+        if self._simulator is not None:
+            Simulator.make_current(self._simulator)
+            self.rlbench_env.shutdown()
+            self._simulator = None
+        if self._window is not None:
+            self._window.close()
+
+
+def _settings(cameras: tuple[str, ...]) -> ObservationConfig:
+    """Return settings that deliver what the spaces hold and no more."""
+    config = ObservationConfig()
+    config.set_all(False)
+    for name in LOW_DIM:
+        setattr(config, name, True)
+    for name in cameras:
+        config.camera(name).rgb = True
+    return config

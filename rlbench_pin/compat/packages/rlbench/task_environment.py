@@ -1,0 +1,247 @@
+"""One task, ready to be reset, stepped and demonstrated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from pyrep.const import ObjectType
+from pyrep.pyrep import PyRep
+
+from rlbench.action_modes.action_mode import ActionMode
+from rlbench.backend.exceptions import BoundaryError, TaskEnvironmentError, WaypointError
+from rlbench.backend.observation import Observation
+from rlbench.backend.robot import Robot
+from rlbench.backend.scene import Scene
+from rlbench.backend.task import Task
+from rlbench.demo import Demo
+from rlbench.observation_config import ObservationConfig
+from rlbench.utils import get_stored_demos
+from rlbench_pin.compat.errors import DemosFailed, NotPlaced
+from rlbench_pin.compat.scene_runtime import SceneRuntime
+from rlbench_pin.environment.reset import MAX_RESET_ATTEMPTS
+from rlbench_pin.environment.task_environment import MAX_DEMO_ATTEMPTS
+from rlbench_pin.errors import DatasetError, NoShapedReward, NotReset, RlbenchPinError
+
+_DT = 0.05
+_MAX_RESET_ATTEMPTS = MAX_RESET_ATTEMPTS
+_MAX_DEMO_ATTEMPTS = MAX_DEMO_ATTEMPTS
+
+
+class TaskEnvironment:
+    """The environment of one task: `reset`, `step`, `get_demos`. `Environment.get_task` makes one.
+
+    Args:
+        pyrep: The simulator.
+        robot: Arm and gripper.
+        scene: World, task and robot together; the task is loaded into it.
+        task: The task.
+        action_mode: What actions mean.
+        dataset_root: Folder of stored demonstrations.
+        obs_config: What observations contain.
+        static_positions: Leave the task where its scene file puts it.
+        attach_grasped_objects: Fix grasped bodies to the hand, unless the gripper mode says otherwise.
+        shaped_rewards: Return the task's own reward.
+    """
+
+    def __init__(
+        self,
+        pyrep: PyRep,
+        robot: Robot,
+        scene: Scene,
+        task: Task,
+        action_mode: ActionMode,
+        dataset_root: str,
+        obs_config: ObservationConfig,
+        static_positions: bool = False,
+        attach_grasped_objects: bool = True,
+        shaped_rewards: bool = False,
+    ) -> None:
+        self._pyrep, self._robot, self._scene, self._task = pyrep, robot, scene, task
+        self._action_mode, self._dataset_root, self._obs_config = action_mode, dataset_root, obs_config
+        self._static_positions, self._attach_grasped_objects = static_positions, attach_grasped_objects
+        self._shaped_rewards = shaped_rewards
+        self._variation_number, self._reset_called, self._succeeded = 0, False, False
+        self._prev_ee_velocity: Any = None
+        self._enable_path_observations = False
+        self._descriptions: list[str] = []
+        scene.load(task)
+        scene.runtime.attach_grasped_objects = attach_grasped_objects
+
+    @cached_property
+    def _robot_shapes(self) -> list[Any]:
+        return list(self._robot.arm.get_objects_in_tree(object_type=ObjectType.SHAPE))
+
+    @property
+    def runtime(self) -> SceneRuntime:
+        """World, task and planner together, as the package itself uses them."""
+        return self._scene.runtime
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether the goal was reached by the last step; False after a reset."""
+        return self._succeeded
+
+    # What it is -----------------------------------------------------------------------------------------------------
+
+    def get_name(self) -> str:
+        """Return the snake-case task name."""
+        return str(self._task.get_name())
+
+    def variation_count(self) -> int:
+        """Return how many variations the task has."""
+        return int(self._task.variation_count())
+
+    def sample_variation(self) -> int:
+        """Draw a variation from numpy's global generator, set and return it."""
+        self._variation_number = int(np.random.randint(0, self.variation_count()))
+        return self._variation_number
+
+    def set_variation(self, v: int) -> None:
+        """Choose the variation of the next episodes; -1 stands for all of them: any stored one, a drawn one at each reset.
+
+        Raises:
+            TaskEnvironmentError: The task has no such variation.
+        """
+        count = self.variation_count()
+        if not -1 <= v < count:
+            raise TaskEnvironmentError(
+                f"Task '{self.get_name()}' has no variation {v}: choose 0 to {count - 1}, or -1 for all of them."
+            )
+        self._variation_number = int(v)
+
+    def get_task_descriptions(self) -> list[str]:
+        """Return the sentences of the present episode.
+
+        Raises:
+            NotReset: Before the first reset (also a RuntimeError).
+        """
+        if not self._reset_called:
+            raise NotReset("get_task_descriptions")
+        return list(self._descriptions)
+
+    # The loop -------------------------------------------------------------------------------------------------------
+
+    def reset(self, demo: Demo | None = None) -> tuple[list[str], Observation]:
+        """Start an episode; what is drawn comes from numpy's global generator.
+
+        Args:
+            demo: Start as this demonstration did.
+
+        Returns:
+            Sentences that say what to do, and the first observation.
+
+        Raises:
+            TaskEnvironmentError: The task could not be placed.
+        """
+        self._scene.reset()
+        if demo is not None:
+            self._scene.start_next_as(demo)
+        variation = self._variation_number
+        if variation < 0:
+            variation = int(np.random.randint(0, self.variation_count())) if demo is None else demo.variation_number
+        try:
+            self._descriptions = self._scene.init_episode(
+                variation,
+                randomly_place=not self._static_positions,
+                max_attempts=_MAX_RESET_ATTEMPTS,
+                place_demo=demo is not None,
+            )
+        except (BoundaryError, WaypointError) as error:
+            raise NotPlaced(self.get_name(), variation, error) from error
+        self._reset_called, self._succeeded = True, False
+        return list(self._descriptions), self._scene.get_observation()
+
+    def get_observation(self) -> Observation:
+        """Observe without stepping."""
+        return self._scene.get_observation()
+
+    def step(self, action: Any) -> tuple[Observation, float, bool]:
+        """Run one action.
+
+        Returns:
+            Observation, reward, and whether the episode has ended. Nothing resets by itself.
+
+        Raises:
+            NotReset: Before the first reset (also a RuntimeError).
+            InvalidActionError: The action was refused; the world is as it was.
+            NoShapedReward: Shaped rewards are on and the task gives none (also a RuntimeError).
+        """
+        if not self._reset_called:
+            raise NotReset("step")
+        self._action_mode.action(self._scene, action)
+        success, terminate = self._task.success()
+        self._succeeded = bool(success)
+        reward: float | None = float(success)
+        if self._shaped_rewards:
+            reward = self._task.reward()
+            if reward is None:
+                raise NoShapedReward(self.get_name())
+        return self._scene.get_observation(), float(reward or 0.0), bool(terminate)
+
+    # Demonstrations -------------------------------------------------------------------------------------------------
+
+    def get_demos(
+        self,
+        amount: int,
+        live_demos: bool = False,
+        image_paths: bool = False,
+        callable_each_step: Callable[[Observation], None] | None = None,
+        max_attempts: int = _MAX_DEMO_ATTEMPTS,
+        random_selection: bool = True,
+        from_episode_number: int = 0,
+    ) -> list[Demo]:
+        """Return demonstrations of the present variation, stored or made now.
+
+        Args:
+            amount: How many; -1 is all stored ones.
+            live_demos: Plan them now; otherwise read them from the dataset root.
+            image_paths: Leave pictures unread (stored demonstrations).
+            callable_each_step: Called with every recorded observation.
+            max_attempts: Tries per live demonstration.
+            random_selection: Pick stored demonstrations at random.
+            from_episode_number: First stored episode when not picked at random.
+
+        Raises:
+            RuntimeError: There is no dataset root, stored demonstrations are missing or broken, or a live one failed at every try.
+        """
+        if live_demos:
+            return self._get_live_demos(amount, callable_each_step, max_attempts)
+        if not self._dataset_root:
+            raise DatasetError("No dataset root was given. Pass `Environment(dataset_root=...)`, or ask for `live_demos=True`.")
+        return get_stored_demos(
+            amount,
+            image_paths,
+            self._dataset_root,
+            self._variation_number,
+            self.get_name(),
+            self._obs_config,
+            random_selection,
+            from_episode_number,
+        )
+
+    def _get_live_demos(
+        self, amount: int, callable_each_step: Callable[[Observation], None] | None = None, max_attempts: int = _MAX_DEMO_ATTEMPTS
+    ) -> list[Demo]:
+        return [self._live_demo(callable_each_step, max_attempts) for _ in range(amount)]
+
+    def _live_demo(self, callable_each_step: Callable[[Observation], None] | None, max_attempts: int) -> Demo:
+        causes = []
+        for _ in range(max_attempts):
+            try:
+                self.reset()
+                return self._scene.get_demo(callable_each_step=callable_each_step)
+            except RlbenchPinError as error:
+                causes.append(str(error))
+        raise DemosFailed(self.get_name(), self._variation_number, causes)
+
+    def reset_to_demo(self, demo: Demo) -> tuple[list[str], Observation]:
+        """Start as a demonstration did: its seed sets up the task, its snapshot the very state.
+
+        Raises:
+            TaskEnvironmentError: The demonstration is of another task, or carries no seed that can be used.
+        """
+        self.set_variation(demo.variation_number)
+        return self.reset(demo)

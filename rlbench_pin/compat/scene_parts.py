@@ -1,0 +1,85 @@
+"""What a scene holds by names that programs know: its cameras, its workspace, its robot as it began."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+from pyrep.const import ObjectType
+from pyrep.objects.dummy import Dummy
+from pyrep.objects.shape import Shape
+from pyrep.objects.vision_sensor import VisionSensor
+
+from rlbench.backend.spawn_boundary import SpawnBoundary
+from rlbench_pin.environment.runtime import TIP_WORKSPACE
+
+
+class SceneParts:
+    """Views on things of the scene, made when they are first asked for; they hold no copy of state.
+
+    The underscored names are those that programs written for RLBench read.
+    """
+
+    robot: Any
+
+    def __init__(self) -> None:
+        low, high = TIP_WORKSPACE.tolist()
+        self._workspace_minx, self._workspace_miny, self._workspace_minz = low
+        self._workspace_maxx, self._workspace_maxy, self._workspace_maxz = high
+
+    @cached_property
+    def _workspace(self) -> Shape:
+        return Shape("workspace")
+
+    @cached_property
+    def _workspace_boundary(self) -> SpawnBoundary:
+        return SpawnBoundary([self._workspace])
+
+    @cached_property
+    def target_workspace_check(self) -> Dummy:
+        """A dummy that programs move to targets."""
+        return Dummy.create()
+
+    @cached_property
+    def _cam_over_shoulder_left(self) -> VisionSensor:
+        return VisionSensor("cam_over_shoulder_left")
+
+    @cached_property
+    def _cam_over_shoulder_right(self) -> VisionSensor:
+        return VisionSensor("cam_over_shoulder_right")
+
+    @cached_property
+    def _cam_overhead(self) -> VisionSensor:
+        return VisionSensor("cam_overhead")
+
+    @cached_property
+    def _cam_wrist(self) -> VisionSensor:
+        return VisionSensor("cam_wrist")
+
+    @cached_property
+    def _cam_front(self) -> VisionSensor:
+        return VisionSensor("cam_front")
+
+    @cached_property
+    def _cam_over_shoulder_left_mask(self) -> VisionSensor:
+        return VisionSensor("cam_over_shoulder_left_mask")
+
+    @cached_property
+    def _cam_over_shoulder_right_mask(self) -> VisionSensor:
+        return VisionSensor("cam_over_shoulder_right_mask")
+
+    @cached_property
+    def _cam_overhead_mask(self) -> VisionSensor:
+        return VisionSensor("cam_overhead_mask")
+
+    @cached_property
+    def _cam_wrist_mask(self) -> VisionSensor:
+        return VisionSensor("cam_wrist_mask")
+
+    @cached_property
+    def _cam_front_mask(self) -> VisionSensor:
+        return VisionSensor("cam_front_mask")
+
+    @cached_property
+    def _robot_shapes(self) -> list[Any]:
+        return list(self.robot.arm.get_objects_in_tree(object_type=ObjectType.SHAPE))
