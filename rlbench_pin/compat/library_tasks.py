@@ -62,3 +62,8 @@ def check_present(name: str) -> None:
     """Raise MissingTask unless the library has a task of that name."""
     if name not in task_names():
         raise MissingTask(name)
+
+
+def all_tasks() -> tuple[str, ...]:
+    """Return all names that programs may ask for: the public set, PerAct's, and what our library has besides."""
+    return tuple(sorted({*KNOWN_TASKS, *PERACT_TASKS, *task_names()}))

@@ -1,0 +1,214 @@
+"""Random places inside boundaries, under the known names. All draws come from numpy's global generator."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from pyrep.objects.object import Object
+from pyrep.objects.shape import Shape
+
+from rlbench_pin.errors import BoundaryError, TaskError
+from rlbench_pin.spatial import FloatArray, pose_at
+from rlbench_pin.tasks.boxes import OrientedBox, rotated
+
+MAX_SAMPLES = 100
+"""Places that are tried for one object."""
+ANY_YAW = ((0.0, 0.0, -3.14), (0.0, 0.0, 3.14))
+FLAT = 1e-4
+"""Height below which a boundary is a plane [m]."""
+PLACED, TOO_BIG, TOUCHES, TOO_NEAR = 1, -1, -2, -3
+"""Answers of `BoundaryObject.add`."""
+
+
+class BoundingBox:
+    """A box along some axes: lowest and highest x, y and z [m]."""
+
+    def __init__(self, min_x: float, max_x: float, min_y: float, max_y: float, min_z: float, max_z: float) -> None:
+        self.min_x, self.max_x, self.min_y, self.max_y, self.min_z, self.max_z = min_x, max_x, min_y, max_y, min_z, max_z
+
+    @property
+    def corners(self) -> FloatArray:
+        """Lowest and highest corner, shape (2, 3) [m]."""
+        return np.array([[self.min_x, self.min_y, self.min_z], [self.max_x, self.max_y, self.max_z]], dtype=float)
+
+    @classmethod
+    def of_corners(cls, corners: FloatArray) -> BoundingBox:
+        """Return the box around points (n, 3) [m]."""
+        low, high = np.min(corners, axis=0), np.max(corners, axis=0)
+        return cls(*(float(bound) for pair in zip(low, high) for bound in pair))
+
+    def within_boundary(self, boundary: BoundingBox, is_plane: bool) -> bool:
+        """Return whether this box lies inside another; on a plane the height does not count."""
+        axes = 2 if is_plane else 3
+        mine, other = self.corners[:, :axes], boundary.corners[:, :axes]
+        return bool(np.all(mine[0] >= other[0] - 1e-9) and np.all(mine[1] <= other[1] + 1e-9))
+
+    def rotate(self, rotation: Sequence[float] | FloatArray) -> BoundingBox:
+        """Return the box around this one when turned about its origin.
+
+        Args:
+            rotation: Roll, pitch, yaw (3,) [rad], or a quaternion (4,), x, y, z, w.
+        """
+        turn = np.asarray(rotation, dtype=float)
+        pose = pose_at((0.0, 0.0, 0.0), *turn) if len(turn) == 3 else np.concatenate([np.zeros(3), turn])
+        return BoundingBox.of_corners(OrientedBox.of(self.corners, pose).corners())
+
+    def moved(self, position: Sequence[float] | FloatArray) -> BoundingBox:
+        """Return the box moved by a vector (3,) [m]."""
+        return BoundingBox.of_corners(self.corners + np.asarray(position, dtype=float))
+
+
+class BoundaryObject:
+    """One boundary and what was placed in it.
+
+    Args:
+        boundary: A flat region, on which the height of objects stays as it is, or a box.
+    """
+
+    def __init__(self, boundary: Object) -> None:
+        self._boundary = boundary
+        self._boundary_bbox = bounding_box(boundary)
+        self._is_plane = self._boundary_bbox.max_z - self._boundary_bbox.min_z < FLAT
+        self._contained_objects: list[Object] = []
+
+    @property
+    def contained_objects(self) -> list[Object]:
+        """What was placed in the boundary since the last `clear`."""
+        return list(self._contained_objects)
+
+    def get_area(self) -> float:
+        """Return the area of a plane [m^2], or the volume of a box [m^3]."""
+        size = np.ptp(self._boundary_bbox.corners, axis=0)
+        return float(np.prod(size[:2] if self._is_plane else size))
+
+    def add(
+        self,
+        obj: Object,
+        ignore_collisions: bool = False,
+        min_rotation: Sequence[float] = ANY_YAW[0],
+        max_rotation: Sequence[float] = ANY_YAW[1],
+        min_distance: float = 0.01,
+        others: Sequence[Object] | None = None,
+    ) -> int:
+        """Try one random place for an object, and move it there when it is free.
+
+        Args:
+            obj: What to place.
+            ignore_collisions: Do not look at what was placed already.
+            min_rotation: Lowest roll, pitch, yaw in the axes of the boundary, on top of the present rotation [rad].
+            max_rotation: Highest roll, pitch, yaw [rad].
+            min_distance: Least distance between origins [m].
+            others: What was placed already; None is what this boundary holds.
+
+        Returns:
+            1 when placed, -1 when it did not fit, -2 when it would touch something, -3 when it would be too near to something.
+        """
+        start = np.asarray(obj.get_pose(relative_to=self._boundary), dtype=float)
+        quaternion = rotated(np.random.uniform(list(min_rotation), list(max_rotation)), start[3:])  # noqa: NPY002
+        own = bounding_box(obj)
+        box = own.rotate(quaternion)
+        position = np.asarray(self._get_position_within_boundary(obj, box), dtype=float)
+        if not box.moved(position).within_boundary(self._boundary_bbox, self._is_plane):
+            return TOO_BIG
+        local = np.concatenate([position, quaternion])
+        if not ignore_collisions:
+            present = self._contained_objects if others is None else others
+            refusal = self._refusal(OrientedBox.of(own.corners, local), position, present, min_distance)
+            if refusal is not None:
+                return refusal
+        obj.set_pose(local, relative_to=self._boundary)
+        self._contained_objects.append(obj)
+        return PLACED
+
+    def _refusal(self, box: OrientedBox, position: FloatArray, others: Sequence[Object], min_distance: float) -> int | None:
+        """Return why a place is not free, or None."""
+        for other in others:
+            pose = np.asarray(other.get_pose(relative_to=self._boundary), dtype=float)
+            if box.overlaps(OrientedBox.of(bounding_box(other).corners, pose)):
+                return TOUCHES
+            if np.linalg.norm(position - pose[:3]) < min_distance:
+                return TOO_NEAR
+        return None
+
+    def _get_position_within_boundary(self, obj: Object, obj_bbox: BoundingBox) -> list[float]:
+        """Draw a place for an object, [x, y, z] in the frame of the boundary [m].
+
+        Args:
+            obj: What is placed; on a plane it keeps its height.
+            obj_bbox: Box around it along the axes of the boundary, from its origin.
+        """
+        low = self._boundary_bbox.corners[0] - obj_bbox.corners[0]
+        high = self._boundary_bbox.corners[1] - obj_bbox.corners[1]
+        place = np.random.uniform(np.minimum(low, high), np.maximum(low, high))  # noqa: NPY002
+        if self._is_plane:
+            place[2] = obj.get_position(relative_to=self._boundary)[2]
+        return [float(x) for x in place]
+
+    def clear(self) -> None:
+        """Forget what was placed."""
+        self._contained_objects = []
+
+
+class SpawnBoundary:
+    """Places objects at random inside one or several boundaries without letting them touch.
+
+    Args:
+        boundaries: Regions of the scene, as `Shape('boundary')`.
+    """
+
+    MAX_SAMPLES = MAX_SAMPLES
+
+    def __init__(self, boundaries: Sequence[Object]) -> None:
+        self._boundaries = [BoundaryObject(boundary) for boundary in boundaries]
+        if not self._boundaries:
+            raise TaskError("SpawnBoundary needs at least one boundary, such as [Shape('boundary')].")
+        areas = np.array([boundary.get_area() for boundary in self._boundaries])
+        self._probabilities = areas / areas.sum() if areas.sum() > 0.0 else np.full(len(areas), 1.0 / len(areas))
+
+    def sample(
+        self,
+        obj: Object,
+        ignore_collisions: bool = False,
+        min_rotation: Sequence[float] = ANY_YAW[0],
+        max_rotation: Sequence[float] = ANY_YAW[1],
+        min_distance: float = 0.01,
+    ) -> None:
+        """Move an object to a random place.
+
+        Args:
+            obj: What to place.
+            ignore_collisions: Do not look at what was placed already.
+            min_rotation: Lowest roll, pitch, yaw, on top of the present rotation [rad].
+            max_rotation: Highest roll, pitch, yaw [rad].
+            min_distance: Least distance between origins of objects placed [m].
+
+        Raises:
+            BoundaryError: No place was found in `MAX_SAMPLES` tries.
+        """
+        others = [thing for boundary in self._boundaries for thing in boundary.contained_objects]
+        answers = []
+        for _ in range(self.MAX_SAMPLES):
+            index = int(np.random.choice(len(self._boundaries), p=self._probabilities))  # noqa: NPY002
+            boundary = self._boundaries[index]
+            answers.append(boundary.add(obj, ignore_collisions, min_rotation, max_rotation, min_distance, others))
+            if answers[-1] > 0:
+                return
+        raise BoundaryError(
+            f"'{obj.get_name()}' found no place in {len(answers)} tries: {answers.count(TOO_BIG)} times it did not fit, "
+            f"{answers.count(TOUCHES)} times it would touch what was placed before, {answers.count(TOO_NEAR)} times it was "
+            f"within {min_distance} m of it. Call clear() at the start of every episode, or enlarge the boundary."
+        )
+
+    def clear(self) -> None:
+        """Forget what was placed; call it at the start of every episode."""
+        for boundary in self._boundaries:
+            boundary.clear()
+
+
+def bounding_box(obj: Object) -> BoundingBox:
+    """Return the box around an object in its own axes; anything but a shape is a point."""
+    if not isinstance(obj, Shape):
+        return BoundingBox(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    bounds = obj.get_model_bounding_box() if obj.is_model() else obj.get_bounding_box()
+    return BoundingBox(*(float(bound) for bound in bounds))
