@@ -200,8 +200,8 @@ class SceneNotFound(TaskError, FileNotFoundError):
         model = wanted[-1].with_suffix(".ttm")
         ttm = f" The model file '{model.name}' cannot be read: it belongs to another simulator." if model.is_file() else ""
         super().__init__(
-            f"The task {task} has no scene file. Looked for {' and '.join(str(file) for file in wanted)}.{ttm} Write the scene as "
-            "TOML beside the task file; `rlbench-pin new` makes an example, CONTRIBUTING.md explains it."
+            f"The task {task} has no scene file. Looked for {' and '.join(str(file) for file in wanted)}.{ttm} Write the scene "
+            "as TOML beside the task file; `rlbench-pin new` makes an example, CONTRIBUTING.md explains it."
         )
 
 

@@ -63,8 +63,9 @@ def restore_tree(world: World, state: TreeState) -> None:
 
 
 def thing_name(thing: Any) -> str:
-    """Return the name of an object of the scene: of a view, or the name itself."""
-    return thing if isinstance(thing, str) else str(thing.get_name())
+    """Return what the world calls an object of the scene: a view, or the name itself; for a part the object that it is of."""
+    name = thing if isinstance(thing, str) else str(thing.element.name)
+    return name.partition("/")[0]
 
 
 def place_thing(world: World, name: str, rng: np.random.Generator, bounds: RotationBounds) -> None:

@@ -143,7 +143,7 @@ class GlobalDraws:
 
     def seed(self, seed: int) -> None:
         """Begin anew from a seed in 0..2**32 - 1."""
-        self._state = (np.random.RandomState(seed).get_state(), random.Random(seed).getstate())  # noqa: NPY002
+        self._state = (np.random.RandomState(seed).get_state(), random.Random(seed).getstate())
 
     @contextmanager
     def lent(self) -> Iterator[None]:

@@ -215,7 +215,8 @@ class OrConditions(Condition):
 
     def condition_met(self) -> Answer:
         """Return whether a condition is met now; every one is asked."""
-        met = any([bool(condition.condition_met()[0]) for condition in self.conditions])
+        answers = [condition.condition_met() for condition in self.conditions]
+        met = any(answer[0] for answer in answers)
         return met, met
 
     def reset(self) -> None:

@@ -105,7 +105,7 @@ class BoundaryObject:
             1 when placed, -1 when it did not fit, -2 when it would touch something, -3 when it would be too near to something.
         """
         start = np.asarray(obj.get_pose(relative_to=self._boundary), dtype=float)
-        quaternion = rotated(np.random.uniform(list(min_rotation), list(max_rotation)), start[3:])  # noqa: NPY002
+        quaternion = rotated(np.random.uniform(list(min_rotation), list(max_rotation)), start[3:])
         own = bounding_box(obj)
         box = own.rotate(quaternion)
         position = np.asarray(self._get_position_within_boundary(obj, box), dtype=float)
@@ -140,7 +140,7 @@ class BoundaryObject:
         """
         low = self._boundary_bbox.corners[0] - obj_bbox.corners[0]
         high = self._boundary_bbox.corners[1] - obj_bbox.corners[1]
-        place = np.random.uniform(np.minimum(low, high), np.maximum(low, high))  # noqa: NPY002
+        place = np.random.uniform(np.minimum(low, high), np.maximum(low, high))
         if self._is_plane:
             place[2] = obj.get_position(relative_to=self._boundary)[2]
         return [float(x) for x in place]
@@ -189,7 +189,7 @@ class SpawnBoundary:
         others = [thing for boundary in self._boundaries for thing in boundary.contained_objects]
         answers = []
         for _ in range(self.MAX_SAMPLES):
-            index = int(np.random.choice(len(self._boundaries), p=self._probabilities))  # noqa: NPY002
+            index = int(np.random.choice(len(self._boundaries), p=self._probabilities))
             boundary = self._boundaries[index]
             answers.append(boundary.add(obj, ignore_collisions, min_rotation, max_rotation, min_distance, others))
             if answers[-1] > 0:

@@ -98,7 +98,7 @@ class Task:
             raise NotImplementedError(f"Task '{self.name}' must define init_episode(self, index).")
         if isinstance(self.native, PaperTask):
             return self.native.origin_episode(index)
-        rng = np.random.default_rng(np.random.randint(2**31 - 1))  # noqa: NPY002
+        rng = np.random.default_rng(np.random.randint(2**31 - 1))
         return self.native.begin_episode(index, rng)
 
     def variation_count(self) -> int:
