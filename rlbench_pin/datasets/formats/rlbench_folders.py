@@ -14,7 +14,7 @@ import numpy as np
 
 from rlbench_pin.datasets.formats.common import OnEpisode, StoredEpisode, new_folder, stored_episodes
 from rlbench_pin.datasets.formats.rlbench_pickle import PickledDemo, PickledObservation, dump
-from rlbench_pin.datasets.formats.rlbench_pictures import encode_depth, encode_mask, write_png
+from rlbench_pin.datasets.formats.rlbench_pictures import encode_depth, encode_mask, spread_bytes, write_png
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import CAMERAS, FIELDS, Demo, Observation
 
@@ -63,6 +63,20 @@ def _write(root: Path, stored: StoredEpisode, demo: Demo, number: int, layout: L
         folder = descriptions / "episodes" / f"episode{stored.entry.episode}"
         folder.mkdir(parents=True)
     (descriptions / DESCRIPTIONS_FILE).write_bytes(dump(list(demo.instructions)))
+    write_frames(folder, demo)
+
+
+def write_frames(folder: Path, demo: Demo) -> None:
+    """Write the pictures and the pickled observations of one demonstration into a folder; sentences and variation are not there.
+
+    Args:
+        folder: Where to; made when missing.
+        demo: The demonstration. It is left as it is.
+
+    Raises:
+        DatasetError: A picture cannot be encoded, or is missing from some frames only.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
     for camera in CAMERAS:
         for product in PRODUCTS:
             _write_pictures(folder / f"{camera}_{product}", demo, camera, product)
@@ -73,14 +87,14 @@ def _write_pictures(folder: Path, demo: Demo, camera: str, product: str) -> None
     pictures = [getattr(obs, f"{camera}_{product}") for obs in demo]
     if all(picture is None for picture in pictures):
         return
-    folder.mkdir()
+    folder.mkdir(exist_ok=True)
     for index, (obs, picture) in enumerate(zip(demo, pictures)):
         if picture is None:
             raise DatasetError(f"Frame {index} has no {camera}_{product}, others have. Record the demonstration again.")
         if product == "depth":
             picture = encode_depth(_normalised(picture, obs, camera))
         elif product == "mask":
-            picture = encode_mask(picture)
+            picture = encode_mask(picture) if picture.ndim == 2 else spread_bytes(picture)
         write_png(folder / f"{index}.png", picture)
 
 
@@ -102,6 +116,7 @@ def _pickled(demo: Demo) -> PickledDemo:
         "random_seed": demo.random_seed,
         "num_reset_attempts": demo.num_reset_attempts,
         "variation_number": demo.variation_number,
+        "attempt": demo.attempt,
     }
     result.__dict__.update(attributes)
     return result

@@ -161,6 +161,8 @@ def _new_object(cls: type, base: type, state: object) -> object:
 _ALLOWED: Mapping[tuple[str, str], Callable[..., Any]] = {
     ("rlbench.demo", "Demo"): PickledDemo,
     ("rlbench.backend.observation", "Observation"): PickledObservation,
+    ("rlbench_pin.observation", "Demo"): PickledDemo,  # a program's own `pickle.dump` of a live demonstration
+    ("rlbench_pin.observation", "Observation"): PickledObservation,
     **{(f"numpy.{core}.multiarray", "_reconstruct"): _reconstruct for core in ("core", "_core")},
     **{(f"numpy.{core}.multiarray", "scalar"): _scalar for core in ("core", "_core")},
     **{(f"numpy.{core}.numeric", "_frombuffer"): _array for core in ("core", "_core")},

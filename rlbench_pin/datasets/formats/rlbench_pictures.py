@@ -35,6 +35,11 @@ def encode_mask(mask: np.ndarray) -> np.ndarray:
     return np.stack([ids & 255, ids >> 8 & 255, ids >> 16], axis=-1).astype(np.uint8)
 
 
+def spread_bytes(mask: np.ndarray) -> np.ndarray:
+    """Return a mask over three channels (h, w, 3), floats in 0..1 or whole numbers in 0..255, as bytes."""
+    return np.rint(mask * 255.0 if mask.dtype.kind == "f" else mask).astype(np.uint8)
+
+
 def decode_mask(picture: np.ndarray) -> np.ndarray:
     """Return ids (h, w), int32."""
     r, g, b = (picture[..., i].astype(np.int32) for i in range(3))

@@ -95,15 +95,23 @@ def read_folder(path: Path, fields: Collection[str] | None = None, *, image_path
 
 def _demo(pickled: Any, frames: list[Observation], variation: int, path: Path) -> Demo:
     known = vars(pickled) if isinstance(pickled, PickledDemo) else {}
-    seed, attempts = known.get("random_seed"), known.get("num_reset_attempts")
+    seed, attempts, attempt = (known.get(name) for name in ("random_seed", "num_reset_attempts", "attempt"))
     return Demo(
         frames,
         random_seed=seed if isinstance(seed, int) else None,
         num_reset_attempts=attempts if isinstance(attempts, int) else None,
+        attempt=attempt if isinstance(attempt, int) else 0,
+        state=_arrays(known.get("state")),
         variation_number=variation,
         instructions=folder_descriptions(path),
         task_name=path.parents[2].name,
     )
+
+
+def _arrays(state: object) -> dict[str, np.ndarray] | None:
+    """Return a snapshot of a world, where a program pickled one, otherwise None."""
+    whole = isinstance(state, dict) and all(isinstance(value, np.ndarray) for value in state.values())
+    return state if whole else None  # type: ignore[return-value]
 
 
 def folder_descriptions(path: Path) -> tuple[str, ...]:

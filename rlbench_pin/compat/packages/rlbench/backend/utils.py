@@ -1,0 +1,121 @@
+"""Numbers as pictures and back, masks by handle, and task classes by name.
+
+A picture of numbers has 24 bits: the number times a scale, spread over red, green and blue, red the most significant.
+"""
+
+from __future__ import annotations
+
+import importlib
+
+import numpy as np
+from PIL import Image
+
+from rlbench_pin.environment import rgb_handles_to_mask
+from rlbench_pin.errors import CameraError
+from rlbench_pin.tasks.registry import camel_case
+
+DEFAULT_RGB_SCALE_FACTOR = 256000.0
+"""Steps of a number 1.0 in a colour picture, unless another scale is given."""
+DEFAULT_GRAY_SCALE_FACTOR = {np.uint8: 100.0, np.uint16: 1000.0, np.int32: DEFAULT_RGB_SCALE_FACTOR}
+"""The same for pictures of one channel, by the type of their numbers."""
+_HIGHEST = 2**24 - 1
+_GRAY_MODES = {np.dtype(np.uint8): np.uint8, np.dtype(np.uint16): np.uint16, np.dtype(np.int32): np.int32}
+
+
+def task_file_to_task_class(task_file: str) -> type:
+    """Return the class of a task, given the name of its file with or without `.py`."""
+    name = task_file.removesuffix(".py")
+    found: type = getattr(importlib.import_module(f"rlbench.tasks.{name}"), camel_case(name))
+    return found
+
+
+def ClipFloatValues(float_array: np.ndarray, min_value: float, max_value: float) -> np.ndarray:  # noqa: N802
+    """Return an array with its numbers between `min_value` and `max_value`; NaN becomes `min_value`."""
+    array = np.nan_to_num(np.asarray(float_array, dtype=np.float64), nan=min_value, posinf=max_value, neginf=min_value)
+    return np.clip(array, min_value, max_value)
+
+
+def float_array_to_rgb_image(
+    float_array: np.ndarray, scale_factor: float | None = DEFAULT_RGB_SCALE_FACTOR, drop_blue: bool = False
+) -> Image.Image:
+    """Spread numbers (h, w) over the 24 bits of a colour picture; what does not fit is clipped.
+
+    With `scale_factor=rlbench.backend.const.DEPTH_SCALE`, depth 0..1 becomes the very picture that stored demonstrations hold.
+
+    Args:
+        float_array: The numbers, shape (h, w), not negative.
+        scale_factor: Steps of a number 1.0.
+        drop_blue: Leave the least significant channel empty.
+    """
+    scale = DEFAULT_RGB_SCALE_FACTOR if scale_factor is None else scale_factor
+    array = _plane(float_array)
+    steps = np.rint(ClipFloatValues(array.astype(np.float64) * scale, 0.0, _HIGHEST)).astype(np.uint32)
+    blue = np.zeros_like(steps) if drop_blue else steps & 255
+    return Image.fromarray(np.stack([steps >> 16, steps >> 8 & 255, blue], axis=-1).astype(np.uint8), mode="RGB")
+
+
+def float_array_to_grayscale_image(
+    float_array: np.ndarray, scale_factor: float | None = None, image_dtype: type = np.uint8
+) -> Image.Image:
+    """Turn numbers (h, w) into a picture of one channel; what does not fit is clipped.
+
+    Args:
+        float_array: The numbers, shape (h, w), not negative.
+        scale_factor: Steps of a number 1.0; by default 100 for uint8, 1000 for uint16, 256000 for int32.
+        image_dtype: Type of the picture's numbers, one of these three.
+
+    Raises:
+        CameraError: Another type was asked for.
+    """
+    kind = _GRAY_MODES.get(np.dtype(image_dtype))
+    if kind is None:
+        raise CameraError(f"A picture of one channel holds uint8, uint16 or int32, not {image_dtype}.")
+    scale = DEFAULT_GRAY_SCALE_FACTOR[kind] if scale_factor is None else scale_factor
+    highest = np.iinfo(kind).max
+    steps = np.rint(ClipFloatValues(_plane(float_array).astype(np.float64) * scale, 0.0, highest))
+    return Image.fromarray(steps.astype(kind))
+
+
+def image_to_float_array(image: Image.Image | np.ndarray, scale_factor: float | None = None) -> np.ndarray:
+    """Return the numbers (h, w), float32, that a picture of one of the two kinds was made from.
+
+    Args:
+        image: The picture, or its bytes (h, w, 3) or (h, w).
+        scale_factor: What it was made with; None is the default of its kind.
+
+    Raises:
+        CameraError: It has neither one nor three channels.
+    """
+    array = np.asarray(image)
+    if array.ndim == 3 and array.shape[2] >= 3:
+        red, green, blue = (array[..., i].astype(np.uint32) for i in range(3))
+        scale = DEFAULT_RGB_SCALE_FACTOR if scale_factor is None else scale_factor
+        return np.asarray((red << 16 | green << 8 | blue) / scale, dtype=np.float32)
+    if array.ndim == 3 and array.shape[2] == 1:
+        array = array[..., 0]
+    kind = _GRAY_MODES.get(array.dtype)
+    if array.ndim != 2 or kind is None:
+        raise CameraError(f"A picture of numbers has one or three channels of whole numbers, not {array.shape} {array.dtype}.")
+    scale = DEFAULT_GRAY_SCALE_FACTOR[kind] if scale_factor is None else scale_factor
+    return np.asarray(array / scale, dtype=np.float32)
+
+
+def _plane(float_array: np.ndarray) -> np.ndarray:
+    array = np.asarray(float_array)
+    if array.ndim == 3 and array.shape[2] == 1:
+        array = array[..., 0]
+    if array.ndim != 2:
+        raise CameraError(f"Numbers that become a picture have shape (h, w), not {array.shape}.")
+    return array
+
+
+__all__ = [
+    "DEFAULT_GRAY_SCALE_FACTOR",
+    "DEFAULT_RGB_SCALE_FACTOR",
+    "ClipFloatValues",
+    "float_array_to_grayscale_image",
+    "float_array_to_rgb_image",
+    "image_to_float_array",
+    "rgb_handles_to_mask",
+    "task_file_to_task_class",
+]
