@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rlbench_pin.errors import DemoError, TaskEnvironmentError
+from rlbench_pin.errors import DemoError, RlbenchPinError, TaskEnvironmentError, nearest_name
+from rlbench_pin.tasks import task_names
 
 
 class NotPlaced(TaskEnvironmentError):
@@ -25,3 +26,13 @@ class DemosFailed(DemoError, RuntimeError):
             f"Variation {variation} of task '{task}' could not be demonstrated in {len(causes)} tries ({text}). "
             f"`rlbench-pin check {task}` shows how often that happens."
         )
+
+
+class UnknownTasks(RlbenchPinError, ValueError):
+    """Names that are not tasks of our library."""
+
+    def __init__(self, names: Sequence[str]) -> None:
+        self.names = tuple(names)
+        guesses = {name: nearest_name(name, task_names()) for name in names}
+        near = "".join(f" Did you mean '{guess}' for '{name}'?" for name, guess in guesses.items() if guess)
+        super().__init__(f"The library has no tasks {list(names)}.{near} `rlbench-pin list` prints all {len(task_names())}.")

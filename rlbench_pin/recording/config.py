@@ -22,7 +22,7 @@ _SEED_BITS = 53  # so that JSON readers of every language keep the number
 
 @dataclass(frozen=True, kw_only=True)
 class PictureConfig:
-    """Which pictures an episode holds, and how it is stored."""
+    """Which pictures an episode holds, how it is stored, and how fast the arm may move."""
 
     cameras: tuple[str, ...] = CAMERAS
     """Cameras whose pictures are stored."""
@@ -34,6 +34,12 @@ class PictureConfig:
     """Who draws: pictures of `cpu` are the same everywhere."""
     compression: Compression = "gzip"
     """`gzip` is small, `lzf` is fast."""
+    shadows: bool = True
+    """Things cast shadows."""
+    arm_max_velocity: float = 1.0
+    """Cap on planned joint speeds [rad/s]."""
+    arm_max_acceleration: float = 4.0
+    """Cap on planned joint accelerations [rad/s^2]."""
 
     def __post_init__(self) -> None:
         _check_names("camera", self.cameras, CAMERAS)
@@ -47,6 +53,7 @@ class PictureConfig:
         for name in self.cameras:
             camera = config.camera(name)
             camera.image_size = self.image_size
+            camera.render_mode = "opengl3" if self.shadows else "opengl"
             for product in self.products:
                 setattr(camera, product, True)
         return config
@@ -59,7 +66,7 @@ class PictureConfig:
 
     def environment(self) -> Environment:
         """Return an environment that delivers these pictures; its actions are those that demonstrations record."""
-        return make_environment(self.obs_config(), self.renderer)
+        return make_environment(self.obs_config(), self.renderer, self.arm_max_velocity, self.arm_max_acceleration)
 
 
 @dataclass(frozen=True, kw_only=True)

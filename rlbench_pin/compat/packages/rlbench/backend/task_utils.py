@@ -1,0 +1,43 @@
+"""Objects made at random."""
+
+from __future__ import annotations
+
+from itertools import count
+
+import numpy as np
+from pyrep.objects.object import Object
+from pyrep.objects.shape import Shape
+
+from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.scene.spec import BodySpec
+
+_SOLIDS = 25
+"""So many convex solids are among the assets."""
+_SCALES = (0.85, 1.2)
+"""Lowest and highest scale of a solid."""
+
+
+def sample_procedural_objects(task_base: Object, num_samples: int, mass: float = 0.1) -> list[Shape]:
+    """Add convex solids of random form and size to the scene, drawn from numpy's global generator.
+
+    They stand beside each other above the base, belong to the episode and are gone after it.
+
+    Args:
+        task_base: Where they appear: above this object.
+        num_samples: How many.
+        mass: Mass of each [kg].
+    """
+    world = Simulator.current().world
+    free = (name for name in (f"object{i}" for i in count()) if name not in world.bodies)
+    forms = np.random.choice(_SOLIDS, num_samples, replace=num_samples > _SOLIDS)
+    x, y, z = (float(value) for value in task_base.get_position())
+    shapes = []
+    for index, form in enumerate(forms.tolist()):
+        name = next(free)
+        pose = (x, y + 0.1 * (index - (num_samples - 1) / 2.0), z + 0.1, 0.0, 0.0, 0.0, 1.0)
+        asset, scale = f"objects/convex/convex_{form:02d}.urdf", float(np.random.uniform(*_SCALES))
+        world.add_body(name, BodySpec(name=name, parent="world", asset=asset, pose=pose, scale=scale))
+        shape = Shape(name)
+        shape.set_mass(mass)
+        shapes.append(shape)
+    return shapes
