@@ -57,7 +57,7 @@ class RandomizationConfig:
         return not any(fnmatchcase(name, pattern) for pattern in self.blacklist or ())
 
 
-@dataclass(init=False)
+@dataclass(init=False, kw_only=True)
 class VisualRandomizationConfig(RandomizationConfig):
     """Textures, lights and cameras.
 

@@ -11,8 +11,8 @@ from rlbench.backend.task import TASKS_PATH
 from rlbench.environment import Environment
 from rlbench.observation_config import CameraConfig, ObservationConfig
 from rlbench.sim2real.domain_randomization import RandomizeEvery, VisualRandomizationConfig
-from rlbench.utils import name_to_task_class
-from rlbench_pin import __version__
+from rlbench.utils import name_to_task_class as name_to_task_class
+from rlbench_pin import __version__ as __version__
 from rlbench_pin.compat.gym_ids import register_known_ids
 
 TASKS = sorted(file.name for file in Path(TASKS_PATH).glob("*.py") if not file.name.startswith("_"))

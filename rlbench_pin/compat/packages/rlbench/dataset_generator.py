@@ -58,13 +58,17 @@ def parse_args(args: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--save_path", default=str(Path(tempfile.gettempdir()) / "rlbench_data"), help="root of the data set")
     parser.add_argument("--tasks", nargs="*", default=[], help="names of tasks; all of the library when none is named")
     parser.add_argument("--image_size", nargs="+", default=["128", "128"], help="width and height of the pictures [px]")
-    parser.add_argument("--renderer", type=str.lower, choices=("opengl3", "opengl"), default="opengl3", help="with or without shadows")
+    parser.add_argument(
+        "--renderer", type=str.lower, choices=("opengl3", "opengl"), default="opengl3", help="with or without shadows"
+    )
     parser.add_argument("--processes", type=int, default=1, help="worker processes")
     parser.add_argument("--episodes_per_task", type=int, default=10, help="of each variation; with --all_variations of each task")
     parser.add_argument("--variations", type=int, default=-1, help="most variations of a task; -1 is all")
     parser.add_argument("--arm_max_velocity", type=float, default=1.0, help="cap on joint speeds [rad/s]")
     parser.add_argument("--arm_max_acceleration", type=float, default=4.0, help="cap on joint accelerations [rad/s^2]")
-    parser.add_argument("--all_variations", nargs="?", type=_truth, const=True, default=False, help="all variations in one folder")
+    parser.add_argument(
+        "--all_variations", nargs="?", type=_truth, const=True, default=False, help="all variations in one folder"
+    )
     parser.add_argument("--noall_variations", dest="all_variations", action="store_false", help="a folder for each variation")
     parser.add_argument("--seed", type=int, default=None, help="seed of the data set; drawn when not given")
     parser.add_argument("--resume", action="store_true", help="go on with what was begun in the save path")
@@ -125,7 +129,9 @@ def _say(report: RecordReport) -> None:
 
 def _check_free(root: Path, tasks: Sequence[str], together: bool, resume: bool) -> None:
     if (root / _RECORDING / RECORDING).exists() and not resume:
-        raise DatasetConflict(f"'{root}' holds a recording that was not finished. Go on with `--resume`, or choose another folder.")
+        raise DatasetConflict(
+            f"'{root}' holds an unfinished recording. Go on with `--resume`, or choose another folder."
+        )
     pattern = VARIATIONS_ALL_FOLDER if together else "variation[0-9]*"
     held = [name for name in tasks if list((root / name).glob(pattern))]
     if held and not resume:

@@ -130,8 +130,8 @@ class ObservationConfig(NativeObservationConfig):
         noises: list[Any] = [joint_velocities_noise, joint_positions_noise, joint_forces_noise]
         noises = [Identity() if noise is None else noise for noise in noises]
         super().__init__(
-            *cameras, joint_velocities, noises[0], joint_positions, noises[1], joint_forces, noises[2], gripper_open, gripper_pose,
-            gripper_matrix, gripper_joint_positions, gripper_touch_forces, wrist_camera_matrix, record_gripper_closing,
+            *cameras, joint_velocities, noises[0], joint_positions, noises[1], joint_forces, noises[2], gripper_open,
+            gripper_pose, gripper_matrix, gripper_joint_positions, gripper_touch_forces, wrist_camera_matrix, record_gripper_closing,
             task_low_dim_state,
         )  # fmt: skip
         self.record_ignore_collisions = record_ignore_collisions

@@ -205,7 +205,7 @@ class TaskEnvironment:
             from_episode_number: First stored episode when not picked at random.
 
         Raises:
-            RuntimeError: There is no dataset root, stored demonstrations are missing or broken, or a live one failed at every try.
+            RuntimeError: There is no dataset root, something stored is missing or broken, or a live one failed at every try.
         """
         if live_demos:
             return self._get_live_demos(amount, callable_each_step, max_attempts)

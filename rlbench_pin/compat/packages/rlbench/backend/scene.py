@@ -112,9 +112,7 @@ class Scene(SceneParts):
         self._initial_task_state = self._loaded("init_task").get_state()
         self._has_init_task = True
 
-    def init_episode(
-        self, index: int, randomly_place: bool = True, max_attempts: int = 5, place_demo: bool = False
-    ) -> list[str]:
+    def init_episode(self, index: int, randomly_place: bool = True, max_attempts: int = 5, place_demo: bool = False) -> list[str]:
         """Lay out one episode; what is drawn comes from numpy's global generator.
 
         Args:
@@ -259,9 +257,7 @@ class Scene(SceneParts):
         self._joint_position_action = outcome.demo[-1].misc.get("joint_position_action") if len(outcome.demo) else None
         return outcome.demo
 
-    def _demo_record_step(
-        self, demo_list: list[Observation], record: bool, func: Callable[[Observation], None] | None
-    ) -> None:
+    def _demo_record_step(self, demo_list: list[Observation], record: bool, func: Callable[[Observation], None] | None) -> None:
         """Observe once: keep the observation with `record`, and call `func` with it."""
         if not record and func is None:
             return

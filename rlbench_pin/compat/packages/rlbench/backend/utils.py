@@ -29,7 +29,7 @@ def task_file_to_task_class(task_file: str) -> type:
     return found
 
 
-def ClipFloatValues(float_array: np.ndarray, min_value: float, max_value: float) -> np.ndarray:  # noqa: N802
+def ClipFloatValues(float_array: np.ndarray, min_value: float, max_value: float) -> np.ndarray:
     """Return an array with its numbers between `min_value` and `max_value`; NaN becomes `min_value`."""
     array = np.nan_to_num(np.asarray(float_array, dtype=np.float64), nan=min_value, posinf=max_value, neginf=min_value)
     return np.clip(array, min_value, max_value)
