@@ -128,6 +128,10 @@ class SimGripper:
         """Names of graspable bodies that reach into the thin box between the pads."""
         return tuple(body.name for body in self._bodies() if body.graspable and self._in_gap(body))
 
+    def reaches_between_fingers(self, name: str) -> bool:
+        """Whether a body, graspable or not, reaches into the thin box between the pads."""
+        return self._in_gap(self._find(name))
+
     def closes_on_something(self) -> bool:
         """Whether any body, graspable or not, reaches into the thin box between the pads."""
         return any(body.collides and self._in_gap(body) for body in self._bodies())

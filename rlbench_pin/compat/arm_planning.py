@@ -1,0 +1,170 @@
+"""What an arm as pyrep shows it asks of our kinematics and planner, over the world as it is now."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.planning import Algorithm, MotionPlanner, Plan, retime, solve_ik
+from rlbench_pin.robot.trajectory import Trajectory
+from rlbench_pin.spatial import FloatArray, compose
+
+ALGORITHMS: dict[str, Algorithm] = {
+    "RRT": "rrt",
+    "RRTstar": "rrt_star",
+    "BITstar": "bit_star",
+    "KPIECE1": "kpiece",
+    "BKPIECE1": "bkpiece",
+    "LBKPIECE1": "lbkpiece",
+}
+"""Known name of an algorithm -> ours; our own RRT-Connect stands for all others."""
+USUAL_JERK = 1000.0
+"""Jerk limit from which on changes of acceleration need no time of their own [rad/s^3]."""
+
+
+class HasPose(Protocol):
+    """Something whose frame a pose may be given in."""
+
+    def get_pose(self) -> Sequence[float] | FloatArray:
+        """Pose (7,) in the world."""
+        ...
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How fast motions of an arm may be."""
+
+    velocity: float
+    """[rad/s]."""
+    acceleration: float
+    """[rad/s^2]."""
+    jerk: float
+    """[rad/s^3]."""
+
+
+def euler_quaternion(euler: Sequence[float] | FloatArray) -> FloatArray:
+    """Return the quaternion (4,) of angles (3,) [rad] about x, then the new y, then the new z."""
+    halves = 0.5 * np.asarray(euler, dtype=float)
+    about = [np.concatenate([np.zeros(3), np.sin(h) * np.eye(3)[i], [np.cos(h)]]) for i, h in enumerate(halves)]
+    return compose(*about)[3:]
+
+
+def world_pose(
+    position: Sequence[float] | FloatArray,
+    euler: Sequence[float] | FloatArray | None,
+    quaternion: Sequence[float] | FloatArray | None,
+    relative_to: HasPose | None = None,
+) -> FloatArray:
+    """Return a pose (7,) in the world.
+
+    Args:
+        position: Shape (3,), [m].
+        euler: Angles (3,) about x, y, z, each about the turned axis [rad]; this or the quaternion.
+        quaternion: x, y, z, w.
+        relative_to: Whose frame they are given in; None is the world.
+
+    Raises:
+        ValueError: Not exactly one of `euler` and `quaternion` is given, or a number is missing or not finite.
+    """
+    if (euler is None) == (quaternion is None):
+        raise ValueError("Give either `euler` (3 angles) or `quaternion` (x, y, z, w), one of the two.")
+    rotation = euler_quaternion(euler) if euler is not None else np.asarray(quaternion, dtype=float)
+    pose = np.concatenate([np.asarray(position, dtype=float).reshape(-1), rotation.reshape(-1)])
+    if pose.shape != (7,) or not np.isfinite(pose).all() or not np.any(rotation):
+        raise ValueError(f"A pose has 3 finite numbers for the position and 3 or 4 for the rotation, not {pose.tolist()}.")
+    return compose(pose) if relative_to is None else compose(np.asarray(relative_to.get_pose(), dtype=float), pose)
+
+
+def plan_to(
+    simulator: Simulator, pose: FloatArray, *, straight: bool | None, ignore_collisions: bool, algorithm: str = ""
+) -> Plan:
+    """Plan from where the arm is to a tip pose (7,); see `MotionPlanner.plan_to_pose`.
+
+    Args:
+        simulator: What moves.
+        pose: Goal of the tip in the world.
+        straight: Only straight lines, none, or straight ones first (None).
+        ignore_collisions: Plan as if nothing could be touched; otherwise what the arm touches already may be touched.
+        algorithm: Known name of a sampling planner.
+    """
+    runtime = simulator.runtime
+    planner = _planner(runtime, algorithm)
+    planner.update(runtime.world.snapshot())
+    allowed = () if ignore_collisions else may_be_touched(simulator)
+    q, rng = runtime.robot.joint_positions, runtime.planning_rng
+    return planner.plan_to_pose(q, pose, straight=straight, ignore_collisions=ignore_collisions, allowed=allowed, rng=rng)
+
+
+def may_be_touched(simulator: Simulator) -> tuple[str, ...]:
+    """Return the names of the bodies that plans pass through: what the arm touches already, and what is not collidable."""
+    return tuple(sorted({*uncollidable(simulator), *simulator.runtime.touching()}))
+
+
+def uncollidable(simulator: Simulator) -> list[str]:
+    """Return the names of the bodies that a program made not collidable."""
+    flags = simulator.objects.flags
+    return [element.name for (element, flag), on in flags.items() if flag == "collidable" and element.kind == "body" and not on]
+
+
+def plan_along(runtime: Runtime, poses: Sequence[FloatArray]) -> Plan:
+    """Plan a motion whose tip passes poses (7,) without stopping, as if nothing could be touched."""
+    runtime.refresh_planner()
+    return runtime.planner.plan_curve(runtime.robot.joint_positions, list(poses))
+
+
+def timed(runtime: Runtime, points: FloatArray, pace: Pace) -> Trajectory:
+    """Time a path through configurations (m, n) [rad] as fast as the pace allows, at rest at both ends."""
+    planner = runtime.planner
+    return retime(
+        points,
+        runtime.model.limits.capped(pace.velocity, pace.acceleration),
+        max_speed=None if planner.config.max_speed is None else pace.velocity,
+        torque=planner.torque,
+        jerk_time=0.0 if pace.jerk >= USUAL_JERK else pace.acceleration / pace.jerk,
+    )
+
+
+def paced(runtime: Runtime, plan: Plan, pace: Pace) -> Trajectory:
+    """Return the trajectory of a plan, timed again when the planner's pace is another."""
+    config = runtime.planner.config
+    usual = Pace(config.max_velocity, config.max_acceleration, max(pace.jerk, USUAL_JERK))
+    return plan.trajectory if pace == usual else timed(runtime, plan.path, pace)
+
+
+def configurations(
+    simulator: Simulator, pose: FloatArray, *, ignore_collisions: bool, starts: int, most: int
+) -> list[FloatArray]:
+    """Return up to `most` configurations (n,) [rad] of different kinds whose tip is at a pose (7,), nearest first."""
+    runtime = simulator.runtime
+    collision = None
+    if not ignore_collisions:
+        runtime.refresh_planner()
+        collision = runtime.planner.collision
+        collision.allow(may_be_touched(simulator))
+    q, rng = runtime.robot.joint_positions, runtime.planning_rng
+    return solve_ik(runtime.model, pose, q, rng, starts=starts, max_solutions=most, collision=collision)[:most]
+
+
+def nearest_configuration(runtime: Runtime, pose: FloatArray) -> FloatArray:
+    """Return the configuration (n,) [rad] that a descent from the present posture finds for a tip pose (7,)."""
+    return solve_ik(runtime.model, pose, runtime.robot.joint_positions, runtime.planning_rng, starts=1)[0]
+
+
+def arm_collides(simulator: Simulator) -> bool:
+    """Say whether the arm, or what it holds, overlaps the arm itself or anything that is collidable."""
+    runtime = simulator.runtime
+    runtime.refresh_planner()
+    runtime.planner.collision.allow(uncollidable(simulator))
+    return runtime.planner.collision.in_collision(runtime.robot.joint_positions)
+
+
+def _planner(runtime: Runtime, algorithm: str) -> MotionPlanner:
+    """Return the runtime's planner, or one like it with another algorithm."""
+    config = runtime.planner.config
+    wanted = replace(config, algorithm=ALGORITHMS.get(algorithm, config.algorithm))
+    return runtime.planner if wanted == config else MotionPlanner(runtime.model, wanted)

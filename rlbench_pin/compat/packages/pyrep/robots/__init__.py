@@ -1,0 +1,1 @@
+"""Arms and hands, as views on the robot of the running world."""

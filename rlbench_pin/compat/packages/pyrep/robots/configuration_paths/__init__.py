@@ -1,0 +1,1 @@
+"""Paths of configurations, played step by step."""

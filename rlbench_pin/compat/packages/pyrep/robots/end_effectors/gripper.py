@@ -1,0 +1,132 @@
+"""Hands: fingers that go to an opening at a speed, and what they hold."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyrep.errors import UnsupportedCall
+from pyrep.objects.object import Object
+from pyrep.objects.shape import Shape
+from pyrep.robots.robot_component import RobotComponent
+from rlbench_pin.compat.motors import FingerMotors
+from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.environment.runtime import Runtime
+
+NEAR = 5e-4
+"""Distance of a finger from where it should be that counts as none [m]."""
+
+
+@dataclass(frozen=True)
+class Actuation:
+    """A motion of the fingers that goes on over several steps."""
+
+    world: int
+    """Which world it happens in."""
+    amount: float
+    velocity: float
+    """[m/s]."""
+    ticks: int
+    """Ticks of the world when it began."""
+
+
+class Gripper(RobotComponent):
+    """The hand of the running world.
+
+    Args:
+        count: Which hand of this kind; a world has one.
+        name: Name of the hand.
+        joint_names: Names of its joints.
+    """
+
+    def __init__(self, count: int, name: str, joint_names: Sequence[str]) -> None:
+        super().__init__(count, name, joint_names)
+        self._actuation: Actuation | None = None
+
+    @property
+    def motors(self) -> FingerMotors:
+        """What drives the fingers."""
+        return FingerMotors()
+
+    # Holding ---------------------------------------------------------------------------------------------------------
+
+    def grasp(self, obj: Object) -> bool:
+        """Fix an object to the hand where it is, if it reaches between the fingers.
+
+        Returns:
+            Whether it is fixed now by this call: not when it is elsewhere, held already, or cannot move.
+        """
+        element = obj.element
+        if element.kind != "body" or element.name in self._runtime.gripper.grasped:
+            return False
+        return self._runtime.gripper.reaches_between_fingers(element.name) and self._runtime.gripper.grasp(element.name)
+
+    def release(self) -> None:
+        """Let everything go; the fingers stay where they are."""
+        self._runtime.gripper.release()
+
+    def get_grasped_objects(self) -> list[Object]:
+        """Return what is fixed to the hand, in the order in which it was grasped."""
+        return [Shape(name) for name in self._runtime.gripper.grasped]
+
+    # Fingers ---------------------------------------------------------------------------------------------------------
+
+    def actuate(self, amount: float, velocity: float) -> bool:
+        """Drive the fingers towards an opening; call it again before every step of the simulation until it returns True.
+
+        Args:
+            amount: 0 shut to 1 open.
+            velocity: Speed of a finger [m/s].
+
+        Returns:
+            Whether the fingers are there, or can go no further.
+
+        Raises:
+            ValueError: `amount` is not between 0 and 1, or `velocity` is not positive and finite.
+        """
+        if not 0.0 <= amount <= 1.0 or not 0.0 < velocity < float("inf"):
+            raise ValueError(
+                f"The opening is {amount} and the speed {velocity} m/s; they must be from 0 to 1, and positive and finite."
+            )
+        gripper, ticks, world = self._runtime.gripper, self._runtime.world.ticks, id(self._runtime.world)
+        wanted, going = float(amount), self._actuation
+        same = going is not None and (going.world, going.amount, going.velocity) == (world, wanted, float(velocity))
+        if self._is_at(wanted) and (not same or not gripper.moving):
+            self._actuation = None
+            return True
+        if going is None or not same or going.ticks > ticks:
+            self.motors.open_to(wanted, float(velocity))
+            self._actuation = Actuation(world, wanted, float(velocity), ticks)
+            return False
+        stands = ticks > going.ticks + 1 and not gripper.moving
+        if stands:
+            self._actuation = None
+        return stands
+
+    def get_open_amount(self) -> list[float]:
+        """Return how far each finger is open, 0 shut to 1 open."""
+        return np.clip(self._runtime.gripper.opening, 0.0, 1.0).tolist()
+
+    # Touch -----------------------------------------------------------------------------------------------------------
+
+    def get_touch_sensor_forces(self) -> list[list[float]]:
+        """Return the contact force (3,) on each finger in the finger's own frame [N]."""
+        return self._runtime.robot.touch_forces().reshape(-1, 3).tolist()
+
+    def copy(self) -> Gripper:
+        """Not offered: a world has one hand.
+
+        Raises:
+            UnsupportedCall: Always.
+        """
+        raise UnsupportedCall(f"copy of '{self.get_name()}'", "a world has one hand.", "Use one process per robot.")
+
+    @property
+    def _runtime(self) -> Runtime:
+        return Simulator.current().runtime
+
+    def _is_at(self, amount: float) -> bool:
+        goal = amount * self._runtime.description.gripper_open
+        return bool((np.abs(self._runtime.robot.fingers - goal) < NEAR).all())

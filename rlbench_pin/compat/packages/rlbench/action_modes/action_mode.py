@@ -1,0 +1,126 @@
+"""Whole action modes: an arm mode and a gripper mode share one array."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rlbench.action_modes.arm_action_modes import ArmActionMode, JointPosition, takes_ignore_collisions
+from rlbench.action_modes.gripper_action_modes import GripperActionMode, GripperJointPosition
+from rlbench_pin.compat.parts import ScenePart
+from rlbench_pin.compat.unwrap import SceneLike
+from rlbench_pin.environment.actions.mode import as_action
+from rlbench_pin.robot import DEFAULT_ROBOT, robot_description
+from rlbench_pin.spatial import FloatArray
+
+__all__ = [
+    "ActionMode",
+    "ArmActionMode",
+    "GripperActionMode",
+    "GripperJointPosition",
+    "JointPosition",
+    "JointPositionActionMode",
+    "MoveArmThenGripper",
+]
+
+Action = Sequence[float] | FloatArray
+DELTA_LIMIT = 0.1
+"""Largest joint difference of `JointPositionActionMode` [rad]."""
+
+
+class ActionMode:
+    """An arm mode and a gripper mode; subclasses say how they share one array.
+
+    Args:
+        arm_action_mode: What the first numbers do.
+        gripper_action_mode: What the numbers after them do.
+    """
+
+    def __init__(self, arm_action_mode: ArmActionMode, gripper_action_mode: GripperActionMode) -> None:
+        self.arm_action_mode, self.gripper_action_mode = arm_action_mode, gripper_action_mode
+
+    def action(self, scene: SceneLike, action: Action) -> None:
+        """Run one action to its end."""
+        raise NotImplementedError(f"{type(self).__name__} needs a method `action(scene, action)`.")
+
+    def action_shape(self, scene: SceneLike) -> int:
+        """Return how many numbers an action has."""
+        raise NotImplementedError(f"{type(self).__name__} needs a method `action_shape(scene)` that returns a number.")
+
+    def action_bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Return lowest and highest values of an action, each of shape (n,)."""
+        raise NotImplementedError(f"{type(self).__name__} needs a method `action_bounds()` for this use, such as gymnasium.")
+
+
+class MoveArmThenGripper(ActionMode):
+    """The arm action runs to its end, then the gripper action; each part is given the scene.
+
+    An arm mode that takes `ignore_collisions` may be given one number more, behind the gripper's: other than 0, that action
+    ignores collisions.
+    """
+
+    def action(self, scene: SceneLike, action: Action) -> None:
+        """Move the arm, then the gripper. With parts of this package a refused action changes nothing.
+
+        Raises:
+            InvalidActionError: The action is refused.
+        """
+        arm, gripper, ignore_collisions = self._split(scene, action)
+        for mode, values in ((self.arm_action_mode, arm), (self.gripper_action_mode, gripper)):
+            if isinstance(mode, ScenePart):
+                mode.values(scene, values)
+        if ignore_collisions is None:
+            self.arm_action_mode.action(scene, arm)
+        else:
+            self.arm_action_mode.action(scene, arm, ignore_collisions=ignore_collisions)  # type: ignore[call-arg]
+        self.gripper_action_mode.action(scene, gripper)
+
+    def action_shape(self, scene: SceneLike) -> int:
+        """Return how many numbers an action has, without the flag for collisions."""
+        return int(np.prod(self.arm_action_mode.action_shape(scene))) + int(np.prod(self.gripper_action_mode.action_shape(scene)))
+
+    def action_bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Return the bounds of the arm's numbers, then of the gripper's, in the world that runs."""
+        parts = (self.arm_action_mode.action_bounds(), self.gripper_action_mode.action_bounds())
+        return np.concatenate([low for low, _ in parts]), np.concatenate([high for _, high in parts])
+
+    def _split(self, scene: SceneLike, action: Action) -> tuple[FloatArray, FloatArray, bool | None]:
+        """Return the arm's numbers, the gripper's, and the flag for collisions, None where there is none."""
+        size, count = self.action_shape(scene), np.size(np.asarray(action, dtype=object))
+        with_flag = count == size + 1 and takes_ignore_collisions(self.arm_action_mode)
+        values = as_action(action, size + with_flag, type(self).__name__)
+        arm = int(np.prod(self.arm_action_mode.action_shape(scene)))
+        return values[:arm], values[arm:size], bool(values[size]) if with_flag else None
+
+
+class JointPositionActionMode(ActionMode):
+    """Joint differences [rad] and an absolute finger position [m], both within one step."""
+
+    def __init__(self) -> None:
+        self._arm, self._hand = JointPosition(absolute_mode=False), GripperJointPosition(absolute_mode=True)
+        super().__init__(self._arm, self._hand)
+
+    def action(self, scene: SceneLike, action: Action) -> None:
+        """Command both, step once, hold both.
+
+        Raises:
+            InvalidActionError: The action is refused; nothing has moved.
+        """
+        values = as_action(action, self.action_shape(scene), type(self).__name__)
+        arm, hand = self._arm.values(scene, values[:-1]), self._hand.values(scene, values[-1:])
+        self.arm_action_mode.action_pre_step(scene, arm)
+        self.gripper_action_mode.action_pre_step(scene, hand)
+        scene.step()
+        self.arm_action_mode.action_post_step(scene, arm)
+        self.gripper_action_mode.action_post_step(scene, hand)
+
+    def action_shape(self, scene: SceneLike | None = None) -> int:
+        """Return how many numbers an action has."""
+        return len(robot_description(DEFAULT_ROBOT).arm_joints) + 1
+
+    def action_bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Return lowest and highest values: 0.1 rad each way for the joints, the range of a finger for the hand."""
+        arm = robot_description(DEFAULT_ROBOT)
+        high = np.array([DELTA_LIMIT] * len(arm.arm_joints) + [arm.gripper_open])
+        return np.append(-high[:-1], 0.0), high

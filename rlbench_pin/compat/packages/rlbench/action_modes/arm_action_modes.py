@@ -1,0 +1,220 @@
+"""What the numbers for the arm mean."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from pyrep.const import ConfigurationPathAlgorithms as Algos
+from pyrep.const import ObjectType
+from pyrep.errors import ConfigurationPathError, IKError
+from rlbench.backend.exceptions import InvalidActionError
+from rlbench.backend.robot import Robot
+from rlbench.backend.scene import Scene
+from rlbench.const import SUPPORTED_ROBOTS
+from rlbench_pin.compat import planned_pose
+from rlbench_pin.compat.parts import ScenePart
+from rlbench_pin.compat.poses import calculate_delta_pose, pose_in_end_effector_frame
+from rlbench_pin.compat.shapes import assert_action_shape
+from rlbench_pin.compat.unwrap import SceneLike, runtime_of
+from rlbench_pin.environment.actions import RelativeFrame, joint, pose
+from rlbench_pin.environment.actions.arm_mode import FrameChoice, assert_unit_quaternion
+from rlbench_pin.observation import Observation
+from rlbench_pin.spatial import FloatArray
+
+__all__ = [
+    "SUPPORTED_ROBOTS",
+    "Algos",
+    "ArmActionMode",
+    "ConfigurationPathError",
+    "ERJointViaIK",
+    "EndEffectorPoseViaIK",
+    "EndEffectorPoseViaPlanning",
+    "IKError",
+    "InvalidActionError",
+    "JointPosition",
+    "JointTorque",
+    "JointVelocity",
+    "ObjectType",
+    "RelativeFrame",
+    "Robot",
+    "Scene",
+    "assert_action_shape",
+    "assert_unit_quaternion",
+    "calculate_delta_pose",
+    "takes_ignore_collisions",
+]
+
+Action = Sequence[float] | FloatArray
+
+
+class ArmActionMode:
+    """Turns numbers into motion of the arm. Derive from it, or from one of the classes below."""
+
+    def action(self, scene: SceneLike, action: Action) -> None:
+        """Run one action to its end."""
+        raise NotImplementedError(f"{type(self).__name__} needs a method `action(scene, action)`.")
+
+    def action_pre_step(self, scene: SceneLike, action: Action) -> None:
+        """Command the arm, before the simulation is stepped."""
+        raise NotImplementedError(f"{type(self).__name__} has no method `action_pre_step`.")
+
+    def action_step(self, scene: SceneLike, action: Action) -> None:
+        """Step the simulation."""
+        raise NotImplementedError(f"{type(self).__name__} has no method `action_step`.")
+
+    def action_post_step(self, scene: SceneLike, action: Action) -> None:
+        """Bring the arm to rest, after the simulation was stepped."""
+        raise NotImplementedError(f"{type(self).__name__} has no method `action_post_step`.")
+
+    def action_shape(self, scene: SceneLike | None = None) -> tuple[int, ...]:
+        """Return the shape of an action."""
+        raise NotImplementedError(f"{type(self).__name__} needs a method `action_shape(scene)` that returns a tuple.")
+
+    def action_bounds(self, scene: SceneLike | None = None) -> tuple[FloatArray, FloatArray]:
+        """Return lowest and highest values of an action, each of shape (n,)."""
+        raise NotImplementedError(f"{type(self).__name__} needs a method `action_bounds()` for this use, such as gymnasium.")
+
+    def set_control_mode(self, robot: Robot) -> None:
+        """Drive the arm as the mode needs it: here by positions."""
+        robot.arm.set_control_loop_enabled(True)
+
+
+class JointPart(ScenePart, joint.JointMode):
+    """What modes share that command the joints for one step."""
+
+    def action_pre_step(self, scene: SceneLike, action: object) -> None:
+        """Command the joints."""
+        self.command(runtime_of(scene), self.values(scene, action))
+
+    def action_step(self, scene: SceneLike, action: object) -> None:
+        """Step the simulation once."""
+        scene.step()
+
+    def action_post_step(self, scene: SceneLike, action: object) -> None:
+        """Come to rest."""
+        self.after(runtime_of(scene))
+
+
+class JointVelocity(JointPart, joint.JointVelocity, ArmActionMode):
+    """Joint velocities [rad/s] for one step; then the arm stops."""
+
+    def set_control_mode(self, robot: Robot) -> None:
+        """Drive the arm by velocities."""
+        robot.arm.set_control_loop_enabled(False)
+        robot.arm.set_motor_locked_at_zero_velocity(True)
+
+
+class JointPosition(JointPart, joint.JointPosition, ArmActionMode):
+    """Joint positions [rad], or changes of the measured ones: one step towards them, then hold.
+
+    Args:
+        absolute_mode: Positions; otherwise changes.
+    """
+
+
+class JointTorque(JointPart, joint.JointTorque, ArmActionMode):
+    """Joint torques [N m], gravity included, until the next action; a positive torque turns a joint the positive way."""
+
+    def set_control_mode(self, robot: Robot) -> None:
+        """Drive the arm without position control."""
+        robot.arm.set_control_loop_enabled(False)
+
+
+class EndEffectorPoseViaPlanning(ScenePart, pose.EndEffectorPoseViaPlanning, ArmActionMode):
+    """A tip pose (7,): plan a timed, smooth motion there and run it to its end, or until the task is done.
+
+    Args:
+        absolute_mode: World pose; otherwise a delta to the present tip pose.
+        frame: Frame of the delta: an item of `RelativeFrame`, or 'world' or 'end effector'; the latter makes the pose relative
+            whatever `absolute_mode` says.
+        collision_checking: Plan around what is in the way, unless the action says otherwise.
+    """
+
+    def __init__(
+        self, absolute_mode: bool = True, frame: FrameChoice = RelativeFrame.WORLD, collision_checking: bool = False
+    ) -> None:
+        super().__init__(absolute_mode, frame, collision_checking)
+        self._absolute_mode, self._frame, self._collision_checking = absolute_mode, frame, collision_checking
+        self._callable_each_step: planned_pose.OnStep | None = None
+
+    def action(self, scene: SceneLike, action: object, ignore_collisions: bool | None = None) -> None:
+        """Plan and run one motion.
+
+        Args:
+            scene: What moves.
+            action: Tip pose (7,): x, y, z [m], qx, qy, qz, qw.
+            ignore_collisions: None: as `collision_checking` says. True: nothing is in the way. False: plan around what is in the
+                way, and where there is no such plan through it.
+
+        Raises:
+            InvalidActionError: The pose cannot be reached, or is no pose; nothing has moved.
+        """
+        target = self.target(runtime_of(scene), self.values(scene, action))
+        ignore = not self.collision_checking if ignore_collisions is None else bool(ignore_collisions)
+        plan = planned_pose.plan_motion(target, ignore, second_try=ignore_collisions is not None)
+        planned_pose.run(scene, plan, self._callable_each_step)
+
+    def set_callable_each_step(self, callable_each_step: Callable[[Observation], object] | None) -> None:
+        """Call a function with an observation after every step of a motion; motions then go on when the task is done."""
+        self._callable_each_step = callable_each_step
+
+    def record_end(self, scene: SceneLike, steps: int = 60, step_scene: bool = True) -> None:
+        """Give further observations to the function of `set_callable_each_step`.
+
+        Args:
+            scene: What is observed.
+            steps: How many.
+            step_scene: Step the simulation before each.
+        """
+        for _ in range(steps if self._callable_each_step is not None else 0):
+            if step_scene:
+                scene.step()
+            self._callable_each_step(scene.get_observation())  # type: ignore[misc]
+
+    def action_shape(self, scene: SceneLike | None = None) -> tuple[int]:
+        """Return the shape of an action, (7,)."""
+        return (7,)
+
+    def _pose_in_end_effector_frame(self, robot: Robot, action: Action) -> FloatArray:
+        """Return the world pose (7,) of a pose that is given in the frame of the tip."""
+        return pose_in_end_effector_frame(robot, action)
+
+    def _quick_boundary_check(self, scene: SceneLike, action: Action) -> None:
+        """Raise InvalidActionError when the position that an action asks for is outside the workspace."""
+        runtime = runtime_of(scene)
+        runtime.check_target_in_workspace(self.target(runtime, np.asarray(action, dtype=float))[:3])
+
+
+class EndEffectorPoseViaIK(ScenePart, pose.EndEffectorPoseViaIK, ArmActionMode):
+    """A tip pose (7,): solve inverse kinematics near the present posture and drive the joints there.
+
+    Args:
+        absolute_mode: World pose; otherwise a delta to the present tip pose.
+        frame: As for `EndEffectorPoseViaPlanning`.
+        collision_checking: Accepted; the motion is not checked.
+    """
+
+    def action_shape(self, scene: SceneLike | None = None) -> tuple[int]:
+        """Return the shape of an action, (7,)."""
+        return (7,)
+
+
+class ERJointViaIK(ScenePart, pose.ERJointViaIK, ArmActionMode):
+    """A tip pose and the angles of some joints: those are pinned, the others are solved for.
+
+    Args:
+        absolute_mode: World pose and absolute angles; otherwise deltas.
+        frame: As for `EndEffectorPoseViaPlanning`.
+        collision_checking: Accepted; the motion is not checked.
+        commanded_joints: Indices of the pinned joints.
+        eps: Joint error at which the action ends [rad].
+        delta_angle: The angle is a delta; needs relative mode and one joint, the first or the last.
+    """
+
+
+def takes_ignore_collisions(mode: object) -> bool:
+    """Whether the `action` of an arm mode can be told to ignore collisions."""
+    return "ignore_collisions" in inspect.signature(mode.action).parameters  # type: ignore[attr-defined]

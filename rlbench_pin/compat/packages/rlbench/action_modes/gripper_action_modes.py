@@ -1,0 +1,127 @@
+"""What the numbers for the hand mean."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rlbench.backend.exceptions import InvalidActionError
+from rlbench_pin.compat.parts import ScenePart
+from rlbench_pin.compat.shapes import assert_action_shape
+from rlbench_pin.compat.unwrap import SceneLike, runtime_of
+from rlbench_pin.environment.actions import gripper as native
+from rlbench_pin.environment.motion import hold_or_release
+from rlbench_pin.spatial import FloatArray
+
+__all__ = ["Discrete", "GripperActionMode", "GripperJointPosition", "InvalidActionError", "assert_action_shape"]
+
+Action = Sequence[float] | FloatArray
+
+
+class GripperActionMode:
+    """Turns numbers into motion of the hand. Derive from it, or from one of the classes below."""
+
+    def action(self, scene: SceneLike, action: Action) -> None:
+        """Run one action to its end."""
+        raise NotImplementedError(f"{type(self).__name__} needs a method `action(scene, action)`.")
+
+    def action_pre_step(self, scene: SceneLike, action: Action) -> None:
+        """Command the hand, before the simulation is stepped."""
+        raise NotImplementedError(f"{type(self).__name__} has no method `action_pre_step`.")
+
+    def action_step(self, scene: SceneLike, action: Action) -> None:
+        """Step the simulation."""
+        raise NotImplementedError(f"{type(self).__name__} has no method `action_step`.")
+
+    def action_post_step(self, scene: SceneLike, action: Action) -> None:
+        """Bring the hand to rest, after the simulation was stepped."""
+        raise NotImplementedError(f"{type(self).__name__} has no method `action_post_step`.")
+
+    def action_shape(self, scene: SceneLike | None = None) -> tuple[int, ...]:
+        """Return the shape of an action."""
+        raise NotImplementedError(f"{type(self).__name__} needs a method `action_shape(scene)` that returns a tuple.")
+
+    def action_bounds(self, scene: SceneLike | None = None) -> tuple[FloatArray, FloatArray]:
+        """Return lowest and highest values of an action, each of shape (n,)."""
+        raise NotImplementedError(f"{type(self).__name__} needs a method `action_bounds()` for this use, such as gymnasium.")
+
+
+class Discrete(ScenePart, native.Discrete, GripperActionMode):
+    """One number: above 0.5 opens the hand, otherwise closes it. Does nothing when the hand is already as asked.
+
+    Args:
+        attach_grasped_objects: Fix graspable objects between the fingers to the hand; None leaves it to the environment.
+        detach_before_open: Let go before the fingers open; otherwise after.
+    """
+
+    def action(self, scene: SceneLike, action: object) -> None:
+        """Open or close until the fingers stand.
+
+        Raises:
+            InvalidActionError: The action is refused; nothing has moved.
+        """
+        self.execute(runtime_of(scene), self.values(scene, action))
+
+    def action_pre_step(self, scene: SceneLike, action: object) -> None:
+        """Send the fingers on their way, for modes that step the simulation themselves."""
+        runtime, wants_open = runtime_of(scene), bool(self.values(scene, action)[0] > 0.5)
+        if wants_open and self.detach_before_open:
+            runtime.gripper.release()
+        goal = 1.0 if wants_open else 0.0
+        if not runtime.gripper.grasped and not np.allclose(
+            runtime.gripper.control.target, goal * runtime.description.gripper_open
+        ):
+            runtime.gripper.set_target(goal, runtime.description.finger_speed)
+
+    def action_step(self, scene: SceneLike, action: object) -> None:
+        """Step the simulation once."""
+        scene.step()
+
+    def action_post_step(self, scene: SceneLike, action: object) -> None:
+        """Let go, or fix to the hand what stopped the fingers."""
+        runtime, wants_open = runtime_of(scene), bool(self.values(scene, action)[0] > 0.5)
+        stands = not runtime.gripper.moving
+        hold_or_release(runtime, release=wants_open, attach=self.attaches(runtime) and stands)
+
+    def action_shape(self, scene: SceneLike | None = None) -> tuple[int]:
+        """Return the shape of an action, (1,)."""
+        return (1,)
+
+
+class GripperJointPosition(ScenePart, native.GripperJointPosition, GripperActionMode):
+    """One number: the position of both fingers [m], or its change, for one step; then the fingers hold.
+
+    Args:
+        attach_grasped_objects: Fix graspable objects to the hand once the fingers can close no further; None leaves it to the
+            environment.
+        detach_before_open: Let go before the fingers open; otherwise after.
+        absolute_mode: A position; otherwise a difference to the measured one.
+    """
+
+    def __init__(
+        self, attach_grasped_objects: bool | None = None, detach_before_open: bool = True, absolute_mode: bool = True
+    ) -> None:
+        super().__init__(attach_grasped_objects, detach_before_open, absolute_mode)
+        self._move: native.FingerMove | None = None
+
+    def action_pre_step(self, scene: SceneLike, action: object) -> None:
+        """Command the fingers."""
+        runtime = runtime_of(scene)
+        self._move = self.command(runtime, self.values(scene, action))
+        if runtime.robot.mode == "torque":
+            runtime.hold()
+
+    def action_step(self, scene: SceneLike, action: object) -> None:
+        """Step the simulation once."""
+        scene.step()
+
+    def action_post_step(self, scene: SceneLike, action: object) -> None:
+        """Attach what stopped the fingers, or let go; then hold."""
+        if self._move is not None:
+            self.after(runtime_of(scene), self._move)
+            self._move = None
+
+    def action_shape(self, scene: SceneLike | None = None) -> tuple[int]:
+        """Return the shape of an action, (1,)."""
+        return (1,)
