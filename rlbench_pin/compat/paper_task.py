@@ -68,10 +68,9 @@ class PaperTask(Task):
 
     # Where things are -------------------------------------------------------------------------------------------------
 
-    @classmethod
-    def get_name(cls) -> str:
-        """Return the name of the user's class in snake case."""
-        return snake_case(cls.user_class.__name__)
+    def get_name(self) -> str:  # type: ignore[override]  # a user may name each object
+        """Return the name that the user's task gives itself; before it is there, that of its class in snake case."""
+        return snake_case(self.user_class.__name__) if self._user is None else str(self.user.get_name())
 
     @classmethod
     def scene_file(cls) -> Path:
@@ -81,9 +80,9 @@ class PaperTask(Task):
             SceneNotFound: There is none.
         """
         module = module_file(cls.user_class)
-        wanted = [module.with_name(f"{cls.get_name()}.toml"), module.with_suffix(".toml")]
+        wanted = [module.with_name(f"{snake_case(cls.user_class.__name__)}.toml"), module.with_suffix(".toml")]
         if cls.user_class.library_name:  # a class made from one of the library's may bring a scene of its own name
-            wanted = [wanted[0], cls.user_class.origin().scene_file()]
+            wanted = [wanted[0], cls.user_class.native_origin().scene_file()]
         found = [file for file in dict.fromkeys(wanted) if file.is_file()]
         if not found:
             raise SceneNotFound(cls.user_class.__name__, wanted)
@@ -110,7 +109,7 @@ class PaperTask(Task):
         rng = self._placement
         if rng is None:
             rng = np.random.default_rng(np.random.randint(2**31 - 1))  # noqa: NPY002
-        return self.user_class.origin().init_episode(self, variation, rng)
+        return self.user_class.native_origin().init_episode(self, variation, rng)
 
     def place(self, rng: np.random.Generator) -> None:
         """Put the whole task, or what the user's task names as its root, somewhere on the table."""
@@ -224,7 +223,7 @@ def module_file(user: type) -> Path:
 @cache
 def adapter_of(user: type[UserTask]) -> type[PaperTask]:
     """Return the native class that asks objects of a user's class."""
-    origin = user.origin()
+    origin = user.native_origin()
     bases = (PaperTask,) if origin is Task else (PaperTask, origin)
     namespace = {"user_class": user, "__doc__": user.__doc__, "__module__": user.__module__}
     return cast("type[PaperTask]", type(user.__name__, bases, namespace))

@@ -68,7 +68,7 @@ class BoundaryObject:
 
     def __init__(self, boundary: Object) -> None:
         self._boundary = boundary
-        self._boundary_bbox = bounding_box(boundary)
+        self._boundary_bbox = BoundingBox(*boundary.get_bounding_box())
         self._is_plane = self._boundary_bbox.max_z - self._boundary_bbox.min_z < FLAT
         self._contained_objects: list[Object] = []
 

@@ -58,14 +58,14 @@ class Task:
     # The task behind it -----------------------------------------------------------------------------------------------
 
     @classmethod
-    def origin(cls) -> type[NativeTask]:
+    def native_origin(cls) -> type[NativeTask]:
         """Return the native class whose behaviour holds for what is not overridden."""
         return library_task(cls.library_name) if cls.library_name else NativeTask
 
     @classmethod
     def native_class(cls) -> type[NativeTask]:
         """Return the native class that runs this one."""
-        return cls.origin() if "library_name" in vars(cls) else adapter_of(cls)
+        return cls.native_origin() if "library_name" in vars(cls) else adapter_of(cls)
 
     def bind(self, native: NativeTask) -> None:
         """Take the native task of the world that was built; a task in the paper's style looks its objects up now."""
@@ -90,7 +90,7 @@ class Task:
         """Look things up and register what never changes; called once."""
         if not self.library_name:
             raise NotImplementedError(f"Task '{self.name}' must define init_task(self).")
-        self.origin().init_task(self.native)
+        type(self).native_origin().init_task(self.native)
 
     def init_episode(self, index: int) -> list[str]:
         """Lay out one episode of variation `index` and return sentences that all ask for the goal."""
@@ -105,28 +105,28 @@ class Task:
         """Return how many variations there are; tasks of the library know it before they are loaded."""
         if not self.library_name:
             raise NotImplementedError(f"Task '{self.name}' must define variation_count(self).")
-        origin = self.origin()
+        origin = type(self).native_origin()
         return origin.variation_count(object.__new__(origin) if self._native is None else self._native)
 
     def get_low_dim_state(self) -> FloatArray:
         """Return the state of the objects, shape (n,): poses of all bodies by name, then all joint values."""
-        return self.origin().get_low_dim_state(self.native)
+        return type(self).native_origin().get_low_dim_state(self.native)
 
     def step(self) -> None:
         """Run after every simulation step."""
-        self.origin().step(self.native)
+        type(self).native_origin().step(self.native)
 
     def reward(self) -> float | None:
         """Return the shaped reward of this instant, or None when the task has none."""
-        return self.origin().reward(self.native)
+        return type(self).native_origin().reward(self.native)
 
     def cleanup(self) -> None:
         """Run after an episode."""
-        self.origin().cleanup(self.native)
+        type(self).native_origin().cleanup(self.native)
 
     def base_rotation_bounds(self) -> RotationBounds:
         """Return the lowest and highest roll, pitch, yaw [rad] of the random rotation; by default what the scene file says."""
-        return self.origin().base_rotation_bounds(self.native)
+        return type(self).native_origin().base_rotation_bounds(self.native)
 
     def boundary_root(self) -> Object:
         """Return what is moved when the task is placed at random; by default the whole task."""
@@ -134,11 +134,11 @@ class Task:
 
     def decorate_observation(self, observation: Observation) -> Observation:
         """Return the observation, perhaps with more in it."""
-        return self.origin().decorate_observation(self.native, observation)
+        return type(self).native_origin().decorate_observation(self.native, observation)
 
     def is_static_workspace(self) -> bool:
         """Return whether the task stays where it is; by default what the scene file says."""
-        return self.origin().is_static_workspace(self.native)
+        return type(self).native_origin().is_static_workspace(self.native)
 
     def set_initial_objects_in_scene(self) -> None:
         """Nothing: which objects the low-dimensional state has, and their order, follows from the scene file."""
@@ -208,7 +208,7 @@ class Task:
 
     def success(self) -> tuple[bool, bool]:
         """Return whether the goal is reached, and whether the episode is over."""
-        return self.origin().success(self.native)
+        return type(self).native_origin().success(self.native)
 
     def validate(self) -> None:
         """Raise WaypointError unless every waypoint can be reached in sequence, collisions ignored."""
@@ -235,8 +235,16 @@ class Task:
 
     def clear_registerings(self) -> None:
         """Forget everything that was registered."""
-        if isinstance(self.native, PaperTask):
-            self.native.forget_registrations()
+        native = self.native
+        if isinstance(native, PaperTask):
+            native.forget_registrations()
+            return
+        native.register_success_conditions([])
+        native.register_fail_conditions([])
+        native.register_graspable_objects([])
+        native.register_waypoints_should_repeat(bool)
+        for waypoint in native.get_waypoints():
+            waypoint.set_hooks(None, None)
 
     def unload(self) -> None:
         """Take the task out of the simulator, its registrations with it."""

@@ -15,7 +15,6 @@ from rlbench_pin.compat.arm_planning import plan_along
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment.turns import poses_of, turned
 from rlbench_pin.errors import PlanningError
-from rlbench_pin.scene.spec import WaypointSpec
 from rlbench_pin.tasks import Waypoint as NativeWaypoint
 
 if TYPE_CHECKING:
@@ -50,7 +49,7 @@ class Waypoint:
         self._waypoint, self._robot, self.native = waypoint, robot, native
         self._start, self._end, self._skip = start_of_path_func, end_of_path_func, False
         self.name = waypoint.get_name()
-        self._ext = waypoint.get_extension_string() if native is None else extension_string(native)
+        self._ext = _extension(waypoint, native)
         self._ignore_collisions = ignore_collisions or "ignore_collision" in self._ext
         self._linear_only = "linear" in self._ext
 
@@ -74,7 +73,7 @@ class Waypoint:
         raise NotImplementedError(f"{type(self).__name__} must define get_path(self, ignore_collisions).")
 
     def get_ext(self) -> str:
-        """Return what happens besides: `ignore_collisions`, `linear`, `open_gripper(x)`, `close_gripper(x)`."""
+        """Return what happens besides: `ignore_collision`, `linear`, `open_gripper(x)`, `close_gripper(x)`."""
         return self._ext
 
     def get_waypoint_object(self) -> Object:
@@ -153,13 +152,8 @@ def waypoint_of(native: NativeWaypoint, robot: Robot) -> Waypoint:
     return kind(Dummy(native.frame.name), robot, native=native)
 
 
-def extension_string(native: NativeWaypoint) -> str:
-    """Return what the scene file says about a waypoint as the text that programs look into."""
-    spec: WaypointSpec = native.spec
-    parts = ["ignore_collisions"] if spec.ignore_collisions else []
-    parts += ["linear"] if spec.path == "straight" else []
-    if isinstance(spec.gripper, str):
-        parts.append(f"{spec.gripper}_gripper()")
-    elif spec.gripper is not None:
-        parts.append(f"{'open' if native.releases else 'close'}_gripper({spec.gripper})")
-    return "; ".join(parts)
+def _extension(waypoint: Object, native: NativeWaypoint | None) -> str:
+    """Return the words of a waypoint; opening to a fraction from further open is called closing."""
+    text = str(waypoint.get_extension_string())
+    closes = native is not None and isinstance(native.gripper, float) and not native.releases
+    return text.replace("open_gripper(", "close_gripper(") if closes else text
