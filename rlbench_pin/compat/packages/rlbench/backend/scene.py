@@ -61,7 +61,6 @@ class Scene(SceneParts):
         self._runtime = self._build(EmptyTable)
         self._start_arm_joint_pos = self._runtime.robot.joint_positions.tolist()
         self._starting_gripper_joint_pos = self._runtime.robot.fingers.tolist()
-        self._initial_robot_state = (robot.arm.get_configuration_tree(), robot.gripper.get_configuration_tree())
         self._set_camera_properties()
 
     def _forget_task(self) -> None:
