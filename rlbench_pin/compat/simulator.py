@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from rlbench_pin.compat.things import ObjectTable
 from rlbench_pin.environment import ObservationConfig
 from rlbench_pin.environment.runtime import EmptyTable, Runtime, RuntimeT, build_runtime
 from rlbench_pin.planning.planner import PlannerConfig
@@ -22,6 +23,7 @@ class Simulator:
     Attributes:
         model: Analytic model of the arm.
         runtime: World, task and planner that views look at; another one after every `load`.
+        objects: Names, handles and parents of everything in that world.
         planning: Settings of the planners that are built from now on.
     """
 
@@ -31,7 +33,9 @@ class Simulator:
     def __init__(self, robot: str = DEFAULT_ROBOT) -> None:
         self.model = RobotModel(robot_description(robot))
         self.planning = PlannerConfig()
-        self.runtime = build_runtime(EmptyTable, self.model, ObservationConfig())
+        config = ObservationConfig()
+        self.runtime: Runtime = build_runtime(EmptyTable, self.model, config)
+        self.objects = ObjectTable(self.runtime, config)
         Simulator.running = self
 
     @classmethod
@@ -44,6 +48,11 @@ class Simulator:
         if cls.running is None:
             raise RuntimeError("No simulator runs. Call `Environment.launch()` or `PyRep().launch()` first.")
         return cls.running
+
+    @classmethod
+    def make_current(cls, simulator: Simulator | None) -> None:
+        """Let views look at `simulator` from now on; programs with several environments switch between theirs."""
+        Simulator.running = simulator
 
     @property
     def world(self) -> World:
@@ -62,7 +71,7 @@ class Simulator:
             task, self.model, config, planning=self.planning, attach_grasped_objects=attach_grasped_objects, kind=kind
         )
         self.runtime.world.close()
-        self.runtime = runtime
+        self.runtime, self.objects = runtime, ObjectTable(runtime, config, self.objects)
         return runtime
 
     def unload(self) -> None:

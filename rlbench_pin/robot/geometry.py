@@ -119,6 +119,18 @@ def overlaps(shape: coal.CollisionGeometry, T_world_shape: pin.SE3, parts: Itera
     return False
 
 
+def gap(first: Iterable[Part], T_world_first: pin.SE3, second: Iterable[Part], T_world_second: pin.SE3) -> float:
+    """Return the smallest distance between the shapes of two links [m]; 0 where they touch, infinite without shapes."""
+    others = [(shape, to_transform(T_world_second * T_link_shape)) for shape, T_link_shape in second]
+    least = float("inf")
+    for shape, T_link_shape in first:
+        placed = to_transform(T_world_first * T_link_shape)
+        for other, there in others:
+            result = coal.DistanceResult()
+            least = min(least, max(0.0, coal.distance(shape, placed, other, there, coal.DistanceRequest(), result)))
+    return least
+
+
 def to_transform(placement: pin.SE3) -> coal.Transform3s:
     """Convert a Pinocchio placement to Coal's."""
     return coal.Transform3s(placement.rotation, placement.translation)

@@ -10,7 +10,7 @@ from rlbench_pin.sim.render.camera import CameraView, Pictures, look_at
 from rlbench_pin.sim.render.egl import RENDERERS, EglMissing, RendererName
 from rlbench_pin.sim.render.lighting import Light, Lighting
 from rlbench_pin.sim.render.shadows import ShadowMap
-from rlbench_pin.sim.render.texture import read_texture
+from rlbench_pin.sim.render.texture import Texture, read_texture
 from rlbench_pin.sim.sensor import Sensor
 from rlbench_pin.sim.state import WorldState
 from rlbench_pin.sim.world import World
@@ -34,6 +34,7 @@ __all__ = [
     "ShadowMap",
     "SimGripper",
     "SimRobot",
+    "Texture",
     "World",
     "WorldState",
     "look_at",

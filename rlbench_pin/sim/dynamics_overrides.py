@@ -32,8 +32,32 @@ class DynamicsOverrides:
             }
             if "jointDamping" in original:
                 changed["jointDamping"] = original["jointDamping"] * damping
-            self._changed[model.uid, link] = changed
-            bullet.changeDynamics(model.uid, link, physicsClientId=model.client.id, **changed)
+            self._change(model, link, changed)
+
+    def mass(self, model: LoadedModel, link: int) -> float:
+        """Mass of a link [kg], 0 when it cannot move."""
+        return float(bullet.getDynamicsInfo(model.uid, link, physicsClientId=model.client.id)[0])
+
+    def set_mass(self, model: LoadedModel, link: int, mass: float) -> None:
+        """Give a link another mass [kg]; its inertia grows alike."""
+        original = self._original(model, link)
+        factor = mass / original["mass"]
+        self._change(model, link, {"mass": mass, "localInertiaDiagonal": [i * factor for i in original["localInertiaDiagonal"]]})
+
+    def friction(self, model: LoadedModel, link: int) -> float:
+        """Coefficient of sliding friction of a link."""
+        return float(bullet.getDynamicsInfo(model.uid, link, physicsClientId=model.client.id)[1])
+
+    def set_friction(self, model: LoadedModel, link: int, friction: float) -> None:
+        """Give a link another coefficient of sliding friction."""
+        self._original(model, link)
+        self._change(model, link, {"lateralFriction": friction})
+
+    def forget(self, model: LoadedModel) -> None:
+        """Forget a body that is taken away."""
+        for links in (self._originals, self._changed):
+            for key in [k for k in links if k[0] == model.uid]:
+                del links[key]
 
     def scale_gains(self, factor: float) -> None:
         """Multiply the position gain of the arm's motors."""
@@ -52,6 +76,10 @@ class DynamicsOverrides:
         """Apply the present overrides in a physics server that was built again."""
         for (uid, link), changed in self._changed.items():
             bullet.changeDynamics(uid, link, physicsClientId=self._robot.model.client.id, **changed)
+
+    def _change(self, model: LoadedModel, link: int, changed: dict[str, Any]) -> None:
+        self._changed[model.uid, link] = {**self._changed.get((model.uid, link), {}), **changed}
+        bullet.changeDynamics(model.uid, link, physicsClientId=model.client.id, **changed)
 
     def _original(self, model: LoadedModel, link: int) -> dict[str, Any]:
         key = (model.uid, link)

@@ -110,6 +110,28 @@ class PlaceTree:
                 f"'{parent}' cannot be the parent of '{child}', because it is a descendant of '{child}' itself."
             )
 
+    def parent(self, name: str) -> str | None:
+        """Return what a body or frame moves with, as a scene file says it; None for what has no parent."""
+        if name in self.frames:
+            return self.frames[name].parent
+        return self._bodies[name].parent if name in self._bodies else None
+
+    def set_parent(self, name: str, parent: str) -> None:
+        """Let a body of the scene move with another thing from now on; it stays where it is.
+
+        Args:
+            name: Name of the body.
+            parent: `root`, `world`, `<body>`, `<body>/<link>` or the name of a frame.
+
+        Raises:
+            RlbenchPinError: The parent is a descendant of the body.
+            UnknownName: There is no such parent, or no such body.
+        """
+        if name not in self._bodies:
+            raise UnknownName("body of this scene", name, tuple(self._bodies))
+        self.check_parent(name, parent)
+        self._bodies[name] = self._bodies[name].model_copy(update={"parent": parent})
+
     def _ancestors(self, name: str) -> tuple[str, ...]:
         """Names of the parent of `name`, of its parent, and so on."""
         ancestors: list[str] = []

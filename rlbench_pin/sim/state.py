@@ -10,7 +10,7 @@ import tempfile
 import weakref
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.scene.spec import BodySpec
@@ -26,6 +26,18 @@ if TYPE_CHECKING:
 
 _FAR, _SPACING, _SHIFT = 1000.0, 20.0, 10.0  # [m]
 _DETECTIONS = 20
+
+
+class StateKeeper(Protocol):
+    """Something beside the world that is saved and restored with it, in memory."""
+
+    def state(self) -> object:
+        """Return what is to be remembered; it is never changed afterwards."""
+        ...
+
+    def set_state(self, state: object) -> None:
+        """Go back to what `state()` returned; the world has been restored before."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +62,8 @@ class LogicalState:
     """Parent and local pose of each frame."""
     bodies: dict[str, LogicalBodyState]
     spawned: dict[str, BodySpec]
+    kept: tuple[object, ...] | None = None
+    """What each of `World.keepers` gave; None leaves them as they are."""
 
 
 class Physics:
@@ -195,6 +209,7 @@ def read_logical_state(world: World) -> LogicalState:
         {name: frame.state() for name, frame in world.frames.items()},
         {name: _read_body(body) for name, body in (*world.bodies.items(), *world.room.items())},
         dict(world.spawned),
+        tuple(keeper.state() for keeper in world.keepers),
     )
 
 
@@ -215,6 +230,8 @@ def write_logical_state(world: World, logical: LogicalState) -> None:
     world.robot.set_control(logical.arm)
     world.gripper.set_control(logical.fingers)
     world.set_ticks(logical.ticks)
+    for keeper, kept in zip(world.keepers, logical.kept or ()):
+        keeper.set_state(kept)
 
 
 def _write_body(body: Body, logical: LogicalBodyState) -> None:

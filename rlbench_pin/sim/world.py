@@ -24,6 +24,7 @@ from rlbench_pin.sim.contacts import Contact
 from rlbench_pin.sim.contents import Contents
 from rlbench_pin.sim.dynamics_overrides import DynamicsOverrides
 from rlbench_pin.sim.frame import Frame, Region
+from rlbench_pin.sim.places import PlaceTree
 from rlbench_pin.sim.render.camera import CameraView, Pictures
 from rlbench_pin.sim.render.egl import RendererName
 from rlbench_pin.sim.render.renderer import Renderer
@@ -55,6 +56,7 @@ class World:
         dynamics_overrides: Scaled masses, friction, damping and gains.
         on_step: Called after every tick.
         on_physics: Called before every physics step; may command the arm.
+        keepers: What others keep beside the world and want saved and restored with it.
         client: The physics server, for modules of this folder only.
         saved_states: States that can still be restored; one is freed when nothing refers to it any more.
     """
@@ -73,6 +75,7 @@ class World:
         self._ticks = 0
         self.on_step: list[Callable[[], None]] = []
         self.on_physics: list[Callable[[], None]] = []
+        self.keepers: list[state.StateKeeper] = []
         self.client = open_client(timestep, renderer)
         self._finalizer = weakref.finalize(self, self.client.close)
         self.saved_states: weakref.WeakSet[WorldState] = weakref.WeakSet()
@@ -129,6 +132,11 @@ class World:
     def placement(self, name: str) -> pin.SE3:
         """Return T_world_x of a body, a link, a frame, `root` or `world`."""
         return self._places.placement(name)
+
+    @property
+    def places(self) -> PlaceTree:
+        """The tree of parents and children."""
+        return self._places
 
     @property
     def masks(self) -> Mapping[int, str]:
@@ -193,6 +201,7 @@ class World:
         """
         if name in self.gripper.grasped and name in self._contents.spawned:
             self.gripper.release()
+        self.dynamics_overrides.forget(self.body(name).model)
         self._contents.remove(name)
 
     @property
@@ -216,13 +225,7 @@ class World:
         return capture(self.room.values(), self.bodies.values(), self.robot, self.gripper)
 
     def render(
-        self,
-        camera: CameraView,
-        *,
-        rgb: bool = True,
-        depth: bool = True,
-        mask: bool = True,
-        shadows: bool | ShadowMap = False,
+        self, camera: CameraView, *, rgb: bool = True, depth: bool = True, mask: bool = True, shadows: bool | ShadowMap = False
     ) -> Pictures:
         """Take pictures; see `Renderer.render`."""
         return self.renderer.render(camera, rgb=rgb, depth=depth, mask=mask, shadows=shadows)

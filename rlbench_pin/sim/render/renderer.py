@@ -97,6 +97,10 @@ class Renderer:
         """
         self._link_textures[body, link] = texture
 
+    def clear_link_texture(self, body: int, link: int) -> None:
+        """Draw no texture over one link; the numbers are PyBullet's."""
+        self._link_textures.pop((body, link), None)
+
     def clear_link_textures(self) -> None:
         """Draw no textures over links."""
         self._link_textures.clear()

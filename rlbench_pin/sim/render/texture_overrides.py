@@ -69,6 +69,32 @@ class TextureOverrides:
         """Put a texture on table, floor, ceiling or a wall in place of its own."""
         self._room[name].texture = texture
 
+    def clear_body(self, name: str) -> None:
+        """Give one body its own looks back."""
+        body = self._bodies[name]
+        for link in body.visual_links:
+            self._renderer.clear_link_texture(body.model.uid, link)
+        if name in self._white_bodies:
+            self._white_bodies.remove(name)
+            body.repaint()
+
+    def clear_room_body(self, name: str) -> None:
+        """Give table, floor, ceiling or a wall its own texture back."""
+        self._room[name].texture = None
+
+    def clear_robot_link(self, link: int) -> None:
+        """Give one link of the arm its own colours back."""
+        self._renderer.clear_link_texture(self._robot.uid, link)
+        if link in self._white_robot_links:
+            self._white_robot_links.remove(link)
+            self._repaint_robot_link(link)
+
+    def _repaint_robot_link(self, link: int) -> None:
+        for shape, color in enumerate(self._robot_colors[link]):
+            bullet.changeVisualShape(
+                self._robot.uid, link, shapeIndex=shape, rgbaColor=color, physicsClientId=self._robot.client.id
+            )
+
     def apply_again(self) -> None:
         """Apply the present overrides in a physics server that was built again."""
         for link in self._white_robot_links:
@@ -85,10 +111,7 @@ class TextureOverrides:
         for name in self._white_bodies & set(self._bodies):
             self._bodies[name].repaint()
         for link in self._white_robot_links:
-            for shape, color in enumerate(self._robot_colors[link]):
-                bullet.changeVisualShape(
-                    self._robot.uid, link, shapeIndex=shape, rgbaColor=color, physicsClientId=self._robot.client.id
-                )
+            self._repaint_robot_link(link)
         self._white_bodies, self._white_robot_links = set(), set()
 
 

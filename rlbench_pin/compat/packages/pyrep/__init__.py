@@ -1,1 +1,5 @@
-"""The names of PyRep as views on the simulated world of rlbench_pin; see `docs/compatibility.md`."""
+"""The simulator and its things under names that programs know, as views on the world of `rlbench_pin`."""
+
+from pyrep.pyrep import PyRep
+
+__all__ = ["PyRep"]

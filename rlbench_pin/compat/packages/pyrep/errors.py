@@ -1,0 +1,51 @@
+"""Errors that users of scene objects catch; all are errors of this package as well."""
+
+from __future__ import annotations
+
+from rlbench_pin.compat.things import UnknownObject, UnsupportedCall
+from rlbench_pin.errors import RlbenchPinError
+
+__all__ = [
+    "ConfigurationError",
+    "ConfigurationPathError",
+    "GripperError",
+    "IKError",
+    "ObjectAlreadyRemovedError",
+    "ObjectIsNotModelError",
+    "PyRepError",
+    "UnknownObject",
+    "UnsupportedCall",
+    "WrongObjectTypeError",
+]
+
+
+class PyRepError(RlbenchPinError):
+    """Base class of the errors of this package."""
+
+
+class WrongObjectTypeError(PyRepError):
+    """A name belongs to a thing of another type."""
+
+
+class ObjectAlreadyRemovedError(PyRepError):
+    """A thing was used after `remove()`."""
+
+
+class ObjectIsNotModelError(PyRepError):
+    """A call for models was made on something else."""
+
+
+class GripperError(PyRepError):
+    """The hand cannot do what it was asked."""
+
+
+class ConfigurationError(PyRepError):
+    """No joint configuration of the arm does what was asked."""
+
+
+class ConfigurationPathError(PyRepError):
+    """No path of the arm was found."""
+
+
+class IKError(PyRepError):
+    """No joint configuration reaches a pose."""

@@ -1,0 +1,107 @@
+"""Paths through space."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import ClassVar
+
+import numpy as np
+
+from pyrep.errors import PyRepError
+from pyrep.objects.object import Object
+from pyrep.objects.poses import euler_to_matrix, matrix_to_euler
+from rlbench_pin.compat import curves
+from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.compat.things import Element, ObjectType, Placed
+from rlbench_pin.spatial import IDENTITY, FloatArray, matrix_to_pose, pose_to_matrix, relative
+
+
+class CartesianPath(Object):
+    """A curve through poses: a waypoint of the scene with `path = "curve"`, or one that a program made."""
+
+    kinds: ClassVar[tuple[ObjectType, ...]] = ("path",)
+
+    @classmethod
+    def create(
+        cls,
+        show_line: bool = True,
+        show_orientation: bool = True,
+        show_position: bool = True,
+        closed_path: bool = False,
+        automatic_orientation: bool = True,
+        flat_path: bool = False,
+        keep_x_up: bool = False,
+        line_size: int = 1,
+        length_calculation_method: int = 0,
+        control_point_size: float = 0.01,
+        ang_to_lin_conv_coeff: float = 1.0,
+        virt_dist_scale_factor: float = 1.0,
+        paths: Sequence[float] | None = None,
+    ) -> CartesianPath:
+        """Make a path without points at the origin of the world; it stays until `remove()`. Paths are not drawn.
+
+        Args:
+            show_line: Accepted.
+            show_orientation: Accepted.
+            show_position: Accepted.
+            closed_path: The last point leads back to the first.
+            automatic_orientation: Accepted; orientations are those of the points.
+            flat_path: Accepted.
+            keep_x_up: Accepted.
+            line_size: Accepted.
+            length_calculation_method: Accepted; lengths are those of the positions.
+            control_point_size: Accepted.
+            ang_to_lin_conv_coeff: Accepted.
+            virt_dist_scale_factor: Accepted.
+            paths: Accepted.
+        """
+        table = Simulator.current().objects
+        name = table.free_name("Path")
+        table.placed[name] = Placed("path", IDENTITY.copy(), extra={"closed": closed_path})
+        return cls(Element("placed", name))
+
+    def insert_control_points(self, poses: Sequence[Sequence[float]]) -> None:
+        """Put points behind those there are.
+
+        Args:
+            poses: Each x, y, z [m] and Euler angles a, b, c [rad], in world coordinates.
+        """
+        if self.element.kind != "placed":
+            raise PyRepError(
+                f"The points of '{self.get_name()}' are part of the scene file. Make a path with `CartesianPath.create`."
+            )
+        placed, frame = self.table.placed[self.element.name], self.get_pose()
+        points = [relative(_pose_of(pose), frame) for pose in poses]
+        self.table.placed[self.element.name] = replace(placed, points=(*placed.points, *points))
+
+    def get_poses(self) -> FloatArray:
+        """Return the poses (n, 7) of its points in the world, the first one repeated at the end of a closed path."""
+        return curves.world_points(self.table, self.element)
+
+    def get_pose_on_path(self, relative_distance: float) -> tuple[list[float], list[float]]:
+        """Return position [m] and Euler angles [rad] at a share of its length.
+
+        Args:
+            relative_distance: 0 at the first point to 1 at the last.
+        """
+        pose = curves.pose_at(self.get_poses(), float(relative_distance))
+        return pose[:3].tolist(), matrix_to_euler(pose_to_matrix(pose)[:3, :3]).tolist()
+
+    def remove(self) -> None:
+        """Take it out of the scene.
+
+        Raises:
+            PyRepError: It belongs to the scene file.
+        """
+        if self.element.kind != "placed":
+            raise PyRepError(f"'{self.get_name()}' belongs to the scene file and cannot be removed.")
+        del self.table.placed[self.element.name]
+        self._removed = True
+
+
+def _pose_of(numbers: Sequence[float]) -> FloatArray:
+    matrix = np.eye(4)
+    matrix[:3, 3] = numbers[:3]
+    matrix[:3, :3] = euler_to_matrix(np.asarray(numbers[3:6], dtype=float))
+    return matrix_to_pose(matrix)

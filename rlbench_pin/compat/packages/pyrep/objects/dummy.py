@@ -1,0 +1,50 @@
+"""Dummies: places without a shape."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from pyrep.errors import PyRepError
+from pyrep.objects.object import Object
+from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.compat.things import Element, ObjectType, Placed
+from rlbench_pin.spatial import IDENTITY
+
+
+class Dummy(Object):
+    """A frame or waypoint of the scene, the root of the task, the tip of the arm, or what a program made."""
+
+    kinds: ClassVar[tuple[ObjectType, ...]] = ("dummy",)
+
+    @classmethod
+    def create(cls, size: float = 0.01) -> Dummy:
+        """Make a dummy at the origin of the world.
+
+        It stays until `remove()`. One that hangs in a task goes back with it at a reset, and is gone when that task is; one that
+        was hung there during an episode is gone after the next reset.
+
+        Args:
+            size: Accepted; dummies are not drawn.
+        """
+        table = Simulator.current().objects
+        name = table.free_name("Dummy")
+        table.placed[name] = Placed("dummy", IDENTITY.copy(), extra={"size": size})
+        return cls(Element("placed", name))
+
+    def copy(self) -> Dummy:
+        """Make another one at the same place, on the same parent."""
+        made = Dummy.create()
+        made.set_pose(self.get_pose())
+        made.set_parent(self.get_parent())
+        return made
+
+    def remove(self) -> None:
+        """Take it out of the scene.
+
+        Raises:
+            PyRepError: It belongs to the scene file.
+        """
+        if self.element.kind != "placed":
+            raise PyRepError(f"'{self.get_name()}' belongs to the scene file and cannot be removed.")
+        del self.table.placed[self.element.name]
+        self._removed = True

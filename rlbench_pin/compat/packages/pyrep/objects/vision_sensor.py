@@ -1,0 +1,267 @@
+"""Cameras that take pictures when asked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from pyrep.const import PerspectiveMode, RenderMode
+from pyrep.errors import PyRepError, UnsupportedCall
+from pyrep.objects.object import Object
+from rlbench_pin.compat import pictures
+from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.compat.things import CameraSettings, Element, ObjectType, Placed
+from rlbench_pin.sim import CameraView
+from rlbench_pin.spatial import IDENTITY
+
+
+class VisionSensor(Object):
+    """A camera: one of the five of observations, their twins for masks, or one that a program made.
+
+    The camera's frame has z forward, x to the left, y up. Pictures show the present instant and come top row first.
+    """
+
+    kinds: ClassVar[tuple[ObjectType, ...]] = ("vision_sensor",)
+
+    @classmethod
+    def create(
+        cls,
+        resolution: Sequence[int],
+        explicit_handling: bool = False,
+        perspective_mode: bool = True,
+        show_volume_not_detecting: bool = True,
+        show_volume_detecting: bool = True,
+        passive: bool = False,
+        use_local_lights: bool = False,
+        show_fog: bool = True,
+        near_clipping_plane: float = 1e-2,
+        far_clipping_plane: float = 10.0,
+        view_angle: float = 60.0,
+        ortho_size: float = 1.0,
+        sensor_size: float | None = None,
+        render_mode: RenderMode = RenderMode.OPENGL3,
+        position: Sequence[float] | None = None,
+        orientation: Sequence[float] | None = None,
+    ) -> VisionSensor:
+        """Make a camera at the origin of the world; it stays until `remove()`, through resets and tasks.
+
+        Args:
+            resolution: Width and height [px].
+            explicit_handling: Allow `handle_explicitly`.
+            perspective_mode: Must be True.
+            show_volume_not_detecting: Accepted.
+            show_volume_detecting: Accepted.
+            passive: Accepted.
+            use_local_lights: Accepted.
+            show_fog: Accepted.
+            near_clipping_plane: Near plane [m].
+            far_clipping_plane: Far plane [m].
+            view_angle: Field of view of the longer side [deg].
+            ortho_size: Accepted.
+            sensor_size: Accepted.
+            render_mode: OPENGL3 with shadows, OPENGL without, OPENGL_COLOR_CODED for handles as colours.
+            position: Where, (3,) [m]; None is the origin.
+            orientation: Euler angles (3,) [rad].
+        """
+        if not perspective_mode:
+            raise _no_parallel_view()
+        width, height = (int(v) for v in resolution)
+        camera = CameraSettings(
+            (width, height),
+            float(view_angle),
+            near_clipping_plane,
+            far_clipping_plane,
+            _mode(render_mode).name,
+            explicit_handling,
+        )
+        pictures.check(camera)
+        table = Simulator.current().objects
+        name = table.free_name("Vision_sensor")
+        table.placed[name] = Placed("vision_sensor", IDENTITY.copy(), camera=camera)
+        sensor = cls(Element("placed", name))
+        if position is not None:
+            sensor.set_position(position)
+        if orientation is not None:
+            sensor.set_orientation(orientation)
+        return sensor
+
+    # Pictures --------------------------------------------------------------------------------------------------------
+
+    def view(self) -> CameraView:
+        """Return what it sees now, as pure geometry."""
+        return pictures.view(self.table, self.element)
+
+    def handle_explicitly(self) -> None:
+        """Nothing: pictures show the present instant in any case.
+
+        Raises:
+            RuntimeError: Explicit handling is off.
+        """
+        if not self.get_explicit_handling():
+            raise RuntimeError("Explicit handling is off. Call `set_explicit_handling(1)` first, or just capture.")
+
+    def capture_rgb(self) -> np.ndarray:
+        """Take a picture: float32 (h, w, 3) in 0..1; of twins for masks the handles, spread over the channels."""
+        return pictures.rgb(self.table, self.element)
+
+    def capture_depth(self, in_meters: bool = False) -> np.ndarray:
+        """Measure depth along the axis: float32 (h, w), in 0..1 from near to far plane, or in [m]."""
+        return pictures.depth(self.table, self.element, in_meters)
+
+    def capture_pointcloud(self) -> np.ndarray:
+        """Return world coordinates of every pixel (h, w, 3) [m]."""
+        return self.pointcloud_from_depth(self.capture_depth(in_meters=True))
+
+    def pointcloud_from_depth(self, depth: np.ndarray) -> np.ndarray:
+        """Return world coordinates of every pixel (h, w, 3) [m] of a depth picture (h, w) [m] of this camera."""
+        return self.pointcloud_from_depth_and_camera_params(depth, self.get_matrix(), self.get_intrinsic_matrix())
+
+    @staticmethod
+    def pointcloud_from_depth_and_camera_params(depth: np.ndarray, extrinsics: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:
+        """Return world coordinates of every pixel: extrinsics * inverse(intrinsics) * (u, v, 1) * depth.
+
+        Args:
+            depth: (h, w) [m].
+            extrinsics: (4, 4) from camera to world.
+            intrinsics: (3, 3).
+
+        Returns:
+            (h, w, 3) [m].
+        """
+        return pictures.point_cloud(depth, extrinsics, intrinsics)
+
+    def get_intrinsic_matrix(self) -> np.ndarray:
+        """Return the intrinsics (3, 3) with negative focal lengths [px]."""
+        return self.view().intrinsics()
+
+    # Settings --------------------------------------------------------------------------------------------------------
+
+    @property
+    def camera(self) -> CameraSettings:
+        """All settings."""
+        return pictures.settings(self.table, self.element)
+
+    def change(self, **changes: Any) -> None:
+        """Change some of the settings."""
+        pictures.set_settings(self.table, self.element, replace(self.camera, **changes))
+
+    def get_resolution(self) -> list[int]:
+        """Return width and height [px]."""
+        return list(self.camera.size)
+
+    def set_resolution(self, resolution: Sequence[int]) -> None:
+        """Set width and height [px]; of a camera of observations, those of the observations."""
+        width, height = (int(v) for v in resolution)
+        self.change(size=(width, height))
+
+    def get_perspective_mode(self) -> PerspectiveMode:
+        """Return PERSPECTIVE."""
+        return PerspectiveMode.PERSPECTIVE
+
+    def set_perspective_mode(self, perspective_mode: PerspectiveMode) -> None:
+        """Accept PERSPECTIVE.
+
+        Raises:
+            UnsupportedCall: ORTHOGRAPHIC.
+        """
+        if perspective_mode != PerspectiveMode.PERSPECTIVE:
+            raise _no_parallel_view()
+
+    def get_perspective_angle(self) -> float:
+        """Return the field of view of the longer side [deg]."""
+        return self.camera.angle
+
+    def set_perspective_angle(self, angle: float) -> None:
+        """Set the field of view of the longer side [deg]."""
+        self.change(angle=float(angle))
+
+    def get_orthographic_size(self) -> float:
+        """Refused: there is no parallel view."""
+        raise _no_parallel_view()
+
+    def set_orthographic_size(self, ortho_size: float) -> None:
+        """Refused: there is no parallel view."""
+        raise _no_parallel_view()
+
+    def get_near_clipping_plane(self) -> float:
+        """Return the near plane [m]."""
+        return self.camera.near
+
+    def set_near_clipping_plane(self, near_clipping: float) -> None:
+        """Set the near plane [m]."""
+        self.change(near=float(near_clipping))
+
+    def get_far_clipping_plane(self) -> float:
+        """Return the far plane [m]."""
+        return self.camera.far
+
+    def set_far_clipping_plane(self, far_clipping: float) -> None:
+        """Set the far plane [m]."""
+        self.change(far=float(far_clipping))
+
+    def get_render_mode(self) -> RenderMode:
+        """Return how pictures are drawn."""
+        return RenderMode[self.camera.render_mode]
+
+    def set_render_mode(self, render_mode: RenderMode) -> None:
+        """Set how pictures are drawn."""
+        self.change(render_mode=_mode(render_mode).name)
+
+    def get_windowed_size(self) -> Sequence[int]:
+        """Return the size of its window: (0, 0), there is none."""
+        return (0, 0)
+
+    def set_windowed_size(self, resolution: Sequence[int] = (0, 0)) -> None:
+        """Accepted: there is no window."""
+
+    def get_explicit_handling(self) -> int:
+        """Return 1 when `handle_explicitly` may be called."""
+        return int(self.camera.explicit_handling)
+
+    def set_explicit_handling(self, value: int) -> None:
+        """Allow `handle_explicitly`, or not."""
+        if self.element.kind == "placed":
+            self.change(explicit_handling=bool(value))
+
+    def set_entity_to_render(self, entity_to_render: Object | int | None) -> None:
+        """Accept everything (None or -1).
+
+        Raises:
+            UnsupportedCall: One thing alone.
+        """
+        if entity_to_render not in (None, -1):
+            raise UnsupportedCall(
+                "set_entity_to_render", "cameras see the whole scene.", "Cut things out of the picture by their masks."
+            )
+
+    def copy(self) -> VisionSensor:
+        """Make another camera with the same settings at the same place."""
+        camera = replace(self.camera, explicit_handling=True)
+        table = self.table
+        name = table.free_name("Vision_sensor")
+        table.placed[name] = Placed("vision_sensor", self.get_pose(), camera=camera)
+        return VisionSensor(Element("placed", name))
+
+    def remove(self) -> None:
+        """Take it away; the five cameras of observations stay, and just see nothing more.
+
+        Raises:
+            PyRepError: It is the twin of one of the five cameras.
+        """
+        element = self.element
+        if element.kind == "placed":
+            del self.table.placed[element.name]
+        elif not pictures.switch_off(self.table, element):
+            raise PyRepError(f"'{element.name}' goes with its camera. Switch masks off in the observation config.")
+        self._removed = True
+
+
+def _mode(render_mode: RenderMode | str) -> RenderMode:
+    return render_mode if isinstance(render_mode, RenderMode) else RenderMode[str(render_mode).upper()]
+
+
+def _no_parallel_view() -> UnsupportedCall:
+    return UnsupportedCall("an orthographic camera", "pictures are perspective here.", "Use a small angle from far away.")

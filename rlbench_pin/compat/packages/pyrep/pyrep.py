@@ -1,0 +1,212 @@
+"""The simulator: one per process."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from pyrep.const import ObjectType, Verbosity
+from pyrep.errors import PyRepError, UnsupportedCall
+from pyrep.objects.object import Object, views_of
+from pyrep.objects.shape import Shape
+from pyrep.textures.texture import Texture, TextureHolder
+from rlbench_pin.compat import configuration
+from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.sim import read_texture
+
+_OWN_SCENE = "task_design.ttt"
+"""Name of the scene that stands for the empty table."""
+
+
+class PyRep:
+    """Starts the simulator and steps it. There is no window: `headless` and `responsive_ui` change nothing."""
+
+    def __init__(self) -> None:
+        self.running = False
+        self._simulator: Simulator | None = None
+
+    # Start and end ---------------------------------------------------------------------------------------------------
+
+    def launch(
+        self,
+        scene_file: str = "",
+        headless: bool = False,
+        responsive_ui: bool = False,
+        blocking: bool = False,
+        verbosity: Verbosity = Verbosity.NONE,
+    ) -> None:
+        """Start the simulator with the arm at an empty table.
+
+        Args:
+            scene_file: Empty, or the name of the empty table (`rlbench.backend.const.TTT_FILE`).
+            headless: Accepted; nothing is shown on a screen.
+            responsive_ui: Accepted.
+            blocking: Accepted.
+            verbosity: Accepted; the simulator is silent.
+
+        Raises:
+            PyRepError: It runs already.
+            UnsupportedCall: The file is a scene of another simulator.
+        """
+        if self._simulator is not None:
+            raise PyRepError("The simulator runs already. Call `shutdown()` first.")
+        if scene_file and Path(scene_file).name != _OWN_SCENE:
+            raise UnsupportedCall(
+                f"launch({scene_file!r})",
+                "scenes of other simulators cannot be read.",
+                "Launch without a file, and write a scene as TOML beside your task (`rlbench-pin new`).",
+            )
+        self._simulator = Simulator()
+
+    @property
+    def simulator(self) -> Simulator:
+        """What is simulated.
+
+        Raises:
+            PyRepError: It does not run.
+        """
+        if self._simulator is None:
+            raise PyRepError("The simulator is not launched. Call `launch()` first.")
+        return self._simulator
+
+    def shutdown(self) -> None:
+        """Free the simulator; calling it again changes nothing."""
+        self.running = False
+        if self._simulator is not None:
+            self._simulator.close()
+            self._simulator = None
+
+    def start(self) -> None:
+        """Begin to simulate."""
+        self.simulator.world.end_building()
+        self.running = True
+
+    def stop(self) -> None:
+        """End simulating; things stay where they are."""
+        self.running = False
+
+    def step(self) -> None:
+        """Advance by one control tick of 0.05 s, with the task's own step and callbacks.
+
+        Raises:
+            PyRepError: `start` was not called.
+        """
+        if not self.running:
+            raise PyRepError("The simulation is stopped. Call `start()` first.")
+        self.simulator.runtime.step()
+
+    def step_ui(self) -> None:
+        """Nothing: there is no window, and pictures show the present instant in any case."""
+
+    def set_simulation_timestep(self, dt: float) -> None:
+        """Accept the length of a control tick that is used.
+
+        Raises:
+            UnsupportedCall: Another length.
+        """
+        if abs(dt - self.get_simulation_timestep()) > 1e-9:
+            raise UnsupportedCall(
+                f"set_simulation_timestep({dt})",
+                "control ticks are 0.05 s long.",
+                "Step several times, or build `rlbench_pin.sim.World` alone.",
+            )
+
+    def get_simulation_timestep(self) -> float:
+        """Return the length of a control tick [s]."""
+        return self.simulator.world.control_dt
+
+    # Things ----------------------------------------------------------------------------------------------------------
+
+    def get_objects_in_tree(
+        self,
+        root_object: Object | None = None,
+        object_type: ObjectType = ObjectType.ALL,
+        exclude_base: bool = True,
+        first_generation_only: bool = False,
+    ) -> list[Object]:
+        """Return what hangs on a thing.
+
+        Args:
+            root_object: On what; None is the world.
+            object_type: Only things of this type.
+            exclude_base: Leave `root_object` out.
+            first_generation_only: Direct children only.
+        """
+        if root_object is not None:
+            return root_object.get_objects_in_tree(object_type, exclude_base, first_generation_only)
+        table = self.simulator.objects
+        elements = list(table.elements())
+        return views_of(table.children(None) if first_generation_only else elements, object_type)
+
+    def create_texture(
+        self,
+        filename: str,
+        interpolate: bool = True,
+        decal_mode: bool = False,
+        repeat_along_u: bool = False,
+        repeat_along_v: bool = False,
+    ) -> tuple[TextureHolder, Texture]:
+        """Read a picture for `Shape.set_texture`.
+
+        Args:
+            filename: The picture.
+            interpolate: Accepted.
+            decal_mode: Accepted.
+            repeat_along_u: Accepted.
+            repeat_along_v: Accepted.
+
+        Returns:
+            A stand-in for the shape that other simulators keep a texture on (it can be removed), and the texture.
+
+        Raises:
+            AssetNotFound: There is no such file.
+        """
+        read_texture(Path(filename))
+        return TextureHolder(), Texture(str(filename))
+
+    def set_configuration_tree(self, config_tree: configuration.ConfigurationTree) -> None:
+        """Put things back to where `Object.get_configuration_tree` found them, at rest."""
+        configuration.write(self.simulator.objects, config_tree)
+
+    def group_objects(self, objects: Sequence[Shape]) -> Shape:
+        """Refused: bodies are not joined at run time."""
+        raise UnsupportedCall(
+            "group_objects",
+            "bodies are not joined at run time.",
+            "Make one with several links as URDF, or hang one on the other.",
+        )
+
+    def merge_objects(self, objects: Sequence[Shape]) -> Shape:
+        """Refused: bodies are not joined at run time."""
+        raise UnsupportedCall(
+            "merge_objects", "bodies are not joined at run time.", "Join the meshes first, then `Shape.create_mesh`."
+        )
+
+    def import_model(self, filename: str) -> Object:
+        """Refused: ttm models cannot be read."""
+        raise UnsupportedCall(
+            f"import_model({filename!r})",
+            "models of other simulators cannot be read.",
+            "Write the model as URDF and name it in a scene file, or use `Shape.import_mesh`.",
+        )
+
+    def export_scene(self, filename: str) -> None:
+        """Refused: ttt scenes cannot be written."""
+        raise UnsupportedCall(
+            f"export_scene({filename!r})", "scenes are TOML files.", "Write one with `rlbench-pin new`, or keep `World.arrays()`."
+        )
+
+    def script_call(
+        self,
+        function_name_at_script_name: str,
+        script_handle_or_type: int,
+        ints: Sequence[int] = (),
+        floats: Sequence[float] = (),
+        strings: Sequence[str] = (),
+        bytes: str = "",
+    ) -> Any:
+        """Refused: there are no scripts in scenes."""
+        raise UnsupportedCall(
+            f"script_call({function_name_at_script_name!r})", "there are no Lua scripts here.", "Write the function in Python."
+        )

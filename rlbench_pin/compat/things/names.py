@@ -1,0 +1,57 @@
+"""Names that users of such scenes know, for what is called otherwise here."""
+
+from __future__ import annotations
+
+from rlbench_pin.compat.things.element import Element
+from rlbench_pin.robot.description import RobotDescription
+
+ROOM_NAMES = {
+    "table": "diningTable_visible",
+    "floor": "Floor",
+    "ceiling": "Roof",
+    "wall_front": "Wall1",
+    "wall_back": "Wall2",
+    "wall_left": "Wall3",
+    "wall_right": "Wall4",
+}
+"""Name here -> known name."""
+CAMERA_NAMES = {
+    "cam_over_shoulder_left": "left_shoulder",
+    "cam_over_shoulder_right": "right_shoulder",
+    "cam_overhead": "overhead",
+    "cam_wrist": "wrist",
+    "cam_front": "front",
+}
+"""Known name of a camera of observations -> its name here."""
+MASK_SUFFIX = "_mask"
+"""Ends the name of the twin of a camera that delivers masks."""
+
+
+def robot_prefix(robot: RobotDescription) -> str:
+    """Return how names of the arm begin, such as `Panda`."""
+    return robot.name[:1].upper() + robot.name[1:]
+
+
+def robot_elements(robot: RobotDescription, links: tuple[str, ...]) -> list[Element]:
+    """Return arm, tip, hand, joints and links of a robot.
+
+    Args:
+        robot: The arm.
+        links: Names of its links.
+    """
+    prefix = robot_prefix(robot)
+    joints = [f"{prefix}_joint{k + 1}" for k in range(len(robot.arm_joints))]
+    fingers = [f"{prefix}_gripper_joint{k + 1}" for k in range(len(robot.gripper_joints))]
+    return [
+        Element("robot", prefix),
+        Element("tip", f"{prefix}_tip"),
+        Element("gripper", f"{prefix}_gripper"),
+        *(Element("robot_joint", name) for name in (*joints, *fingers)),
+        *(Element("robot_link", link) for link in links),
+    ]
+
+
+def camera_of(name: str) -> tuple[str, bool]:
+    """Return the name here of a known camera, and whether it is the twin that delivers masks."""
+    is_mask = name.endswith(MASK_SUFFIX)
+    return CAMERA_NAMES[name.removesuffix(MASK_SUFFIX)], is_mask

@@ -1,0 +1,273 @@
+"""The table of all things of the present world: names, handles, parents, and what programs added."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from rlbench_pin.compat.things.cameras import Cameras, CameraThing
+from rlbench_pin.compat.things.element import Element, ObjectType, UnknownObject
+from rlbench_pin.compat.things.family import Family
+from rlbench_pin.compat.things.names import CAMERA_NAMES, MASK_SUFFIX, ROOM_NAMES, robot_elements
+from rlbench_pin.compat.things.placed import Placed, fixed_things
+from rlbench_pin.compat.things.placed_thing import PlacedThing
+from rlbench_pin.compat.things.thing import BodyThing, FrameThing, JointThing, LinkThing, RobotThing, Thing, WholeRobotThing
+from rlbench_pin.environment import ObservationConfig
+from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.scene.spec import ROOT
+from rlbench_pin.spatial import FloatArray, compose, relative
+
+FIRST_HANDLE = 100_000
+"""Handles of things that no mask shows begin here."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Kept:
+    """What goes back with the world: things that hang in the task, and changed parents."""
+
+    placed: dict[str, Placed]
+    parents: dict[Element, Element | None]
+
+
+class ObjectTable:
+    """Everything in one world that has a name.
+
+    Args:
+        runtime: The world and its task.
+        config: What observations contain; its cameras are the fixed ones here.
+        before: The table of the world before; what hangs in no task is taken over.
+
+    Attributes:
+        runtime: As given.
+        placed: Dummies, cameras, paths and planes beside the physics, by name.
+        parents: Parents that programs changed.
+        cameras: The five cameras.
+        flags: Switches such as `detectable` that differ from their default.
+    """
+
+    def __init__(self, runtime: Runtime, config: ObservationConfig, before: ObjectTable | None = None) -> None:
+        self.runtime, self.world = runtime, runtime.world
+        self.placed: dict[str, Placed] = fixed_things()
+        self.parents: dict[Element, Element | None] = {}
+        self.flags: dict[tuple[Element, str], object] = {}
+        self.cameras = Cameras(runtime, config)
+        self.family = Family(self.world, runtime.description, self.placed, self.parents)
+        self._names: dict[Element, str] = {}
+        self._handles: dict[Element, int] = {}
+        if before is not None:
+            self.placed |= {name: p for name, p in before.placed.items() if not before.in_task(Element("placed", name))}
+        self.world.keepers.append(self)
+
+    # Names and handles -----------------------------------------------------------------------------------------------
+
+    def elements(self) -> Iterator[Element]:
+        """Everything there is, the task first."""
+        world = self.world
+        yield Element("root", ROOT)
+        for name, body in world.bodies.items():
+            yield Element("body", name)
+            yield from (Element("link", f"{name}/{link}") for link in body.links[1:])
+            yield from (Element("joint", f"{name}/{joint}") for joint in body.joints)
+        yield from (Element("frame", name) for name in world.frames if name != ROOT)
+        yield from (Element("room", name) for name in world.room)
+        yield from robot_elements(self.runtime.description, tuple(world.robot.model.links))
+        yield from (Element("camera", name + suffix) for name in CAMERA_NAMES for suffix in ("", MASK_SUFFIX))
+        yield from (Element("placed", name) for name in self.placed)
+
+    def find(self, name: str, types: tuple[ObjectType, ...] = ()) -> Element:
+        """Return what is called `name`; among several, one of the wanted types.
+
+        Raises:
+            UnknownObject: There is none.
+        """
+        found = [e for e in self.elements() if self.name(e) == name]
+        found = found or [e for e in self.elements() if name in self._other_names(e)]
+        if not found:
+            raise UnknownObject("object of this scene", name, tuple(self.name(e) for e in self.elements()))
+        if len({e.name.partition("/")[0] for e in found}) > 1 and found[0].kind in ("link", "joint"):
+            found = [found[0]] if self.name(found[0]) == name else found
+        wanted = [e for e in found if self.thing(e).type in types]
+        return (wanted or found)[0]
+
+    def _other_names(self, element: Element) -> tuple[str, ...]:
+        if element.kind == "root":
+            return (ROOT,)
+        if element.kind in ("link", "joint"):
+            return (element.name, element.name.partition("/")[2])
+        if element.kind == "body":
+            return (f"{element.name}/{self.world.body(element.name).links[0]}", element.name)
+        return (element.name,)
+
+    def name(self, element: Element) -> str:
+        """What users call it."""
+        if element in self._names:
+            return self._names[element]
+        if element.kind == "root":
+            return self.runtime.task.get_name()
+        return ROOM_NAMES.get(element.name, element.name) if element.kind == "room" else element.name
+
+    def rename(self, element: Element, name: str) -> None:
+        """Call it otherwise."""
+        self._names[element] = name
+
+    def forget(self, element: Element) -> None:
+        """Forget name and switches of what had the place of an element before."""
+        self._names.pop(element, None)
+        for key in [k for k in self.flags if k[0] == element]:
+            del self.flags[key]
+
+    def free_name(self, stem: str) -> str:
+        """Return `stem`, or with the first number behind it that makes a name which nothing has."""
+        taken = {name for e in self.elements() for name in (self.name(e), e.name)}
+        return next(n for n in (stem, *(f"{stem}{k}" for k in range(len(taken) + 1))) if n not in taken)
+
+    def exists(self, element: Element) -> bool:
+        """Whether it is (still) part of the world."""
+        if element.kind == "body":
+            return element.name in self.world.bodies
+        if element.kind in ("link", "joint"):
+            return element in set(self.elements())
+        if element.kind == "frame":
+            return element.name in self.world.frames
+        return element.kind != "placed" or element.name in self.placed
+
+    def handle(self, element: Element) -> int:
+        """Number of a thing: that of masks where masks show it."""
+        label = self._mask_label(element)
+        if label is not None:
+            return next(identifier for identifier, name in self.world.masks.items() if name == label)
+        return self._handles.setdefault(element, FIRST_HANDLE + len(self._handles))
+
+    def _mask_label(self, element: Element) -> str | None:
+        if element.kind in ("room", "link"):
+            return element.name
+        if element.kind == "body":
+            links = self.world.body(element.name).links
+            return element.name if len(links) == 1 else f"{element.name}/{links[0]}"
+        return f"{self.runtime.description.name}/{element.name}" if element.kind == "robot_link" else None
+
+    def of_handle(self, handle: int) -> Element:
+        """Return the thing with a number.
+
+        Raises:
+            UnknownObject: There is none.
+        """
+        for element in self.elements():
+            if (element in self._handles or self._mask_label(element) is not None) and self.handle(element) == handle:
+                return element
+        raise UnknownObject("object of this scene with the handle", str(handle), tuple(self.world.masks.values()))
+
+    # Things ----------------------------------------------------------------------------------------------------------
+
+    def thing(self, element: Element) -> Thing:
+        """Return what answers for an element now.
+
+        Raises:
+            UnknownObject: It does not exist any more.
+        """
+        if not self.exists(element):
+            raise UnknownObject("object of this scene", self.name(element), tuple(self.name(e) for e in self.elements()))
+        world, (owner, _, part) = self.world, element.name.partition("/")
+        match element.kind:
+            case "body" | "room":
+                return BodyThing(world.body(element.name))
+            case "link":
+                return LinkThing(world.body(owner), part)
+            case "joint":
+                return JointThing(world.body(owner), world.joint(element.name))
+            case "root" | "frame":
+                return FrameThing(world.frame(element.name), world.spec)
+            case "camera":
+                return CameraThing(self.cameras, element.name)
+            case "placed":
+                return PlacedThing(self, element.name)
+            case _:
+                return self._robot_thing(element)
+
+    def _robot_thing(self, element: Element) -> Thing:
+        robot, description = self.world.robot, self.runtime.description
+        match element.kind:
+            case "robot":
+                return WholeRobotThing(robot, element.name)
+            case "tip":
+                return RobotThing(robot, "dummy", None, element.name)
+            case "gripper":
+                return RobotThing(robot, "shape", description.hand_link, element.name)
+            case "robot_joint":
+                return RobotThing(robot, "joint", self.family.robot_joint(element.name).child, element.name)
+            case _:
+                return RobotThing(robot, "shape", element.name, element.name)
+
+    # Parents ---------------------------------------------------------------------------------------------------------
+
+    def parent(self, element: Element) -> Element | None:
+        """What it hangs on; None for the world."""
+        return self.family.parent(element)
+
+    def children(self, element: Element | None) -> list[Element]:
+        """What hangs on it directly."""
+        return [e for e in self.elements() if self.parent(e) == element]
+
+    def in_task(self, element: Element) -> bool:
+        """Whether it hangs, near or far, on something that the task brought."""
+        chain = [element, *self.family.ancestors(element)]
+        return any(e.kind in ("root", "body", "link", "joint", "frame") for e in chain)
+
+    def set_parent(self, element: Element, parent: Element | None, keep_in_place: bool = True) -> None:
+        """Let it move with another thing.
+
+        Args:
+            element: Which.
+            parent: With what; None is the world.
+            keep_in_place: Stay where it is; otherwise keep the pose relative to the parent.
+        """
+        self.family.check(element, parent)
+        thing, before = self.thing(element), self.parent(element)
+        pose = thing.pose
+        local = pose if before is None else relative(pose, self.thing(before).pose)
+        if element.kind == "placed":
+            self.placed[element.name] = replace(self.placed[element.name], parent=parent)
+        else:
+            self._set_native_parent(element, self.family.native_name(parent))
+            self.parents[element] = parent
+        there = pose if keep_in_place else (local if parent is None else compose(self.thing(parent).pose, local))
+        self.thing(element).set_pose(there, True)
+
+    def _set_native_parent(self, element: Element, native: str) -> None:
+        if element.kind == "body":
+            self.world.places.set_parent(element.name, native)
+        else:
+            self.world.frame(element.name).set_parent(native, keep_in_place=True)
+
+    def carry(self, element: Element, old: FloatArray, new: FloatArray) -> None:
+        """Move what programs hung on a thing that went from pose `old` to `new`."""
+        for child, parent in self.parents.items():
+            if parent == element and parent.kind == "placed" and self.exists(child):
+                thing = self.thing(child)
+                thing.set_pose(compose(new, relative(thing.pose, old)), True)
+        for name, placed in list(self.placed.items()):
+            if placed.parent == element:
+                below = placed.local
+                self.carry(Element("placed", name), compose(old, below), compose(new, below))
+
+    # Saved and restored with the world -------------------------------------------------------------------------------
+
+    def state(self) -> object:
+        """Return what hangs in the task, and changed parents."""
+        placed = {name: p for name, p in self.placed.items() if self.in_task(Element("placed", name))}
+        return _Kept(placed, dict(self.parents))
+
+    def set_state(self, state: object) -> None:
+        """Go back to what `state()` returned."""
+        assert isinstance(state, _Kept)
+        for name in [n for n in self.placed if self.in_task(Element("placed", n)) and n not in state.placed]:
+            del self.placed[name]
+        self.placed.update(state.placed)
+        for element in [e for e in self.parents if e not in state.parents]:
+            del self.parents[element]
+            if element.kind == "body" and self.exists(element):
+                self.world.places.set_parent(element.name, self.family.spec_parent(element.name))
+        for element, parent in state.parents.items():
+            self.parents[element] = parent
+            if element.kind == "body":
+                self.world.places.set_parent(element.name, self.family.native_name(parent))
