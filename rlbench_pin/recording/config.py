@@ -80,7 +80,9 @@ class RecordConfig:
     per_variation: bool = False
     """Count episodes for each variation."""
     variations: int = ALL_VARIATIONS
-    """Most variations of a task, drawn without repeats, always the same; -1 is all."""
+    """Most variations of a task; -1 is all."""
+    draw_variations: bool = True
+    """Draw which variations, without repeats, always the same; otherwise take the first."""
     seed: int = 0
     """Seed of the recording; every episode draws its own from it, its task, its variation and its number."""
     max_attempts: int = 10
@@ -138,8 +140,14 @@ def plan_items(config: RecordConfig) -> list[WorkItem]:
     with PictureConfig(products=()).environment() as environment:
         for name, task in tasks.items():
             count = environment.get_task(task).variation_count()
-            items += _task_items(config, name, task.get_name(), drawn_variations(count, config.variations))
+            items += _task_items(config, name, task.get_name(), _variations(config, count))
     return items
+
+
+def _variations(config: RecordConfig, count: int) -> tuple[int, ...]:
+    if config.draw_variations or config.variations == ALL_VARIATIONS:
+        return drawn_variations(count, config.variations)
+    return tuple(range(min(count, config.variations)))
 
 
 def _task_items(config: RecordConfig, task: str, name: str, variations: Sequence[int]) -> list[WorkItem]:

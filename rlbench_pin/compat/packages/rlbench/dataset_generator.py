@@ -63,7 +63,7 @@ def parse_args(args: Sequence[str] | None = None) -> argparse.Namespace:
     )
     parser.add_argument("--processes", type=int, default=1, help="worker processes")
     parser.add_argument("--episodes_per_task", type=int, default=10, help="of each variation; with --all_variations of each task")
-    parser.add_argument("--variations", type=int, default=-1, help="most variations of a task; -1 is all")
+    parser.add_argument("--variations", type=int, default=-1, help="so many variations of a task, the first; -1 is all")
     parser.add_argument("--arm_max_velocity", type=float, default=1.0, help="cap on joint speeds [rad/s]")
     parser.add_argument("--arm_max_acceleration", type=float, default=4.0, help="cap on joint accelerations [rad/s^2]")
     parser.add_argument(
@@ -108,6 +108,7 @@ def run(args: argparse.Namespace) -> RecordReport:
         episodes=args.episodes_per_task,
         per_variation=not args.all_variations,
         variations=args.variations,
+        draw_variations=False,
         seed=seed,
         pictures=PictureConfig(
             image_size=(args.image_size[0], args.image_size[1]),

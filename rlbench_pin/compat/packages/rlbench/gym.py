@@ -71,18 +71,20 @@ class RLBenchEnv(gymnasium.Env[GymObservation, np.ndarray]):
         self.obs_config = _settings(self._cameras)
         self._window = Window(f"rlbench: {self.task_class.__name__}") if render_mode == "human" else None
         self._simulator: Simulator | None = None
-        Simulator.make_current(None)
         self.rlbench_env = Environment(self.action_mode, obs_config=self.obs_config, headless=True)
-        self.rlbench_env.launch()
-        self._simulator = Simulator.current()
+        before = Simulator.running
+        Simulator.make_current(None)
         try:
             self._load()
         except BaseException:
             self.close()
+            Simulator.make_current(before)
             raise
 
     def _load(self) -> None:
-        """Load the task and span the spaces."""
+        """Start a simulator, load the task and span the spaces."""
+        self.rlbench_env.launch()
+        self._simulator = Simulator.current()
         self.rlbench_task_env = self.rlbench_env.get_task(self.task_class)
         self.rlbench_task_env.reset()
         runtime = self.rlbench_task_env.runtime
