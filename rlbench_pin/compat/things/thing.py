@@ -194,7 +194,7 @@ class RobotThing(Thing):
         parts = geometry.solid_geometry(self.robot.model.urdf, 1.0)
         if self.type != "shape" or self._link not in parts:
             return []
-        return [(parts[self._link], self.pose)]
+        return [(parts[self._link or ""], self.pose)]
 
     def box(self) -> FloatArray:
         """Box around the link's shapes."""

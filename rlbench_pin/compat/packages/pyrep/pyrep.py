@@ -11,7 +11,7 @@ from pyrep.errors import PyRepError, UnsupportedCall
 from pyrep.objects.object import Object, views_of
 from pyrep.objects.shape import Shape
 from pyrep.textures.texture import Texture, TextureHolder
-from rlbench_pin.compat import configuration
+from rlbench_pin.compat.devices import configuration
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.sim import read_texture
 

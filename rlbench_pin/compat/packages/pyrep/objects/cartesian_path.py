@@ -8,10 +8,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from pyrep.backend.poses import euler_to_matrix, matrix_to_euler
 from pyrep.errors import PyRepError
 from pyrep.objects.object import Object
-from pyrep.objects.poses import euler_to_matrix, matrix_to_euler
-from rlbench_pin.compat import curves
+from rlbench_pin.compat.devices import curves
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.compat.things import Element, ObjectType, Placed
 from rlbench_pin.spatial import IDENTITY, FloatArray, matrix_to_pose, pose_to_matrix, relative

@@ -7,7 +7,7 @@ from typing import ClassVar
 from pyrep.const import JointMode, JointType
 from pyrep.errors import UnsupportedCall
 from pyrep.objects.object import Object
-from rlbench_pin.compat import joints
+from rlbench_pin.compat.devices import joints
 from rlbench_pin.compat.things import ObjectType
 
 

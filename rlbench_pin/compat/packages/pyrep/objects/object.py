@@ -7,16 +7,17 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from pyrep.backend.poses import PoseMethods
+from pyrep.backend.switches import Switches
 from pyrep.const import ObjectType
 from pyrep.errors import ObjectAlreadyRemovedError, UnsupportedCall, WrongObjectTypeError
-from pyrep.objects.poses import PoseMethods
-from rlbench_pin.compat import configuration
+from rlbench_pin.compat.devices import configuration
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.compat.things import Element, ObjectTable, Thing, UnknownObject, solids
 from rlbench_pin.compat.things import ObjectType as TypeName
 
 
-class Object(PoseMethods):
+class Object(PoseMethods, Switches):
     """A view of one thing of the scene; it holds a name only, and looks the thing up at each call.
 
     Args:
@@ -203,49 +204,7 @@ class Object(PoseMethods):
         """Return where it and all that hangs on it are, for `PyRep.set_configuration_tree`."""
         return configuration.read(self.table, self.element)
 
-    # Switches --------------------------------------------------------------------------------------------------------
-
-    def flag(self, name: str, default: bool = True) -> bool:
-        """Return one of the switches."""
-        return bool(self.table.flags.get((self.element, name), default))
-
-    def set_flag(self, name: str, value: bool, model: bool = False) -> None:
-        """Set one of the switches, of the whole tree with `model`."""
-        tree = self.table.family.tree(self.table.elements(), self.element) if model else []
-        for element in (self.element, *tree):
-            self.table.flags[element, name] = bool(value)
-
-    def is_collidable(self) -> bool:
-        """Whether collision checks and plans look at it."""
-        return self.flag("collidable")
-
-    def set_collidable(self, value: bool) -> None:
-        """Let collision checks of this interface look at it, or not; physics is not changed (`Shape.set_respondable`)."""
-        self.set_flag("collidable", value)
-
-    def is_measurable(self) -> bool:
-        """Whether distances to it are measured."""
-        return self.flag("measurable")
-
-    def set_measurable(self, value: bool) -> None:
-        """Say whether distances to it are measured."""
-        self.set_flag("measurable", value)
-
-    def is_detectable(self) -> bool:
-        """Whether proximity sensors see it."""
-        return self.flag("detectable")
-
-    def set_detectable(self, value: bool) -> None:
-        """Say whether proximity sensors see it."""
-        self.set_flag("detectable", value)
-
-    def is_renderable(self) -> bool:
-        """Whether cameras see it."""
-        return self.flag("renderable")
-
-    def set_renderable(self, value: bool) -> None:
-        """Say whether cameras see it; shapes that are not are hidden."""
-        self.set_flag("renderable", value)
+    # Models ----------------------------------------------------------------------------------------------------------
 
     def is_model(self) -> bool:
         """Whether anything hangs on it."""

@@ -23,6 +23,9 @@ class Shape(ShapeLook, ShapePhysics, Object):
 
     A body with several links goes by its own name for the whole, and its links by `<body>/<link>`, or by the link's name alone
     where only one body has it.
+
+    What a program makes in `init_task`, or before the first step, is there in every episode; what it makes during an episode is
+    gone after the next reset, as a reset goes back to how the task was set up. Neither is there in another task.
     """
 
     kinds: ClassVar[tuple[ObjectType, ...]] = ("shape",)
@@ -43,24 +46,13 @@ class Shape(ShapeLook, ShapePhysics, Object):
         orientation: Sequence[float] | None = None,
         color: Sequence[float] | None = None,
     ) -> Shape:
-        """Add a primitive to the running world.
+        """Add a primitive to the running world; how long it stays is told by `Shape`.
 
-        What is made in `init_task`, or before the first step, is there in every episode; what is made during an episode is gone
-        after the next reset, as a reset goes back to how the task was set up.
-
-        Args:
-            type: Which solid.
-            size: Lengths along x, y, z [m].
-            mass: [kg].
-            backface_culling: Accepted; both sides are drawn.
-            visible_edges: Accepted; edges are not drawn.
-            smooth: Accepted.
-            respondable: Touches other things.
-            static: Stays where it is put.
-            renderable: Cameras see it.
-            position: Where, (3,) [m]; None is the origin.
-            orientation: Euler angles (3,) [rad].
-            color: rgb in 0..1; None is light grey.
+        * `type`: which solid; `size`: its lengths along x, y, z [m]; `mass` [kg].
+        * `respondable`: touches other things; `static`: stays where it is put; `renderable`: cameras see it.
+        * `position` (3,) [m], None is the origin; `orientation`: Euler angles (3,) [rad].
+        * `color`: rgb in 0..1, None is light grey.
+        * The rest is accepted: both sides are drawn, edges are not.
         """
         kind = PrimitiveShape(type).name
         asset = shape_making.primitive(kind, size, mass)
@@ -80,7 +72,7 @@ class Shape(ShapeLook, ShapePhysics, Object):
         backface_culling: bool = False,
         visible_edges: bool = False,
     ) -> Shape:
-        """Add a surface to the running world, welded to its place; see `create` for how long it stays.
+        """Add a surface to the running world, welded to its place; how long it stays is told by `Shape`.
 
         Its frame is in the middle of its box. Others touch its convex hull.
 
@@ -118,13 +110,6 @@ class Shape(ShapeLook, ShapePhysics, Object):
         shape = cls(shape_making.spawn(Simulator.current().objects, name, asset, shape_making.Look(static=True)))
         shape.set_position(middle)
         return shape
-
-    def set_place(self, position: Sequence[float] | None, orientation: Sequence[float] | None) -> None:
-        """Set position (3,) [m] and Euler angles (3,) [rad], where they are given."""
-        if position is not None:
-            self.set_position(position)
-        if orientation is not None:
-            self.set_orientation(orientation)
 
     def copy(self) -> Shape:
         """Add another body like it, at the same place."""
@@ -164,5 +149,5 @@ class Shape(ShapeLook, ShapePhysics, Object):
         return [self, *(Shape(f"{element.name}/{link}") for link in links)]
 
     def get_mesh_data(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return corners (n, 3) [m] in its own frame, triangles (m, 3) and the normal of each corner of each triangle (m * 3, 3)."""
+        """Return corners (n, 3) [m] in its own frame, triangles (m, 3) and a normal for each corner of each of them (3 m, 3)."""
         return shape_making.surface(self.thing)

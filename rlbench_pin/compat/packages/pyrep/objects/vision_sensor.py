@@ -11,7 +11,7 @@ import numpy as np
 from pyrep.const import PerspectiveMode, RenderMode
 from pyrep.errors import PyRepError, UnsupportedCall
 from pyrep.objects.object import Object
-from rlbench_pin.compat import pictures
+from rlbench_pin.compat.devices import pictures
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.compat.things import CameraSettings, Element, ObjectType, Placed
 from rlbench_pin.sim import CameraView
@@ -46,46 +46,20 @@ class VisionSensor(Object):
         position: Sequence[float] | None = None,
         orientation: Sequence[float] | None = None,
     ) -> VisionSensor:
-        """Make a camera at the origin of the world; it stays until `remove()`, through resets and tasks.
+        """Make a camera; it stays until `remove()`, through resets and tasks.
 
-        Args:
-            resolution: Width and height [px].
-            explicit_handling: Allow `handle_explicitly`.
-            perspective_mode: Must be True.
-            show_volume_not_detecting: Accepted.
-            show_volume_detecting: Accepted.
-            passive: Accepted.
-            use_local_lights: Accepted.
-            show_fog: Accepted.
-            near_clipping_plane: Near plane [m].
-            far_clipping_plane: Far plane [m].
-            view_angle: Field of view of the longer side [deg].
-            ortho_size: Accepted.
-            sensor_size: Accepted.
-            render_mode: OPENGL3 with shadows, OPENGL without, OPENGL_COLOR_CODED for handles as colours.
-            position: Where, (3,) [m]; None is the origin.
-            orientation: Euler angles (3,) [rad].
+        * `resolution`: width and height [px]; `view_angle`: field of view of the longer side [deg].
+        * `near_clipping_plane`, `far_clipping_plane` [m].
+        * `render_mode`: OPENGL3 with shadows, OPENGL without, OPENGL_COLOR_CODED for handles as colours.
+        * `explicit_handling`: allow `handle_explicitly`; `perspective_mode`: must be True.
+        * `position` (3,) [m], None is the origin; `orientation`: Euler angles (3,) [rad].
+        * The rest is accepted and changes nothing.
         """
         if not perspective_mode:
             raise _no_parallel_view()
-        width, height = (int(v) for v in resolution)
-        camera = CameraSettings(
-            (width, height),
-            float(view_angle),
-            near_clipping_plane,
-            far_clipping_plane,
-            _mode(render_mode).name,
-            explicit_handling,
-        )
-        pictures.check(camera)
-        table = Simulator.current().objects
-        name = table.free_name("Vision_sensor")
-        table.placed[name] = Placed("vision_sensor", IDENTITY.copy(), camera=camera)
-        sensor = cls(Element("placed", name))
-        if position is not None:
-            sensor.set_position(position)
-        if orientation is not None:
-            sensor.set_orientation(orientation)
+        planes, mode = (float(near_clipping_plane), float(far_clipping_plane)), _mode(render_mode).name
+        sensor = cls(_placed(CameraSettings(_size(resolution), float(view_angle), *planes, mode, explicit_handling)))
+        sensor.set_place(position, orientation)
         return sensor
 
     # Pictures --------------------------------------------------------------------------------------------------------
@@ -154,8 +128,7 @@ class VisionSensor(Object):
 
     def set_resolution(self, resolution: Sequence[int]) -> None:
         """Set width and height [px]; of a camera of observations, those of the observations."""
-        width, height = (int(v) for v in resolution)
-        self.change(size=(width, height))
+        self.change(size=_size(resolution))
 
     def get_perspective_mode(self) -> PerspectiveMode:
         """Return PERSPECTIVE."""
@@ -239,11 +212,9 @@ class VisionSensor(Object):
 
     def copy(self) -> VisionSensor:
         """Make another camera with the same settings at the same place."""
-        camera = replace(self.camera, explicit_handling=True)
-        table = self.table
-        name = table.free_name("Vision_sensor")
-        table.placed[name] = Placed("vision_sensor", self.get_pose(), camera=camera)
-        return VisionSensor(Element("placed", name))
+        made = VisionSensor(_placed(self.camera))
+        made.set_pose(self.get_pose())
+        return made
 
     def remove(self) -> None:
         """Take it away; the five cameras of observations stay, and just see nothing more.
@@ -257,6 +228,20 @@ class VisionSensor(Object):
         elif not pictures.switch_off(self.table, element):
             raise PyRepError(f"'{element.name}' goes with its camera. Switch masks off in the observation config.")
         self._removed = True
+
+
+def _placed(camera: CameraSettings) -> Element:
+    """Put a camera at the origin of the world."""
+    pictures.check(camera)
+    table = Simulator.current().objects
+    name = table.free_name("Vision_sensor")
+    table.placed[name] = Placed("vision_sensor", IDENTITY.copy(), camera=camera)
+    return Element("placed", name)
+
+
+def _size(resolution: Sequence[int]) -> tuple[int, int]:
+    width, height = (int(v) for v in resolution)
+    return width, height
 
 
 def _mode(render_mode: RenderMode | str) -> RenderMode:

@@ -46,7 +46,7 @@ class KinematicArm(RobotComponent):
         return Dummy(self._tip_name)
 
     def get_jacobian(self) -> FloatArray:
-        """Return the Jacobian (n, 6) at the present posture: row i is the tip's `[linear, angular]` velocity per speed of joint i.
+        """Return the Jacobian (n, 6) at the present posture: row i is the tip's `[linear, angular]` velocity per unit of joint i.
 
         Along world axes; `arm.get_jacobian().T @ joint_velocities` is the tip's velocity (6,).
         """

@@ -105,6 +105,13 @@ class PoseMethods(ABC):
         turn[:3, :3] = euler_to_matrix((0.0, 0.0, c)) @ euler_to_matrix((0.0, b, 0.0)) @ euler_to_matrix((a, 0.0, 0.0))
         self.set_pose(compose(self.get_pose(), matrix_to_pose(turn)))
 
+    def set_place(self, position: Sequence[float] | FloatArray | None, orientation: Sequence[float] | FloatArray | None) -> None:
+        """Set position (3,) [m] and Euler angles (3,) [rad], where they are given."""
+        if position is not None:
+            self.set_position(position)
+        if orientation is not None:
+            self.set_orientation(orientation)
+
     def reset_dynamic_object(self) -> None:
         """Bring it to rest where it is."""
         self.set_pose(self.get_pose())

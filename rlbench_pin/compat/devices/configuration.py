@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rlbench_pin.compat.joints import drive_of
+from rlbench_pin.compat.devices.joints import drive_of
 from rlbench_pin.compat.things import Element, ObjectTable
 from rlbench_pin.spatial import FloatArray
 

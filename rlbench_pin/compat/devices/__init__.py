@@ -1,0 +1,1 @@
+"""Joints, cameras, paths and remembered places of the things of a world."""
