@@ -9,7 +9,6 @@ from pyrep.const import ObjectType
 from pyrep.objects.dummy import Dummy
 from pyrep.objects.shape import Shape
 from pyrep.objects.vision_sensor import VisionSensor
-
 from rlbench.backend.spawn_boundary import SpawnBoundary
 from rlbench_pin.environment.runtime import TIP_WORKSPACE
 

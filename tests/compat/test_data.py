@@ -190,14 +190,17 @@ def test_pictures_of_numbers(upstream: Path) -> None:
     picture = utils.float_array_to_rgb_image(depth, scale_factor=const.DEPTH_SCALE)
     back = utils.image_to_float_array(picture, const.DEPTH_SCALE)
     assert np.abs(back.astype(float) - depth).max() < 1e-7
-    assert np.array_equal(utils.image_to_float_array(utils.float_array_to_rgb_image(back, const.DEPTH_SCALE), const.DEPTH_SCALE), back)
+    again = utils.float_array_to_rgb_image(back, const.DEPTH_SCALE)
+    assert np.array_equal(utils.image_to_float_array(again, const.DEPTH_SCALE), back)
     folder = upstream / "reach_target/variation0/episodes/episode0"
     stored = make(upstream).get_demos("reach_target", 1, random_selection=False)[0][0]
+    assert stored.front_depth is not None
     with Image.open(folder / "front_depth" / "0.png") as image:
-        assert np.array_equal(utils.image_to_float_array(image, const.DEPTH_SCALE), stored.front_depth)  # type: ignore[arg-type]
-        assert np.array_equal(np.asarray(utils.float_array_to_rgb_image(stored.front_depth, const.DEPTH_SCALE)), np.asarray(image))  # type: ignore[arg-type]
+        assert np.array_equal(utils.image_to_float_array(image, const.DEPTH_SCALE), stored.front_depth)
+        same = utils.float_array_to_rgb_image(stored.front_depth, const.DEPTH_SCALE)
+        assert np.array_equal(np.asarray(same), np.asarray(image))
     with Image.open(folder / "front_mask" / "0.png") as image:
-        assert np.array_equal(utils.rgb_handles_to_mask(np.array(image)), stored.front_mask)  # type: ignore[arg-type]
+        assert np.array_equal(utils.rgb_handles_to_mask(np.array(image)), stored.front_mask)
     gray = utils.float_array_to_grayscale_image(depth, image_dtype=np.uint16)
     assert np.abs(utils.image_to_float_array(gray) - depth).max() < 5.1e-4
     assert utils.ClipFloatValues(np.array([-1.0, 0.5, 2.0, np.nan]), 0.0, 1.0).tolist() == [0.0, 0.5, 1.0, 0.0]

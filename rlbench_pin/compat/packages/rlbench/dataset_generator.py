@@ -130,9 +130,7 @@ def _say(report: RecordReport) -> None:
 
 def _check_free(root: Path, tasks: Sequence[str], together: bool, resume: bool) -> None:
     if (root / _RECORDING / RECORDING).exists() and not resume:
-        raise DatasetConflict(
-            f"'{root}' holds an unfinished recording. Go on with `--resume`, or choose another folder."
-        )
+        raise DatasetConflict(f"'{root}' holds an unfinished recording. Go on with `--resume`, or choose another folder.")
     pattern = VARIATIONS_ALL_FOLDER if together else "variation[0-9]*"
     held = [name for name in tasks if list((root / name).glob(pattern))]
     if held and not resume:

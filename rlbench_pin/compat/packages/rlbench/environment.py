@@ -7,7 +7,6 @@ from types import TracebackType
 from typing import Any
 
 from pyrep.pyrep import PyRep
-
 from rlbench.action_modes.action_mode import ActionMode
 from rlbench.backend.const import *  # noqa: F403
 from rlbench.backend.const import TTT_FILE

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from pyrep.const import RenderMode
 
+from pyrep.const import RenderMode
 from rlbench.noise_model import GaussianNoise, Identity, NoiseModel
 from rlbench_pin.environment.observations import CameraConfig as NativeCameraConfig
 from rlbench_pin.environment.observations import GaussianNoise as NativeGaussianNoise
@@ -131,8 +131,8 @@ class ObservationConfig(NativeObservationConfig):
         noises = [Identity() if noise is None else noise for noise in noises]
         super().__init__(
             *cameras, joint_velocities, noises[0], joint_positions, noises[1], joint_forces, noises[2], gripper_open,
-            gripper_pose, gripper_matrix, gripper_joint_positions, gripper_touch_forces, wrist_camera_matrix, record_gripper_closing,
-            task_low_dim_state,
+            gripper_pose, gripper_matrix, gripper_joint_positions, gripper_touch_forces, wrist_camera_matrix,
+            record_gripper_closing, task_low_dim_state,
         )  # fmt: skip
         self.record_ignore_collisions = record_ignore_collisions
 

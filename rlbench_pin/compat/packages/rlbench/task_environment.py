@@ -7,9 +7,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+
 from pyrep.const import ObjectType
 from pyrep.pyrep import PyRep
-
 from rlbench.action_modes.action_mode import ActionMode
 from rlbench.backend.exceptions import BoundaryError, TaskEnvironmentError, WaypointError
 from rlbench.backend.observation import Observation

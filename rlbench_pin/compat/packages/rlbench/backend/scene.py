@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from pyrep.pyrep import PyRep
 
+from pyrep.pyrep import PyRep
 from rlbench.backend.exceptions import BoundaryError, DemoError, NoWaypointsError, WaypointError
 from rlbench.backend.observation import Observation
 from rlbench.backend.robot import Robot

@@ -5,9 +5,9 @@ from __future__ import annotations
 from itertools import count
 
 import numpy as np
+
 from pyrep.objects.object import Object
 from pyrep.objects.shape import Shape
-
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.scene.spec import BodySpec
 

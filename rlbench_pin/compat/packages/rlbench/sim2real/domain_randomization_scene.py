@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from pyrep.pyrep import PyRep
 
+from pyrep.pyrep import PyRep
 from rlbench.backend.robot import Robot
 from rlbench.backend.scene import Scene
 from rlbench.backend.task import Task
