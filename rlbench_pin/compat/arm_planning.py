@@ -155,12 +155,19 @@ def nearest_configuration(runtime: Runtime, pose: FloatArray) -> FloatArray:
     return solve_ik(runtime.model, pose, runtime.robot.joint_positions, runtime.planning_rng, starts=1)[0]
 
 
-def arm_collides(simulator: Simulator) -> bool:
-    """Say whether the arm, or what it holds, overlaps the arm itself or anything that is collidable."""
+def arm_collides(simulator: Simulator, name: str | None) -> bool:
+    """Say whether the arm, or what it holds, overlaps the body called `name`; with None anything collidable, or itself.
+
+    A body that the hand holds counts as overlapping it while they touch.
+    """
     runtime = simulator.runtime
+    if name in runtime.gripper.grasped:
+        return name in runtime.robot.touching()
     runtime.refresh_planner()
     runtime.planner.collision.allow(uncollidable(simulator))
-    return runtime.planner.collision.in_collision(runtime.robot.joint_positions)
+    if name is None:
+        return runtime.planner.collision.in_collision(runtime.robot.joint_positions)
+    return any(name in pair for pair in runtime.planner.collision.colliding_pairs(runtime.robot.joint_positions))
 
 
 def _planner(runtime: Runtime, algorithm: str) -> MotionPlanner:

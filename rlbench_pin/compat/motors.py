@@ -231,8 +231,9 @@ class FingerMotors:
     def teleport(self, positions: Numbers) -> None:
         """Put the fingers at positions (2,) [m], at rest; the arm goes on as it was."""
         runtime = self._runtime
-        states, low, high = runtime.robot.joint_states(), *self.limits()
-        states[:2, runtime.model.size :] = np.clip(_vector(positions, self._count, "finger positions"), low, high), 0.0
+        states, fingers = runtime.robot.joint_states(), slice(runtime.model.size, None)
+        states[0, fingers] = np.clip(_vector(positions, self._count, "finger positions"), *self.limits())
+        states[1, fingers] = 0.0
         runtime.robot.set_joint_states(states[0], states[1])
         runtime.gripper.hold()
 
@@ -278,7 +279,7 @@ class FingerMotors:
 
 
 def robot_joint(name: str) -> tuple[Motors, int] | None:
-    """Return the motors that a joint called `Panda_joint3` or `Panda_gripper_joint1` belongs to, and its place; None for others."""
+    """Return the motors that a joint `Panda_joint3` or `Panda_gripper_joint1` belongs to, and its place; None for others."""
     description = Simulator.current().model.description
     arm, hand = f"{description.name}_joint", f"{description.name}_gripper_joint"
     choices: tuple[tuple[str, Motors, int], ...] = (

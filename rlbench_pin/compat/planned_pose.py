@@ -49,4 +49,9 @@ def run(scene: SceneLike, plan: Plan, on_step: OnStep | None) -> None:
     if on_step is None:
         follow(runtime, plan.trajectory, until=lambda: bool(runtime.task.success()[0]))
     else:
-        follow(runtime, plan.trajectory, on_tick=lambda _: on_step(scene.get_observation()) and None)
+
+        def record(target: FloatArray) -> None:
+            """Hand over what is seen after a step."""
+            on_step(scene.get_observation())
+
+        follow(runtime, plan.trajectory, on_tick=record)

@@ -165,4 +165,8 @@ class KinematicArm(RobotComponent):
 
     def check_arm_collision(self, obj: Object | None = None) -> bool:
         """Say whether the arm or the hand overlaps `obj`; with None anything that collides, or the arm itself."""
-        return arm_planning.arm_collides(Simulator.current()) if obj is None else self.check_collision(obj)
+        if obj is None:
+            return arm_planning.arm_collides(Simulator.current(), None)
+        if obj.element.kind in ("body", "room"):
+            return obj.is_collidable() and arm_planning.arm_collides(Simulator.current(), obj.element.name)
+        return self.check_collision(obj)

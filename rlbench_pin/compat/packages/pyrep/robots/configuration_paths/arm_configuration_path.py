@@ -18,7 +18,7 @@ from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
 
 Numbers = Sequence[float] | FloatArray
-ARRIVED = 6e-3
+ARRIVED = 2e-3
 """Distance of a joint from the end of the path that the coming tick covers [rad]."""
 SETTLING = 10
 """How often the end of a path is commanded again, at most, to an arm that lags."""

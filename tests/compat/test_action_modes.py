@@ -1,0 +1,246 @@
+"""Built-in action modes, given the scene of an environment under the known names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from rlbench.action_modes import arm_action_modes as arms
+from rlbench.action_modes.action_mode import ActionMode, JointPositionActionMode, MoveArmThenGripper
+from rlbench.action_modes.arm_action_modes import (
+    ArmActionMode,
+    EndEffectorPoseViaIK,
+    EndEffectorPoseViaPlanning,
+    ERJointViaIK,
+    JointPosition,
+    JointTorque,
+    JointVelocity,
+    RelativeFrame,
+    assert_unit_quaternion,
+    calculate_delta_pose,
+)
+from rlbench.action_modes.gripper_action_modes import (
+    Discrete,
+    GripperActionMode,
+    GripperJointPosition,
+    assert_action_shape,
+)
+from rlbench.backend.exceptions import InvalidActionError
+from rlbench.environment import Environment
+from rlbench.observation_config import ObservationConfig
+from rlbench.tasks import ReachTarget
+
+DOWN = [0.0, 1.0, 0.0, 0.0]
+HALF = [0.0, 0.0, np.sin(0.1), np.cos(0.1)]
+
+
+@pytest.fixture(scope="module")
+def environment() -> Iterator[Environment]:
+    """Return an environment without pictures."""
+    config = ObservationConfig()
+    config.set_all_high_dim(False)
+    environment = Environment(MoveArmThenGripper(JointVelocity(), Discrete()), obs_config=config, headless=True)
+    environment.launch()
+    yield environment
+    environment.shutdown()
+
+
+@pytest.fixture
+def scene(environment: Environment) -> Any:
+    """Return the scene of a fresh episode."""
+    np.random.seed(1)
+    task = environment.get_task(ReachTarget)
+    task.reset()
+    return task._scene
+
+
+def test_modes_are_of_the_known_classes() -> None:
+    """Programs ask with isinstance."""
+    for mode in (JointVelocity(), JointPosition(), JointTorque(), EndEffectorPoseViaPlanning(), EndEffectorPoseViaIK()):
+        assert isinstance(mode, ArmActionMode)
+    assert isinstance(ERJointViaIK(), ArmActionMode)
+    assert isinstance(Discrete(), GripperActionMode) and isinstance(GripperJointPosition(), GripperActionMode)
+    assert isinstance(JointPositionActionMode(), ActionMode)
+
+
+def test_names_that_programs_import_through_the_module() -> None:
+    """The module shows what it works with."""
+    for name in ("Scene", "Robot", "InvalidActionError", "SUPPORTED_ROBOTS", "ObjectType", "Algos", "ConfigurationPathError"):
+        assert hasattr(arms, name)
+    assert arms.InvalidActionError is InvalidActionError
+    assert (RelativeFrame.WORLD.value, RelativeFrame.EE.value) == (0, 1)
+
+
+def test_shapes_and_bounds(scene: Any) -> None:
+    """Arm shapes are tuples, the whole is a number; bounds fit the shape."""
+    shapes = {JointVelocity: 7, JointPosition: 7, JointTorque: 7, EndEffectorPoseViaPlanning: 7, EndEffectorPoseViaIK: 7}
+    for kind, size in {**shapes, ERJointViaIK: 8}.items():
+        assert kind().action_shape(scene) == (size,)
+        mode = MoveArmThenGripper(kind(), Discrete())
+        assert mode.action_shape(scene) == size + 1
+        low, high = mode.action_bounds()
+        assert low.shape == high.shape == (size + 1,) and np.all(low < high)
+    assert EndEffectorPoseViaPlanning().action_shape(None) == (7,) and Discrete().action_shape(None) == (1,)
+    low, high = JointPositionActionMode().action_bounds()
+    np.testing.assert_allclose(low, [-0.1] * 7 + [0.0])
+    np.testing.assert_allclose(high, [0.1] * 7 + [0.04])
+
+
+def test_joint_velocity_moves_one_step_and_stops(scene: Any) -> None:
+    """A tenth of a radian per second for a twentieth of a second."""
+    before, ticks = np.array(scene.robot.arm.get_joint_positions()), scene.runtime.world.ticks
+    MoveArmThenGripper(JointVelocity(), Discrete()).action(scene, [0.1] * 7 + [1.0])
+    assert scene.runtime.world.ticks == ticks + 1
+    np.testing.assert_allclose(scene.robot.arm.get_joint_positions() - before, 0.005, atol=1e-3)
+    assert scene.robot.arm.get_joint_target_velocities() == [0.0] * 7
+
+
+@pytest.mark.parametrize("absolute", [True, False])
+def test_joint_position(scene: Any, absolute: bool) -> None:
+    """Absolute or relative, one step towards the target."""
+    before = np.array(scene.robot.arm.get_joint_positions())
+    JointPosition(absolute_mode=absolute).action(scene, before + 0.02 if absolute else np.full(7, 0.02))
+    np.testing.assert_allclose(scene.robot.arm.get_joint_positions(), before + 0.02, atol=3e-3)
+
+
+def test_joint_torque_turns_a_joint(scene: Any) -> None:
+    """Gravity and a little more turns the first joint the positive way."""
+    q = np.array(scene.robot.arm.get_joint_positions())
+    mode = JointTorque()
+    mode.set_control_mode(scene.robot)
+    mode.action(scene, scene.runtime.model.gravity(q) + [3.0, 0, 0, 0, 0, 0, 0])
+    assert scene.robot.arm.get_joint_velocities()[0] > 0.02
+
+
+def test_planning_goes_to_the_pose(scene: Any) -> None:
+    """Within a millimetre; a relative action composes with the tip's pose as the known rules say."""
+    mode = EndEffectorPoseViaPlanning()
+    mode.action(scene, [0.3, 0.1, 1.2, *DOWN])
+    np.testing.assert_allclose(scene.robot.arm.get_tip().get_position(), [0.3, 0.1, 1.2], atol=1e-3)
+    turned = Rotation.from_quat(HALF) * Rotation.from_quat(scene.robot.arm.get_tip().get_quaternion())
+    EndEffectorPoseViaPlanning(absolute_mode=False).action(scene, [0.0, 0.05, 0.02, *HALF])
+    np.testing.assert_allclose(scene.robot.arm.get_tip().get_position(), [0.3, 0.15, 1.22], atol=2e-3)
+    now = Rotation.from_quat(scene.robot.arm.get_tip().get_quaternion())
+    assert (now * turned.inv()).magnitude() < 0.01
+
+
+@pytest.mark.parametrize("frame", [RelativeFrame.EE, "end effector"])
+@pytest.mark.parametrize("kind", [EndEffectorPoseViaPlanning, EndEffectorPoseViaIK])
+def test_the_frame_of_the_end_effector(scene: Any, kind: type, frame: Any) -> None:
+    """Two centimetres along the tip's own z axis, whatever the enumeration or word says it by."""
+    matrix = scene.robot.arm.get_tip().get_matrix()
+    kind(frame=frame).action(scene, [0.0, 0.0, 0.02, 0.0, 0.0, 0.0, 1.0])
+    np.testing.assert_allclose(scene.robot.arm.get_tip().get_position(), matrix[:3, 3] + 0.02 * matrix[:3, 2], atol=3e-3)
+
+
+def test_inverse_kinematics_with_a_pinned_joint(scene: Any) -> None:
+    """The first joint goes where it is told, the tip stays."""
+    tip = scene.robot.arm.get_tip().get_pose()
+    ERJointViaIK(commanded_joints=[0]).action(scene, [*tip, 0.15])
+    assert scene.robot.arm.get_joint_positions()[0] == pytest.approx(0.15, abs=0.01)
+    np.testing.assert_allclose(scene.robot.arm.get_tip().get_position(), tip[:3], atol=5e-3)
+
+
+def test_the_hand_opens_and_closes(scene: Any) -> None:
+    """Below one half it closes; the same again does nothing."""
+    hand = Discrete()
+    hand.action(scene, [0.0])
+    assert max(scene.robot.gripper.get_open_amount()) < 0.05
+    ticks = scene.runtime.world.ticks
+    hand.action(scene, np.array([0.0]))
+    assert scene.runtime.world.ticks == ticks
+    GripperJointPosition().action(scene, [0.008])
+    assert scene.robot.gripper.get_joint_positions()[0] == pytest.approx(0.008, abs=2e-3)
+    with pytest.raises(InvalidActionError, match="between 0"):
+        hand.action(scene, [1.5])
+
+
+def test_joint_position_action_mode_takes_one_step(scene: Any) -> None:
+    """Arm and fingers move within the same step."""
+    before, ticks = np.array(scene.robot.arm.get_joint_positions()), scene.runtime.world.ticks
+    JointPositionActionMode().action(scene, [0.02] * 7 + [0.032])
+    assert scene.runtime.world.ticks == ticks + 1
+    np.testing.assert_allclose(scene.robot.arm.get_joint_positions() - before, 0.02, atol=4e-3)
+    assert scene.robot.gripper.get_joint_positions()[0] < 0.037
+
+
+REFUSED = [
+    ("shape", JointVelocity, [0.1] * 6 + [1.0]),
+    ("NaN", JointVelocity, [float("nan")] * 7 + [1.0]),
+    ("gripper action", JointVelocity, [0.1] * 7 + [2.0]),
+    ("norm", EndEffectorPoseViaPlanning, [0.3, 0.1, 1.2, 0.0, 2.0, 0.0, 0.0, 1.0]),
+    ("outside the workspace", EndEffectorPoseViaPlanning, [0.3, 0.1, 9.0, *DOWN, 1.0]),
+    ("No motion", EndEffectorPoseViaPlanning, [0.77, 0.65, 1.74, *DOWN, 0.0]),
+    ("No joint positions", EndEffectorPoseViaIK, [0.3, 0.1, 9.0, *DOWN, 0.0]),
+    ("gripper action", EndEffectorPoseViaIK, [0.3, 0.1, 1.2, *DOWN, 1.1]),
+]
+
+
+@pytest.mark.parametrize(("words", "kind", "action"), REFUSED)
+def test_a_refused_action_changes_nothing(scene: Any, words: str, kind: type, action: list[float]) -> None:
+    """The error says why, and no time passes."""
+    before, ticks = scene.robot.arm.get_joint_positions(), scene.runtime.world.ticks
+    with pytest.raises(InvalidActionError, match=words):
+        MoveArmThenGripper(kind(), Discrete()).action(scene, np.array(action))
+    assert scene.runtime.world.ticks == ticks
+    assert scene.robot.arm.get_joint_positions() == before
+
+
+def test_a_ninth_value_says_whether_collisions_are_ignored(scene: Any) -> None:
+    """For the mode that plans; others refuse the number."""
+    mode = MoveArmThenGripper(EndEffectorPoseViaPlanning(collision_checking=True), Discrete())
+    for flag in (0.0, 1.0):
+        mode.action(scene, np.array([0.3, 0.1 * flag, 1.2, *DOWN, 1.0, flag]))
+        np.testing.assert_allclose(scene.robot.arm.get_tip().get_position(), [0.3, 0.1 * flag, 1.2], atol=1e-3)
+    with pytest.raises(InvalidActionError, match="shape"):
+        MoveArmThenGripper(JointVelocity(), Discrete()).action(scene, [0.0] * 9)
+
+
+def test_checks_are_given_up_only_when_the_action_asked_for_them(scene: Any) -> None:
+    """Into the table: refused by the mode's own setting, gone to when the ninth value asks for checks, as its dialect does."""
+    low = [0.3, 0.1, 0.754, *DOWN]
+    with pytest.raises(InvalidActionError, match="table"):
+        EndEffectorPoseViaPlanning(collision_checking=True).action(scene, low)
+    EndEffectorPoseViaPlanning().action(scene, low, ignore_collisions=False)
+    assert scene.robot.arm.get_tip().get_position()[2] < 0.77
+
+
+def test_helpers_that_programs_call(scene: Any) -> None:
+    """Shape, quaternion, and the delta pose along world axes."""
+    assert_action_shape(np.zeros(7), (7,))
+    assert_action_shape([0.0], (1,))
+    with pytest.raises(InvalidActionError, match=r"\(7,\) is needed"):
+        assert_action_shape(np.zeros(8), (7,))
+    assert_unit_quaternion([0, 0, 0, 1])
+    with pytest.raises(InvalidActionError, match="norm"):
+        assert_unit_quaternion([0, 0, 0, 2])
+    tip = scene.robot.arm.get_tip().get_pose()
+    moved = calculate_delta_pose(scene.robot, [0.1, 0.0, -0.2, *HALF])
+    np.testing.assert_allclose(moved[:3], tip[:3] + [0.1, 0.0, -0.2])
+    expected = Rotation.from_quat(HALF) * Rotation.from_quat(tip[3:])
+    assert (Rotation.from_quat(moved[3:]) * expected.inv()).magnitude() < 1e-6
+
+
+def test_observations_of_a_motion(scene: Any) -> None:
+    """A function gets one per step, and as many as asked for after the end."""
+    mode, seen = EndEffectorPoseViaPlanning(), []
+    mode.set_callable_each_step(seen.append)
+    mode.action(scene, [0.3, 0.1, 1.2, *DOWN])
+    count = len(seen)
+    assert count > 10 and np.abs(seen[-1].gripper_pose[:3] - [0.3, 0.1, 1.2]).max() < 2e-3
+    mode.record_end(scene, steps=5)
+    assert len(seen) == count + 5
+    mode.record_end(scene, steps=2, step_scene=False)
+    assert len(seen) == count + 7
+
+
+def test_control_modes(scene: Any) -> None:
+    """Velocity modes switch position control off, the others on."""
+    JointVelocity().set_control_mode(scene.robot)
+    assert scene.runtime.robot.mode == "velocity"
+    EndEffectorPoseViaPlanning().set_control_mode(scene.robot)
+    assert scene.runtime.robot.mode == "position"
