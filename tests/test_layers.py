@@ -49,10 +49,10 @@ HOMES: dict[str, tuple[str, ...]] = {
     "scipy": ("planning", "control", "checking"),
     "tyro": ("cli",),
     "tqdm": ("cli",),
-    "PIL": ("checking", "recording", "sim", "datasets"),
+    "PIL": ("checking", "recording", "sim", "datasets", "compat"),
     "ray": ("recording",),
     "zarr": ("datasets",),
-    "gymnasium": ("gym",),
+    "gymnasium": ("gym", "compat"),
     "trimesh": (),
     "manifold3d": (),
     "pickle": ("datasets",),  # foreign files only; tests/datasets/formats/test_rlbench_folders.py says which module

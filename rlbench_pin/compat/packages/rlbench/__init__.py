@@ -13,7 +13,7 @@ from rlbench.observation_config import CameraConfig, ObservationConfig
 from rlbench.sim2real.domain_randomization import RandomizeEvery, VisualRandomizationConfig
 from rlbench.utils import name_to_task_class as name_to_task_class
 from rlbench_pin import __version__ as __version__
-from rlbench_pin.compat.gym_ids import register_known_ids
+from rlbench_pin.compat.scenes.gym_ids import register_known_ids
 
 TASKS = sorted(file.name for file in Path(TASKS_PATH).glob("*.py") if not file.name.startswith("_"))
 """Names of the task files."""

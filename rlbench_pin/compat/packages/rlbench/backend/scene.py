@@ -14,8 +14,8 @@ from rlbench.backend.robot import Robot
 from rlbench.backend.task import Task
 from rlbench.demo import Demo
 from rlbench.observation_config import ObservationConfig
-from rlbench_pin.compat.scene_parts import SceneParts
-from rlbench_pin.compat.scene_runtime import SceneRuntime
+from rlbench_pin.compat.scenes.parts import SceneParts
+from rlbench_pin.compat.scenes.runtime import SceneRuntime
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment import demos
 from rlbench_pin.environment.episode import EpisodeOrigin, EpisodeRandom

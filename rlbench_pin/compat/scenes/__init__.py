@@ -1,0 +1,1 @@
+"""What environments and scenes under their known names are made of."""
