@@ -86,7 +86,7 @@ class Together(ActionMode):
 
 
 def low_dim():
-    obs_config = ObservationConfig()
+    obs_config = ObservationConfig(gripper_joint_positions=True)
     obs_config.set_all_high_dim(False)
     return obs_config
 

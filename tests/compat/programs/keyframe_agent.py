@@ -41,6 +41,7 @@ class KeyframePolicy:
 
 
 def rollout(env, task, episode):
+    task.set_variation(-1)
     demo = task.get_demos(1, live_demos=False, random_selection=False, from_episode_number=episode)[0]
     variation = demo.variation_number
     task.set_variation(variation)
@@ -91,9 +92,7 @@ def main():
         scores = []
         for name in ("push_button", "open_drawer"):
             task = env.get_task(task_file_to_task_class(name + ".py"))
-            task.set_variation(-1)
             scores += [rollout(env, task, episode) for episode in range(EPISODES)]
-            task.set_variation(-1)
         env.shutdown()
     print("success %d of %d" % (sum(scores), len(scores)))
     assert sum(scores) >= len(scores) - 1
