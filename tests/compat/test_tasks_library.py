@@ -9,10 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rlbench_pin.compat.task_tree import TreeChanged
-from rlbench_pin.tasks import task_class
-from tests.compat import paper_tasks
-
 from pyrep.const import PrimitiveShape
 from pyrep.objects.shape import Shape
 from rlbench import Environment, ObservationConfig
@@ -21,10 +17,13 @@ from rlbench.action_modes.arm_action_modes import JointVelocity
 from rlbench.action_modes.gripper_action_modes import Discrete
 from rlbench.backend.waypoints import Point, PredefinedPath
 from rlbench.tasks import CloseMicrowave, OpenDrawer, ReachTarget, StackBlocks, TakeLidOffSaucepan
+from rlbench_pin.compat.tasks.tree import TreeChanged
+from rlbench_pin.tasks import task_class
+from tests.compat import paper_tasks
 
 pytestmark = pytest.mark.simulation
 
-MINE = '''
+MINE = """
 from rlbench.tasks.open_drawer import OpenDrawer
 
 
@@ -47,7 +46,7 @@ class OnlyTheTop(OpenDrawer):
 
 class AsItIs(OpenDrawer):
     pass
-'''
+"""
 
 
 @pytest.fixture(scope="module")

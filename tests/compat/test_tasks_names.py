@@ -9,17 +9,22 @@ from pathlib import Path
 
 import pytest
 
+from rlbench import tasks
+from rlbench.backend.task import TASKS_PATH, Task
 from rlbench_pin.compat import PACKAGES
-from rlbench_pin.compat.library_tasks import KNOWN_TASKS, PERACT_TASKS, MissingTask
+from rlbench_pin.compat.tasks.library import KNOWN_TASKS, PERACT_TASKS, MissingTask
 from rlbench_pin.tasks import camel_case, task_class, task_names
 from tests.compat.support import python
 
-from rlbench import tasks
-from rlbench.backend.task import TASKS_PATH, Task
-
 SIZES = {
-    **{"FS10_V1": (10, 5), "FS25_V1": (25, 5), "FS50_V1": (50, 5), "FS95_V1": (95, 5)},
-    **{"MT15_V1": (15,), "MT30_V1": (30,), "MT55_V1": (55,), "MT100_V1": (100,)},
+    "FS10_V1": (10, 5),
+    "FS25_V1": (25, 5),
+    "FS50_V1": (50, 5),
+    "FS95_V1": (95, 5),
+    "MT15_V1": (15,),
+    "MT30_V1": (30,),
+    "MT55_V1": (55,),
+    "MT100_V1": (100,),
 }
 IN_NO_SET = {
     *("LiftNumberedBlock", "OpenWashingMachine", "PickAndLiftSmall", "PutAllGroceriesInCupboard", "SetupChess", "StackChairs"),
@@ -98,7 +103,7 @@ def test_a_task_that_the_library_lacks_says_so() -> None:
     with pytest.raises(NotImplementedError, match="rlbench-pin list"):
         cls.native_class()
     with pytest.raises(AttributeError, match="Did you mean 'ReachTarget'"):
-        tasks.ReachTargte
+        getattr(tasks, "ReachTarg" + "te")
 
 
 def test_importing_the_names_imports_no_task() -> None:

@@ -9,16 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rlbench_pin.errors import TaskError
-from rlbench_pin.tasks import LIBRARY
-from tests.compat import paper_tasks
-
 from rlbench import Environment, ObservationConfig
 from rlbench.action_modes.action_mode import MoveArmThenGripper
 from rlbench.action_modes.arm_action_modes import JointPosition
 from rlbench.action_modes.gripper_action_modes import Discrete
 from rlbench.backend.conditions import FollowCondition, JointCondition, OrConditions
 from rlbench.backend.task import Task
+from rlbench_pin.errors import TaskError
+from rlbench_pin.tasks import LIBRARY
+from tests.compat import paper_tasks
 
 pytestmark = pytest.mark.simulation
 

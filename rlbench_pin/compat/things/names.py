@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from rlbench_pin.compat.things.element import Element
 from rlbench_pin.robot.description import RobotDescription
+from rlbench_pin.sim import Frame, Region, Sensor
 
 ROOM_NAMES = {
     "table": "diningTable_visible",
@@ -55,3 +58,16 @@ def camera_of(name: str) -> tuple[str, bool]:
     """Return the name here of a known camera, and whether it is the twin that delivers masks."""
     is_mask = name.endswith(MASK_SUFFIX)
     return CAMERA_NAMES[name.removesuffix(MASK_SUFFIX)], is_mask
+
+
+def usual_name(frame: str, frames: Mapping[str, Frame]) -> tuple[str, ...]:
+    """Return what programs call the only sensor of a task, `success`, and its only region, `boundary`; nothing for others.
+
+    Args:
+        frame: Name of a frame.
+        frames: All frames of the scene.
+    """
+    for kind, usual in ((Sensor, "success"), (Region, "boundary")):
+        if [name for name, found in frames.items() if isinstance(found, kind)] == [frame]:
+            return (usual,)
+    return ()

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from rlbench_pin.compat.things.cameras import Cameras, CameraThing
 from rlbench_pin.compat.things.element import Element, ObjectType, UnknownObject
 from rlbench_pin.compat.things.family import Family
-from rlbench_pin.compat.things.names import CAMERA_NAMES, MASK_SUFFIX, ROOM_NAMES, robot_elements
-from rlbench_pin.compat.things.placed import Placed, fixed_things
+from rlbench_pin.compat.things.names import CAMERA_NAMES, MASK_SUFFIX, ROOM_NAMES, robot_elements, usual_name
+from rlbench_pin.compat.things.placed import Placed, fixed_things, hangs_in_task
 from rlbench_pin.compat.things.placed_thing import PlacedThing
 from rlbench_pin.compat.things.thing import BodyThing, FrameThing, JointThing, LinkThing, RobotThing, Thing, WholeRobotThing
 from rlbench_pin.environment import ObservationConfig
@@ -55,7 +55,7 @@ class ObjectTable:
         self._names: dict[Element, str] = {}
         self._handles: dict[Element, int] = {}
         if before is not None:
-            self.placed |= {name: p for name, p in before.placed.items() if not before.in_task(Element("placed", name))}
+            self.placed |= {name: p for name, p in before.placed.items() if not hangs_in_task(before.placed, name)}
         self.world.keepers.append(self)
 
     # Names and handles -----------------------------------------------------------------------------------------------
@@ -96,6 +96,8 @@ class ObjectTable:
             return (element.name, element.name.partition("/")[2])
         if element.kind == "body":
             return (f"{element.name}/{self.world.body(element.name).links[0]}", element.name)
+        if element.kind == "frame":
+            return (element.name, *usual_name(element.name, self.world.frames))
         return (element.name,)
 
     def name(self, element: Element) -> str:
@@ -208,11 +210,6 @@ class ObjectTable:
         """What hangs on it directly."""
         return [e for e in self.elements() if self.parent(e) == element]
 
-    def in_task(self, element: Element) -> bool:
-        """Whether it hangs, near or far, on something that the task brought."""
-        chain = [element, *self.family.ancestors(element)]
-        return any(e.kind in ("root", "body", "link", "joint", "frame") for e in chain)
-
     def set_parent(self, element: Element, parent: Element | None, keep_in_place: bool = True) -> None:
         """Let it move with another thing.
 
@@ -253,21 +250,25 @@ class ObjectTable:
     # Saved and restored with the world -------------------------------------------------------------------------------
 
     def state(self) -> object:
-        """Return what hangs in the task, and changed parents."""
-        placed = {name: p for name, p in self.placed.items() if self.in_task(Element("placed", name))}
-        return _Kept(placed, dict(self.parents))
+        """Return what is placed, and changed parents."""
+        return _Kept(dict(self.placed), dict(self.parents))
 
     def set_state(self, state: object) -> None:
-        """Go back to what `state()` returned."""
+        """Go back to what `state()` returned, as far as it hangs in the task; the rest of what is placed stays as it is."""
         assert isinstance(state, _Kept)
-        for name in [n for n in self.placed if self.in_task(Element("placed", n)) and n not in state.placed]:
+        hanging = {name for name in self.placed if hangs_in_task(self.placed, name)}
+        for name in hanging:
             del self.placed[name]
-        self.placed.update(state.placed)
-        for element in [e for e in self.parents if e not in state.parents]:
+        back = hanging | {name for name in state.placed if hangs_in_task(state.placed, name)}
+        self.placed.update({name: state.placed[name] for name in back & set(state.placed)})
+        self._restore_parents(state.parents)
+
+    def _restore_parents(self, parents: dict[Element, Element | None]) -> None:
+        for element in [e for e in self.parents if e not in parents]:
             del self.parents[element]
             if element.kind == "body" and self.exists(element):
                 self.world.places.set_parent(element.name, self.family.spec_parent(element.name))
-        for element, parent in state.parents.items():
+        for element, parent in parents.items():
             self.parents[element] = parent
             if element.kind == "body":
                 self.world.places.set_parent(element.name, self.family.native_name(parent))

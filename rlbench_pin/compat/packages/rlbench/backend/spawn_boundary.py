@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+
 from pyrep.objects.object import Object
 from pyrep.objects.shape import Shape
-
 from rlbench_pin.errors import BoundaryError, TaskError
 from rlbench_pin.spatial import FloatArray, pose_at
 from rlbench_pin.tasks.boxes import OrientedBox, rotated

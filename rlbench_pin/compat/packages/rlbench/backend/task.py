@@ -6,16 +6,16 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+
 from pyrep.objects.dummy import Dummy
 from pyrep.objects.object import Object
 from pyrep.objects.shape import Shape
 from rlbench.backend.conditions import Condition, NativeCondition
 from rlbench.backend.waypoints import Waypoint, waypoint_of
-
-from rlbench_pin.compat.library_tasks import check_present, library_task
-from rlbench_pin.compat.paper_task import PaperTask, adapter_of
 from rlbench_pin.compat.simulator import Simulator
-from rlbench_pin.compat.task_tree import TreeState, restore_tree, save_tree, thing_name
+from rlbench_pin.compat.tasks.library import check_present, library_task
+from rlbench_pin.compat.tasks.paper import PaperTask, adapter_of
+from rlbench_pin.compat.tasks.tree import TreeState, restore_tree, save_tree, thing_name
 from rlbench_pin.environment import ObservationConfig
 from rlbench_pin.environment.turns import check_feasible
 from rlbench_pin.errors import TaskError

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
 from pyrep.errors import ConfigurationPathError
 from pyrep.objects.dummy import Dummy
 from pyrep.objects.object import Object
 from pyrep.robots.configuration_paths.arm_configuration_path import ArmConfigurationPath
-
 from rlbench_pin.compat.arm_planning import plan_along
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment.turns import poses_of, turned

@@ -11,9 +11,8 @@ from importlib.machinery import ModuleSpec
 from types import ModuleType
 
 from rlbench.backend.task import Task
-
-from rlbench_pin.compat.library_tasks import KNOWN_TASKS, PERACT_TASKS, all_tasks
-from rlbench_pin.compat.task_sets import TASK_SETS
+from rlbench_pin.compat.tasks.library import KNOWN_TASKS, PERACT_TASKS, all_tasks
+from rlbench_pin.compat.tasks.sets import TASK_SETS
 from rlbench_pin.errors import nearest_name
 from rlbench_pin.tasks import LIBRARY, camel_case
 

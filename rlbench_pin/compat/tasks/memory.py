@@ -22,6 +22,8 @@ Recall = Callable[[], Any]
 """Gives a value the contents that it had back, and returns it."""
 AS_THEY_ARE = ("pyrep.", "rlbench_pin.", "rlbench.backend.robot", "rlbench.backend.scene", "rlbench.backend.task")
 """Modules of classes that keep no state of an episode, or whose state the world and the native task save."""
+VIEWS, ROBOTS = ("pyrep.objects.",), ("pyrep.robots.",)
+"""Modules of views, which remember whether their object was removed; and of those that are robots."""
 
 
 def keep(value: Any, seen: dict[int, Any] | None = None) -> Recall:
@@ -35,9 +37,13 @@ def keep(value: Any, seen: dict[int, Any] | None = None) -> Recall:
         What gives the contents back; the value itself stays the same object.
     """
     seen = {} if seen is None else seen
-    if isinstance(value, (*PLAIN, *FUNCTIONS)) or _stays(value) or id(value) in seen:
+    is_view = _is_of(value, VIEWS) and not _is_of(value, ROBOTS)
+    if isinstance(value, (*PLAIN, *FUNCTIONS)) or id(value) in seen or (_is_of(value, AS_THEY_ARE) and not is_view):
         return lambda: value
     seen[id(value)] = value
+    if is_view:
+        attributes = dict(vars(value))
+        return _keep_by(value, attributes, vars(value).update)
     if isinstance(value, np.ndarray):
         return _keep_array(value)
     if isinstance(value, np.random.Generator):
@@ -54,9 +60,8 @@ def keep(value: Any, seen: dict[int, Any] | None = None) -> Recall:
     return lambda: value
 
 
-def _stays(value: Any) -> bool:
-    kinds = type(value).__mro__
-    return any(f"{kind.__module__}.".startswith(AS_THEY_ARE) for kind in kinds)
+def _is_of(value: Any, modules: tuple[str, ...]) -> bool:
+    return any(f"{kind.__module__}.".startswith(modules) for kind in type(value).__mro__)
 
 
 def _is_foreign(value: Any) -> bool:

@@ -7,19 +7,20 @@ file may override; what the user did not override comes back to the native task.
 from __future__ import annotations
 
 import inspect
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, cast
 
 import numpy as np
 
-from rlbench_pin.compat.task_tree import place_thing, thing_name
-from rlbench_pin.compat.user_memory import GlobalDraws, Remembered
+from rlbench_pin.compat.tasks.memory import GlobalDraws, Remembered
+from rlbench_pin.compat.tasks.tree import place_thing, thing_name
 from rlbench_pin.errors import TaskError
 from rlbench_pin.observation import Observation
 from rlbench_pin.sim import World
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.tasks import Task, Waypoint
+from rlbench_pin.tasks import LIBRARY, Task, Waypoint
 from rlbench_pin.tasks.task import RotationBounds, snake_case
 from rlbench_pin.tasks.waypoints import WaypointHook
 
@@ -64,6 +65,8 @@ class PaperTask(Task):
         """Take the user's task, whose views see this world from now on, and let it look things up."""
         self._user = Remembered(user, FIXED_ATTRIBUTES)
         with self._draws.lent():
+            user.load()
+            user.set_initial_objects_in_scene()
             user.init_task()
 
     # Where things are -------------------------------------------------------------------------------------------------
@@ -76,16 +79,20 @@ class PaperTask(Task):
     def scene_file(cls) -> Path:
         """Return the scene file: beside the user's module, called after the task or after the module.
 
+        A class made from one of the library's, or called like one, has the scene of the library where it brings none.
+
         Raises:
             SceneNotFound: There is none.
         """
-        module = module_file(cls.user_class)
-        wanted = [module.with_name(f"{snake_case(cls.user_class.__name__)}.toml"), module.with_suffix(".toml")]
-        if cls.user_class.library_name:  # a class made from one of the library's may bring a scene of its own name
-            wanted = [wanted[0], cls.user_class.native_origin().scene_file()]
-        found = [file for file in dict.fromkeys(wanted) if file.is_file()]
+        name, module = snake_case(cls.user_class.__name__), module_file(cls.user_class)
+        wanted = [module.with_name(f"{name}.toml")]
+        if cls.user_class.library_name:
+            wanted.append(cls.user_class.native_origin().scene_file())
+        else:
+            wanted += [module.with_suffix(".toml"), LIBRARY / f"{name}.toml"]
+        found = [file for file in wanted if file.is_file()]
         if not found:
-            raise SceneNotFound(cls.user_class.__name__, wanted)
+            raise SceneNotFound(cls.user_class.__name__, list(dict.fromkeys(wanted[:2])))
         return found[0]
 
     # What a task file overrides ---------------------------------------------------------------------------------------
@@ -165,6 +172,11 @@ class PaperTask(Task):
             return super().should_repeat_waypoints()
 
     # Registrations ----------------------------------------------------------------------------------------------------
+
+    def register_graspable_objects(self, names: Iterable[str]) -> None:
+        """Allow the hand to hold these bodies; those of before may have been removed since."""
+        self._graspable = tuple(name for name in self._graspable if name in self.world.bodies)
+        super().register_graspable_objects(names)
 
     def register_waypoint_ability_start(self, index: int, hook: WaypointHook) -> None:
         """Call `hook(waypoint)` before the leg to a waypoint is planned, with draws of this task."""
