@@ -181,7 +181,9 @@ def test_collisions_of_the_arm(arm: Panda) -> None:
     assert not arm.check_arm_collision() and not arm.check_arm_collision(table)
     arm.set_joint_positions([0.0, 1.7, 0.0, -0.3, 0.0, 1.2, 0.78])
     assert arm.check_arm_collision() and arm.check_arm_collision(table)
-    assert not arm.check_arm_collision(Shape("Wall1"))
+    assert not arm.check_arm_collision(Shape("Wall1")) and not arm.check_arm_collision(Shape("Panda"))
+    table.set_collidable(False)
+    assert not arm.check_arm_collision(table)
 
 
 def test_visuals_are_shapes_of_the_arm(arm: Panda) -> None:

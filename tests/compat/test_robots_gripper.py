@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from pyrep.const import PrimitiveShape
 from pyrep.errors import UnsupportedCall
 from pyrep.objects.shape import Shape
 from pyrep.robots.arms.panda import Panda
@@ -88,6 +89,19 @@ def test_grasp_takes_what_is_between_the_fingers_only(robot: Robot) -> None:
     for _ in range(10):
         Simulator.current().runtime.step()
     assert lid.get_position()[2] < before[2] + 0.1
+
+
+def test_an_object_that_the_program_made_can_be_grasped(robot: Robot) -> None:
+    """A cube between the fingers, under the name that the program gave it."""
+    robot.arm.set_joint_positions(Simulator.current().model.home)
+    tip = robot.arm.get_tip().get_position()
+    cube = Shape.create(PrimitiveShape.CUBOID, size=[0.03, 0.03, 0.03], mass=0.05, position=tip.tolist())
+    cube.set_name("my_cube")
+    assert robot.gripper.grasp(cube)
+    assert [held.get_name() for held in robot.gripper.get_grasped_objects()] == ["my_cube"]
+    for _ in range(5):
+        Simulator.current().runtime.step()
+    np.testing.assert_allclose(cube.get_position(), tip, atol=2e-3)
 
 
 def test_far_away_nothing_is_grasped(robot: Robot) -> None:

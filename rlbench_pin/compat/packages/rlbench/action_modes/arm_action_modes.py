@@ -14,10 +14,8 @@ from rlbench.backend.exceptions import InvalidActionError
 from rlbench.backend.robot import Robot
 from rlbench.backend.scene import Scene
 from rlbench.const import SUPPORTED_ROBOTS
-from rlbench_pin.compat import planned_pose
-from rlbench_pin.compat.parts import ScenePart
-from rlbench_pin.compat.poses import calculate_delta_pose, pose_in_end_effector_frame
-from rlbench_pin.compat.shapes import assert_action_shape
+from rlbench_pin.compat import actions
+from rlbench_pin.compat.actions import ScenePart, assert_action_shape, calculate_delta_pose, pose_in_end_effector_frame
 from rlbench_pin.compat.unwrap import SceneLike, runtime_of
 from rlbench_pin.environment.actions import RelativeFrame, joint, pose
 from rlbench_pin.environment.actions.arm_mode import FrameChoice, assert_unit_quaternion
@@ -138,7 +136,7 @@ class EndEffectorPoseViaPlanning(ScenePart, pose.EndEffectorPoseViaPlanning, Arm
     ) -> None:
         super().__init__(absolute_mode, frame, collision_checking)
         self._absolute_mode, self._frame, self._collision_checking = absolute_mode, frame, collision_checking
-        self._callable_each_step: planned_pose.OnStep | None = None
+        self._callable_each_step: actions.OnStep | None = None
 
     def action(self, scene: SceneLike, action: object, ignore_collisions: bool | None = None) -> None:
         """Plan and run one motion.
@@ -154,8 +152,8 @@ class EndEffectorPoseViaPlanning(ScenePart, pose.EndEffectorPoseViaPlanning, Arm
         """
         target = self.target(runtime_of(scene), self.values(scene, action))
         ignore = not self.collision_checking if ignore_collisions is None else bool(ignore_collisions)
-        plan = planned_pose.plan_motion(target, ignore, second_try=ignore_collisions is not None)
-        planned_pose.run(scene, plan, self._callable_each_step)
+        plan = actions.plan_motion(target, ignore, second_try=ignore_collisions is not None)
+        actions.run(scene, plan, self._callable_each_step)
 
     def set_callable_each_step(self, callable_each_step: Callable[[Observation], object] | None) -> None:
         """Call a function with an observation after every step of a motion; motions then go on when the task is done."""

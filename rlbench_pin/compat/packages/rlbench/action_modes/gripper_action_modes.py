@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rlbench.backend.exceptions import InvalidActionError
-from rlbench_pin.compat.parts import ScenePart
-from rlbench_pin.compat.shapes import assert_action_shape
+from rlbench_pin.compat.actions import ScenePart, assert_action_shape
 from rlbench_pin.compat.unwrap import SceneLike, runtime_of
 from rlbench_pin.environment.actions import gripper as native
 from rlbench_pin.environment.motion import hold_or_release

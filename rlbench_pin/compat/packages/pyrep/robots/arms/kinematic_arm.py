@@ -17,6 +17,8 @@ from rlbench_pin.errors import PlanningError
 from rlbench_pin.spatial import FloatArray
 
 Numbers = Sequence[float] | FloatArray
+ROBOT_KINDS = ("robot", "gripper", "tip", "robot_link", "robot_joint")
+"""What belongs to the arm itself."""
 
 
 class KinematicArm(RobotComponent):
@@ -164,9 +166,9 @@ class KinematicArm(RobotComponent):
     # Collisions ------------------------------------------------------------------------------------------------------
 
     def check_arm_collision(self, obj: Object | None = None) -> bool:
-        """Say whether the arm or the hand overlaps `obj`; with None anything that collides, or the arm itself."""
+        """Say whether arm or hand overlap `obj`, no part of them; with None anything that is collidable, or the arm itself."""
         if obj is None:
             return arm_planning.arm_collides(Simulator.current(), None)
         if obj.element.kind in ("body", "room"):
             return obj.is_collidable() and arm_planning.arm_collides(Simulator.current(), obj.element.name)
-        return self.check_collision(obj)
+        return obj.element.kind not in ROBOT_KINDS and self.check_collision(obj)

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyrep.errors import UnsupportedCall
 from pyrep.objects.object import Object
 from pyrep.objects.shape import Shape
 from pyrep.robots.robot_component import RobotComponent
 from rlbench_pin.compat.motors import FingerMotors
 from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.compat.things import Element
 from rlbench_pin.environment.runtime import Runtime
 
 NEAR = 5e-4
@@ -69,7 +69,7 @@ class Gripper(RobotComponent):
 
     def get_grasped_objects(self) -> list[Object]:
         """Return what is fixed to the hand, in the order in which it was grasped."""
-        return [Shape(name) for name in self._runtime.gripper.grasped]
+        return [Shape(self.table.handle(Element("body", name))) for name in self._runtime.gripper.grasped]
 
     # Fingers ---------------------------------------------------------------------------------------------------------
 
@@ -114,14 +114,6 @@ class Gripper(RobotComponent):
     def get_touch_sensor_forces(self) -> list[list[float]]:
         """Return the contact force (3,) on each finger in the finger's own frame [N]."""
         return self._runtime.robot.touch_forces().reshape(-1, 3).tolist()
-
-    def copy(self) -> Gripper:
-        """Not offered: a world has one hand.
-
-        Raises:
-            UnsupportedCall: Always.
-        """
-        raise UnsupportedCall(f"copy of '{self.get_name()}'", "a world has one hand.", "Use one process per robot.")
 
     @property
     def _runtime(self) -> Runtime:
