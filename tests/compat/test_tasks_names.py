@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import pkgutil
 import sys
 from pathlib import Path
 
@@ -12,7 +13,7 @@ import pytest
 from rlbench import tasks
 from rlbench.backend.task import TASKS_PATH, Task
 from rlbench_pin.compat import PACKAGES
-from rlbench_pin.compat.tasks.library import KNOWN_TASKS, PERACT_TASKS, MissingTask
+from rlbench_pin.compat.tasks.library import KNOWN_TASKS, PERACT_TASKS, MissingTask, all_tasks
 from rlbench_pin.tasks import camel_case, task_class, task_names
 from tests.compat.support import python
 
@@ -54,6 +55,36 @@ def test_import_forms() -> None:
     exec("from rlbench.tasks import *", star)
     assert {camel_case(name) for name in KNOWN_TASKS} | set(SIZES) <= set(star)
     assert "sys" not in star
+
+
+TEXT = '''"""The task `{name}` under its known name."""
+
+from rlbench.backend.task import Task
+
+
+class {title}(Task):
+    """The task `{name}` of our library."""
+
+    library_name = "{name}"
+'''
+
+
+def test_every_name_has_its_file() -> None:
+    """Agents reload the modules, tools list them; a new name of the library wants a file as in `TEXT`."""
+    folder = PACKAGES / "rlbench" / "tasks"
+    written = {file.stem: file.read_text(encoding="utf-8") for file in folder.glob("*.py") if file.stem != "__init__"}
+    assert written == {name: TEXT.format(name=name, title=camel_case(name)) for name in all_tasks()}
+    assert {module.name for module in pkgutil.iter_modules(tasks.__path__)} == set(written)
+
+
+def test_a_module_can_be_reloaded() -> None:
+    """As keyframe agents do with the file names of tasks; the new class is as good as the old one."""
+    code = (
+        "import importlib, rlbench.tasks as t; m = importlib.reload(importlib.import_module('rlbench.tasks.open_drawer')); "
+        "print(m.OpenDrawer(None, None).variation_count(), m.OpenDrawer.native_class() is t.OpenDrawer.native_class())"
+    )
+    done = python("-m", "rlbench_pin.compat", "-c", code)
+    assert done.stdout == "3 True\n", done.stderr
 
 
 def test_task_sets_nest() -> None:

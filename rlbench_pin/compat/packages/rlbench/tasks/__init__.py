@@ -1,49 +1,50 @@
 """The tasks by name: `ReachTarget` and the others, `rlbench.tasks.reach_target` and the others, and the task sets.
 
-All names of the public task set are there. A task that our library does not have yet says so when it is made or loaded.
-Nothing of a task's own is imported before it is used.
+All names of the public task set are there, each in a file of its own, so that `importlib.reload` and tools that list modules
+work. A task that our library does not have yet says so when it is made or loaded. A file is read when its name is first used.
 """
 
 from __future__ import annotations
 
-import sys
-from importlib.machinery import ModuleSpec
+import importlib
 from types import ModuleType
 
 from rlbench.backend.task import Task
 from rlbench_pin.compat.tasks.library import KNOWN_TASKS, PERACT_TASKS, all_tasks
 from rlbench_pin.compat.tasks.sets import TASK_SETS
 from rlbench_pin.errors import nearest_name
-from rlbench_pin.tasks import LIBRARY, camel_case
+from rlbench_pin.tasks import camel_case
+
+_HOMES = {camel_case(name): name for name in all_tasks()}
+
+__all__ = sorted([*_HOMES, *TASK_SETS])
+
+TaskSet = dict[str, list[type[Task]]]
 
 
-def task_module(name: str) -> ModuleType:
-    """Return the module `rlbench.tasks.<name>` with the class of one task."""
-    module = ModuleType(f"{__name__}.{name}", f"The task `{name}` of our library, under its known name.")
-    title = camel_case(name)
-    namespace = {"library_name": name, "__module__": module.__name__, "__qualname__": title, "__doc__": f"The task `{name}`."}
-    module.__file__ = str(LIBRARY / f"{name}.py")
-    module.__package__ = __name__
-    module.__spec__ = ModuleSpec(module.__name__, None, origin=module.__file__)
-    vars(module).update({title: type(title, (Task,), namespace), "Task": Task})
-    return module
+def _task(name: str) -> type[Task]:
+    found: type[Task] = getattr(importlib.import_module(f"{__name__}.{name}"), camel_case(name))
+    return found
 
 
-_modules = {name: task_module(name) for name in all_tasks()}
-_classes: dict[str, type[Task]] = {camel_case(name): vars(module)[camel_case(name)] for name, module in _modules.items()}
-_sets: dict[str, dict[str, list[type[Task]]]] = {
-    title: {part: [_classes[camel_case(name)] for name in names] for part, names in parts.items()}
-    for title, parts in TASK_SETS.items()
-}
-sys.modules.update({module.__name__: module for module in _modules.values()})
-globals().update({**_modules, **_classes, **_sets})
+def __getattr__(name: str) -> type[Task] | TaskSet | ModuleType:
+    """Read the file of a task, or make a task set, when its name is first used; say which name is near when there is none."""
+    value: type[Task] | TaskSet | ModuleType
+    if name in _HOMES:
+        value = _task(_HOMES[name])
+    elif name in TASK_SETS:
+        value = {part: [_task(task) for task in names] for part, names in TASK_SETS[name].items()}
+    elif name in _HOMES.values():
+        return importlib.import_module(f"{__name__}.{name}")
+    else:
+        near = nearest_name(name, __all__)
+        guess = f" Did you mean '{near}'?" if near else ""
+        known = f"{len(KNOWN_TASKS)} tasks, {len(PERACT_TASKS)} more of PerAct's, and {len(TASK_SETS)} task sets"
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}': it has {known}.{guess}")
+    globals()[name] = value
+    return value
 
-__all__ = sorted([*_classes, *_sets])
 
-
-def __getattr__(name: str) -> type[Task]:
-    """Say which task is nearest to a name that nobody has."""
-    near = nearest_name(name, __all__)
-    guess = f" Did you mean '{near}'?" if near else ""
-    known = f"{len(KNOWN_TASKS)} tasks, {len(PERACT_TASKS)} more of PerAct's, and {len(_sets)} task sets"
-    raise AttributeError(f"module '{__name__}' has no attribute '{name}': it has {known}.{guess}")
+def __dir__() -> list[str]:
+    """List the public names, read or not."""
+    return sorted({*globals(), *__all__})
