@@ -23,6 +23,7 @@ from rlbench_pin.urdf import UrdfOrigin, UrdfShape, read_urdf
 Part = tuple[coal.CollisionGeometry, pin.SE3]
 """A shape and its placement T_link_shape."""
 VolumeShape = Literal["box", "cylinder", "sphere"]
+_FLAT, _THICKNESS = 1e-6, 1e-4  # [m]
 
 
 @cache
@@ -176,12 +177,24 @@ def _hull(urdf: Path, mesh: Path, scale: FloatArray) -> coal.Convex:
     if not mesh.is_file():
         raise AssetNotFound(mesh, urdf.name)
     surface = coal.MeshLoader().load(str(mesh), scale)
+    if (flat := _thickened(np.array(surface.vertices()))) is not None:
+        return flat
     try:
         surface.buildConvexHull(True, "Qt")
     except (RuntimeError, ValueError) as error:
         raise AssetInvalid(mesh, f"no convex hull: {error}") from error
     hull = surface.convex
     hull.computeLocalAABB()
+    return hull
+
+
+def _thickened(corners: FloatArray) -> coal.Convex | None:
+    """Return a hull of 0.1 mm thickness around corners (n, 3) that lie in one plane; None when they do not."""
+    _, spread, axes = np.linalg.svd(corners - corners.mean(axis=0), full_matrices=False)
+    if spread[-1] > _FLAT:
+        return None
+    offset = 0.5 * _THICKNESS * axes[-1]
+    hull, _ = primitive(Shape("convex", tuple(np.concatenate([corners - offset, corners + offset]).ravel().tolist())))
     return hull
 
 

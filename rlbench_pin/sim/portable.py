@@ -81,6 +81,7 @@ def _meta(world: World, logical: LogicalState) -> dict[str, Any]:
                 "collides": m.collides,
                 "graspable": m.graspable,
                 "locks": m.locks,
+                **({} if m.fixed is None else {"fixed": m.fixed}),
             }
             for name, m in logical.bodies.items()
         },
@@ -157,7 +158,7 @@ def _logical_state(meta: dict[str, Any], arrays: Mapping[str, np.ndarray]) -> Lo
 
 def _body_state(entry: dict[str, Any]) -> LogicalBodyState:
     colors = {int(k): tuple(v) for k, v in entry["colors"].items()}
-    return LogicalBodyState(colors, entry["collides"], entry["graspable"], entry["locks"])
+    return LogicalBodyState(colors, entry["collides"], entry["graspable"], entry["locks"], entry.get("fixed"))
 
 
 def _check(world: World, meta: dict[str, Any], logical: LogicalState) -> None:

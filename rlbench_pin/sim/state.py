@@ -48,6 +48,8 @@ class LogicalBodyState:
     collides: bool
     graspable: bool
     locks: dict[str, float | None]
+    fixed: bool | None = None
+    """Whether the body cannot move, where that differs from how it was loaded."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,7 +217,11 @@ def read_logical_state(world: World) -> LogicalState:
 
 def _read_body(body: Body) -> LogicalBodyState:
     return LogicalBodyState(
-        body.colors, body.collides, body.graspable, {name: joint.lock_position for name, joint in body.joints.items()}
+        body.colors,
+        body.collides,
+        body.graspable,
+        {name: joint.lock_position for name, joint in body.joints.items()},
+        None if body.fixed == body.loaded_fixed else body.fixed,
     )
 
 
@@ -224,7 +230,9 @@ def write_logical_state(world: World, logical: LogicalState) -> None:
     _match_spawned(world, logical.spawned)
     world.gripper.set_attachments(logical.attachments)
     for name, body_state in logical.bodies.items():
-        _write_body(world.body(name), body_state)
+        body = world.body(name)
+        world.dynamics_overrides.set_fixed(body, body.loaded_fixed if body_state.fixed is None else body_state.fixed)
+        _write_body(body, body_state)
     for name, (parent, local) in logical.frames.items():
         world.frames[name].set_state(parent, local)
     world.robot.set_control(logical.arm)

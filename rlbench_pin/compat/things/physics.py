@@ -9,7 +9,6 @@ from rlbench_pin.compat.things.table import ObjectTable
 from rlbench_pin.compat.things.thing import Thing
 from rlbench_pin.robot import surfaces
 from rlbench_pin.sim import Body
-from rlbench_pin.urdf import read_urdf
 
 _BASE = -1
 
@@ -37,28 +36,15 @@ def _index(table: ObjectTable, element: Element) -> int:
     return body.model.link_index(link) if link else _BASE
 
 
-def _file_mass(body: Body, index: int) -> float:
-    """Mass of a link in the model file [kg]; PyBullet does not keep that of things that cannot move."""
-    name = next(link for link, number in body.model.links.items() if number == index)
-    inertial = next(link.inertial for link in read_urdf(body.model.urdf).links if link.name == name)
-    return 0.0 if inertial is None else inertial.mass
-
-
 def mass(table: ObjectTable, element: Element) -> float:
-    """Return the mass of a shape [kg]."""
-    body, index = body_of(table, element, "get_mass"), _index(table, element)
-    kept = table.flags.get((element, "mass"))
-    if isinstance(kept, float):
-        return kept
-    return table.world.dynamics_overrides.mass(body.model, index) or _file_mass(body, index)
+    """Return the mass of a shape [kg], also of one that cannot move."""
+    return table.world.dynamics_overrides.mass(body_of(table, element, "get_mass").model, _index(table, element))
 
 
 def set_mass(table: ObjectTable, element: Element, kilograms: float) -> None:
-    """Set the mass of a shape [kg]; that of a base that cannot move only matters once it can."""
-    body, index = body_of(table, element, "set_mass"), _index(table, element)
-    table.flags[element, "mass"] = kilograms
-    if table.world.dynamics_overrides.mass(body.model, index) > 0.0:
-        table.world.dynamics_overrides.set_mass(body.model, index, kilograms)
+    """Set the mass of a shape [kg]; that of one that cannot move matters once it can."""
+    model = body_of(table, element, "set_mass").model
+    table.world.dynamics_overrides.set_mass(model, _index(table, element), kilograms)
 
 
 def friction(table: ObjectTable, element: Element) -> float:
@@ -77,25 +63,17 @@ def set_dynamic(table: ObjectTable, element: Element, value: bool) -> None:
     """Let a body move, or hold it where it is.
 
     Raises:
-        UnsupportedCall: The body is part of the room, or a model with joints that the scene file welds to its place.
+        UnsupportedCall: It is part of the room, or a link.
+        RlbenchPinError: It has joints, or no mass in its model file.
     """
     body = body_of(table, element, "set_dynamic")
     if value == (not body.fixed):
         return
-    call = f"set_dynamic({value}) of '{table.name(element)}'"
-    if element.kind != "body" or element.name not in table.world.spawned:
-        raise UnsupportedCall(call, "the scene file says what can move.", "Set `fixed` there; one can move if it says false.")
-    spec = table.world.spawned[element.name].model_copy(update={"fixed": not value})
-    pose, colors, collides, graspable = body.pose, body.colors, body.collides, body.graspable
-    table.world.remove_body(element.name)
-    made = table.world.add_body(element.name, spec)
-    made.set_pose(pose)
-    made.set_colors(colors)
-    made.set_collides(collides)
-    made.graspable = graspable
-    kept = table.flags.get((element, "mass"))
-    if value and isinstance(kept, float):
-        table.world.dynamics_overrides.set_mass(made.model, _BASE, kept)
+    if element.kind != "body":
+        raise UnsupportedCall(
+            f"set_dynamic({value}) of '{table.name(element)}'", "it is part of something larger.", "Call it on a whole body."
+        )
+    table.world.dynamics_overrides.set_fixed(body, not value)
 
 
 def volume(thing: Thing) -> float:

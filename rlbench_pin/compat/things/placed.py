@@ -51,11 +51,20 @@ class Placed:
     """Further settings that a program may read back."""
 
 
+_TASK_KINDS = ("root", "body", "link", "joint", "frame")
 _MIDDLE = np.array([0.25, 0.0, TABLE_HEIGHT, 0.0, 0.0, 0.0, 1.0])
 _BASE = np.array([0.25, 0.0, TABLE_HEIGHT + 0.25, 0.0, 0.0, 0.0, 1.0])
 _PLACEHOLDER = look_at((1.35, -0.95, TABLE_HEIGHT + 0.85), (0.2, 0.0, TABLE_HEIGHT + 0.2))
 WORKSPACE_SIZE = (0.648, 0.91, 0.0)
 """The plane that tasks stand on; the tip may leave it by 0.2 m to each side and by 1 m upwards."""
+
+
+def hangs_in_task(placed: dict[str, Placed], name: str) -> bool:
+    """Whether a placed thing hangs, near or far, on something that the task brought."""
+    parent = placed[name].parent
+    while parent is not None and parent.kind == "placed":
+        parent = placed[parent.name].parent if parent.name in placed else None
+    return parent is not None and parent.kind in _TASK_KINDS
 
 
 def fixed_things() -> dict[str, Placed]:

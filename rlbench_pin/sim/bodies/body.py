@@ -27,13 +27,13 @@ class Body:
     Args:
         name: Name in the scene file.
         model: What was loaded.
-        fixed: Welded to its place.
+        fixed: Welded to its place when it is loaded; see `DynamicsOverrides.set_fixed`.
         collides: Touches other things.
         on_move: Called with the old and the new pose when `set_pose` moved the body, to carry its descendants along.
     """
 
     def __init__(self, name: str, model: LoadedModel, *, fixed: bool, collides: bool, on_move: OnMove) -> None:
-        self.name, self.model, self.fixed = name, model, fixed
+        self.name, self.model, self.fixed, self.loaded_fixed = name, model, fixed, fixed
         self.graspable = False
         """Whether closing the hand may attach this body; set by tasks."""
         self.joints: dict[str, ObjectJoint] = {n: ObjectJoint(f"{name}/{n}", model, info) for n, info in model.joints.items()}
@@ -203,8 +203,18 @@ class Body:
         if collides == self._collides:
             return
         self._collides = collides
+        self._set_filters()
+
+    def hold(self, fixed: bool) -> None:
+        """Take note that the body cannot move from now on, or can; it comes to rest. `DynamicsOverrides` sees to its mass."""
+        self.set_velocity(np.zeros(6))
+        self.fixed = fixed
+        self._set_filters()
+
+    def _set_filters(self) -> None:
+        """Tell PyBullet what the body touches."""
         for index in self.model.links.values():
-            group, mask = (_STATIC if self.fixed and index == BASE else _DYNAMIC) if collides else (0, 0)
+            group, mask = (_STATIC if self.fixed and index == BASE else _DYNAMIC) if self._collides else (0, 0)
             self.model.client.change(bullet.setCollisionFilterGroupMask, self.model.uid, index, group, mask)
 
     def joint(self, name: str) -> ObjectJoint:

@@ -20,8 +20,8 @@ class Dummy(Object):
     def create(cls, size: float = 0.01) -> Dummy:
         """Make a dummy at the origin of the world.
 
-        It stays until `remove()`. One that hangs in a task goes back with it at a reset, and is gone when that task is; one that
-        was hung there during an episode is gone after the next reset.
+        It stays until `remove()`. One that hangs on something of a task goes back with it at a reset to where it was when the
+        task was set up, and is gone when it was made later, or when the task is.
 
         Args:
             size: Accepted; dummies are not drawn.
