@@ -80,7 +80,7 @@ def lay_out(runtime: Runtime, variation: int, random: EpisodeRandom, *, static: 
     runtime.begin(variation, random.planning, random.noise)
     instructions = task.begin_episode(variation, random.placement)
     if not static and not task.is_static_workspace():
-        task.place(random.placement)
+        runtime.place_task(random.placement)
     return instructions
 
 

@@ -133,6 +133,10 @@ class Runtime:
         self.step()
         self.hold()
 
+    def place_task(self, rng: np.random.Generator) -> None:
+        """Put the task at a random place on the table, drawn from `rng`; raises BoundaryError when there is none."""
+        self.task.place(rng)
+
     def hold(self) -> None:
         """Keep the arm where it is now."""
         self.robot.set_position_targets(self.robot.joint_positions)

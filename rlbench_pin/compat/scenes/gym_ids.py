@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gymnasium
 
-from rlbench_pin.compat.library_tasks import KNOWN_TASKS, PERACT_TASKS
+from rlbench_pin.compat.tasks.library import KNOWN_TASKS, PERACT_TASKS
 from rlbench_pin.gym.ids import MODES
 
 

@@ -82,7 +82,3 @@ class SceneParts:
     @cached_property
     def _robot_shapes(self) -> list[Any]:
         return list(self.robot.arm.get_objects_in_tree(object_type=ObjectType.SHAPE))
-
-    @cached_property
-    def _initial_robot_state(self) -> tuple[Any, Any]:
-        return self.robot.arm.get_configuration_tree(), self.robot.gripper.get_configuration_tree()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
+import numpy as np
+
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.observation import Observation
@@ -23,6 +25,10 @@ class Stage(Protocol):
 
     def check_target_in_workspace(self, pos: FloatArray) -> bool:
         """Whether a target (3,) [m] may be reached for."""
+        ...
+
+    def place(self, rng: np.random.Generator) -> None:
+        """Put the task at a random place on the table, drawn from `rng`."""
         ...
 
 
@@ -45,6 +51,13 @@ class SceneRuntime(Runtime):
     def advance(self) -> None:
         """Advance one control tick: physics, then the task's own step, then the callbacks."""
         super().step()
+
+    def place_task(self, rng: np.random.Generator) -> None:
+        """Put the task at a random place on the table, through the scene."""
+        if self._stage is None:
+            super().place_task(rng)
+        else:
+            self._stage.place(rng)
 
     def get_observation(self) -> Observation:
         """Observe without stepping, through the scene."""

@@ -69,6 +69,7 @@ class TaskEnvironment:
         self._descriptions: list[str] = []
         scene.load(task)
         scene.runtime.attach_grasped_objects = attach_grasped_objects
+        pyrep.start()
 
     @cached_property
     def _robot_shapes(self) -> list[Any]:

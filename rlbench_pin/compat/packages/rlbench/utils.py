@@ -8,7 +8,7 @@ import numpy as np
 
 from rlbench.backend.task import Task
 from rlbench.demo import Demo
-from rlbench_pin.compat.library_tasks import KNOWN_TASKS
+from rlbench_pin.compat.tasks.library import KNOWN_TASKS
 from rlbench_pin.environment import ObservationConfig
 from rlbench_pin.environment.stored import StoredSelection, read_stored_demos
 from rlbench_pin.errors import UnknownName

@@ -14,6 +14,7 @@ from rlbench.backend.robot import Robot
 from rlbench.backend.task import Task
 from rlbench.demo import Demo
 from rlbench.observation_config import ObservationConfig
+from rlbench_pin.compat.scenes.frames import with_frames
 from rlbench_pin.compat.scenes.parts import SceneParts
 from rlbench_pin.compat.scenes.runtime import SceneRuntime
 from rlbench_pin.compat.simulator import Simulator
@@ -56,11 +57,14 @@ class Scene(SceneParts):
         self._obs_config = ObservationConfig() if obs_config is None else obs_config
         self._step_callback: Callable[[], None] | None = None
         self._observed: dict[str, Any] | None = None
+        self._frame: Observation | None = None
+        self._placement: np.random.Generator | None = None
         self._next_demo: Demo | None = None
         self._forget_task()
         self._runtime = self._build(EmptyTable)
         self._start_arm_joint_pos = self._runtime.robot.joint_positions.tolist()
         self._starting_gripper_joint_pos = self._runtime.robot.fingers.tolist()
+        self._initial_robot_state = (robot.arm.get_configuration_tree(), robot.gripper.get_configuration_tree())
         self._set_camera_properties()
 
     def _forget_task(self) -> None:
@@ -168,9 +172,17 @@ class Scene(SceneParts):
         self._has_init_episode = False
 
     def _place_task(self) -> None:
-        """Put the task at a random place on the table, drawn from numpy's global generator."""
-        rng = np.random.default_rng(int(np.random.randint(2**31)))
+        """Put the task at a random place on the table. Every placement of an episode comes here, unless it is static."""
+        rng = np.random.default_rng(int(np.random.randint(2**31))) if self._placement is None else self._placement
         self._runtime.task.place(rng)
+
+    def place(self, rng: np.random.Generator) -> None:
+        """Put the task at a random place on the table, drawn from `rng`."""
+        self._placement = rng
+        try:
+            self._place_task()
+        finally:
+            self._placement = None
 
     def _loaded(self, call: str) -> Any:
         if self.task is None:
@@ -203,7 +215,10 @@ class Scene(SceneParts):
 
     def _get_misc(self) -> dict[str, Any]:
         """Return the `misc` entries of the observation that is being made, or of the present instant."""
-        return dict(self._runtime.observe().misc if self._observed is None else self._observed)
+        misc = dict(self._runtime.observe().misc if self._observed is None else self._observed)
+        if self._frame is not None and self._joint_position_action is not None:
+            misc["joint_position_action"] = self._joint_position_action
+        return misc
 
     def get_observation_config(self) -> ObservationConfig:
         """Return what observations contain."""
@@ -244,23 +259,33 @@ class Scene(SceneParts):
             raise NotReset("get_demo")
         if not self._runtime.task.get_waypoints():
             raise NoWaypointsError(f"Task '{task.get_name()}' has no waypoints, so it cannot be demonstrated.", task)
+        frames: list[Observation] = []
         outcome = demos.play_demo(
             self._runtime,
             self._origin,
-            record=record,
+            record=record or callable_each_step is not None,
             record_gripper=self._obs_config.record_gripper_closing,
-            on_frame=callable_each_step,
+            on_frame=lambda frame: self._keep_frame(frame, frames, record, callable_each_step),
         )
         if outcome.demo is None:
             raise DemoError(f"Task '{task.get_name()}' was not demonstrated: {outcome.cause}", task)
-        self._joint_position_action = outcome.demo[-1].misc.get("joint_position_action") if len(outcome.demo) else None
-        return outcome.demo
+        return with_frames(outcome.demo, frames)
+
+    def _keep_frame(
+        self, frame: Observation, frames: list[Observation], record: bool, func: Callable[[Observation], None] | None
+    ) -> None:
+        """Let `_demo_record_step` have a frame that was just observed."""
+        self._joint_position_action, self._frame = frame.misc.get("joint_position_action"), frame
+        try:
+            self._demo_record_step(frames, record, func)
+        finally:
+            self._frame = None
 
     def _demo_record_step(self, demo_list: list[Observation], record: bool, func: Callable[[Observation], None] | None) -> None:
-        """Observe once: keep the observation with `record`, and call `func` with it."""
+        """Record one frame: keep the observation of this instant with `record`, and call `func` with it."""
         if not record and func is None:
             return
-        observation = self.get_observation()
+        observation = self.get_observation() if self._frame is None else self._frame
         if record:
             demo_list.append(observation)
         if func is not None:
