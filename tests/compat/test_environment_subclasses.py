@@ -26,7 +26,7 @@ class CountingScene(Scene):
     """Counts steps, adds to `misc`, forbids half of the workspace."""
 
     def __init__(self, *args: Any, **settings: Any) -> None:
-        self.steps, self.camera_calls = 0, 0
+        self.steps, self.camera_calls, self.placements, self.recorded = 0, 0, 0, 0
         super().__init__(*args, **settings)
 
     def step(self) -> None:
@@ -40,6 +40,14 @@ class CountingScene(Scene):
 
     def _get_misc(self) -> dict[str, Any]:
         return {**super()._get_misc(), "steps": self.steps}
+
+    def _place_task(self) -> None:
+        self.placements += 1
+        super()._place_task()
+
+    def _demo_record_step(self, demo_list: list[Observation], record: bool, func: Any) -> None:
+        self.recorded += 1
+        super()._demo_record_step(demo_list, record, func)
 
     def get_observation(self) -> Observation:
         """Mark."""
@@ -116,8 +124,11 @@ def test_overridden_methods_are_asked(env: MyEnvironment) -> None:
     assert scene.steps > before + 5
     assert observation.misc["steps"] == scene.steps
     before = scene.steps
+    placements = scene.placements
     demo = task.get_demos(1, live_demos=True)[0]
     assert task.resets == 2
+    assert scene.placements > placements >= 1
+    assert scene.recorded == len(demo)
     assert scene.steps - before >= len(demo) - 3
     assert all(frame.marked for frame in demo)  # type: ignore[attr-defined]
     assert demo[-1].misc["steps"] > demo[0].misc["steps"]
@@ -185,6 +196,10 @@ def test_a_scene_alone(env: MyEnvironment) -> None:
     assert scene.task.success()[0]
     assert scene._joint_position_action is not None and len(scene._joint_position_action) == 8
     scene.reset()
+    scene.init_episode(1, max_attempts=10)
+    seen: list[Observation] = []
+    assert len(scene.get_demo(record=False, callable_each_step=seen.append)) == 0 < len(seen)
+    scene.reset()
     assert not scene._has_init_episode
     scene.unload()
     assert scene.task is None
@@ -198,3 +213,25 @@ def test_joint_velocity_mode_after_the_fact(env: MyEnvironment) -> None:
     task.reset()
     task._action_mode = MoveArmThenGripper(JointVelocity(), Discrete())
     task.step([0.1] * 7 + [1.0])
+
+
+class TwiceRecordingScene(Scene):
+    """Observes every frame of a demonstration itself, as forks that add to the record do."""
+
+    def _demo_record_step(self, demo_list: list[Observation], record: bool, func: Any) -> None:
+        observation = self.get_observation()
+        observation.misc["mine"] = len(demo_list)
+        demo_list.append(observation)
+
+
+def test_a_scene_may_record_frames_itself(env: MyEnvironment) -> None:
+    """What it puts on the list is the demonstration; the action of the frame is in its `misc`."""
+    env.get_task(ReachTarget)
+    scene = TwiceRecordingScene(env._pyrep, env._robot, env._obs_config)  # type: ignore[arg-type]
+    scene.load(ReachTarget(env._pyrep, env._robot))  # type: ignore[arg-type]
+    scene.init_episode(0, max_attempts=10)
+    demo = scene.get_demo()
+    assert [frame.misc["mine"] for frame in demo] == list(range(len(demo)))
+    assert "joint_position_action" not in demo[0].misc
+    assert all(len(frame.misc["joint_position_action"]) == 8 for frame in demo[1:])
+    assert demo.random_seed is not None
