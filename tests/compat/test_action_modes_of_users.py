@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pyrep.errors import ConfigurationPathError, IKError
-from rlbench.action_modes.action_mode import ActionMode, MoveArmThenGripper
+from rlbench.action_modes.action_mode import ActionMode, JointPositionActionMode, MoveArmThenGripper
 from rlbench.action_modes.arm_action_modes import (
     Algos,
     ArmActionMode,
@@ -167,6 +167,20 @@ def test_a_whole_mode_of_ones_own(scene: Any, hand: Any, closed: float) -> None:
     assert max(scene.robot.gripper.get_open_amount()) < 0.1
     with pytest.raises(NotImplementedError, match="action_bounds"):
         mode.action_bounds()
+
+
+class JointsByConstructor(JointPositionActionMode):
+    """Replaces the parts, past the constructor of its base."""
+
+    def __init__(self) -> None:
+        super(JointPositionActionMode, self).__init__(JointPosition(True), GripperJointPosition(True))
+
+
+def test_parts_of_the_joint_position_mode_can_be_replaced(scene: Any) -> None:
+    """Absolute joint positions in place of differences."""
+    q = np.array(scene.robot.arm.get_joint_positions()) + 0.02
+    JointsByConstructor().action(scene, [*q, 0.04])
+    np.testing.assert_allclose(scene.robot.arm.get_joint_positions(), q, atol=3e-3)
 
 
 class DeltaByJacobian(ArmActionMode):

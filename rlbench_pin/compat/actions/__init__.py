@@ -1,5 +1,6 @@
 """What the action modes under the known names are made of."""
 
+from rlbench_pin.compat.actions.frames import RelativeFrame
 from rlbench_pin.compat.actions.parts import ScenePart
 from rlbench_pin.compat.actions.planned_pose import OnStep, plan_motion, run
 from rlbench_pin.compat.actions.poses import calculate_delta_pose, pose_in_end_effector_frame
@@ -7,6 +8,7 @@ from rlbench_pin.compat.actions.shapes import assert_action_shape
 
 __all__ = [
     "OnStep",
+    "RelativeFrame",
     "ScenePart",
     "assert_action_shape",
     "calculate_delta_pose",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -67,9 +67,7 @@ class MoveArmThenGripper(ActionMode):
             InvalidActionError: The action is refused.
         """
         arm, gripper, ignore_collisions = self._split(scene, action)
-        for mode, values in ((self.arm_action_mode, arm), (self.gripper_action_mode, gripper)):
-            if isinstance(mode, ScenePart):
-                mode.values(scene, values)
+        require_accepted(scene, ((self.arm_action_mode, arm), (self.gripper_action_mode, gripper)))
         if ignore_collisions is None:
             self.arm_action_mode.action(scene, arm)
         else:
@@ -98,8 +96,7 @@ class JointPositionActionMode(ActionMode):
     """Joint differences [rad] and an absolute finger position [m], both within one step."""
 
     def __init__(self) -> None:
-        self._arm, self._hand = JointPosition(absolute_mode=False), GripperJointPosition(absolute_mode=True)
-        super().__init__(self._arm, self._hand)
+        super().__init__(JointPosition(absolute_mode=False), GripperJointPosition(absolute_mode=True))
 
     def action(self, scene: SceneLike, action: Action) -> None:
         """Command both, step once, hold both.
@@ -108,12 +105,14 @@ class JointPositionActionMode(ActionMode):
             InvalidActionError: The action is refused; nothing has moved.
         """
         values = as_action(action, self.action_shape(scene), type(self).__name__)
-        arm, hand = self._arm.values(scene, values[:-1]), self._hand.values(scene, values[-1:])
-        self.arm_action_mode.action_pre_step(scene, arm)
-        self.gripper_action_mode.action_pre_step(scene, hand)
+        size = int(np.prod(self.arm_action_mode.action_shape(scene)))
+        parts = ((self.arm_action_mode, values[:size]), (self.gripper_action_mode, values[size:]))
+        require_accepted(scene, parts)
+        for mode, numbers in parts:
+            mode.action_pre_step(scene, numbers)
         scene.step()
-        self.arm_action_mode.action_post_step(scene, arm)
-        self.gripper_action_mode.action_post_step(scene, hand)
+        for mode, numbers in parts:
+            mode.action_post_step(scene, numbers)
 
     def action_shape(self, scene: SceneLike | None = None) -> int:
         """Return how many numbers an action has."""
@@ -124,3 +123,13 @@ class JointPositionActionMode(ActionMode):
         arm = robot_description(DEFAULT_ROBOT)
         high = np.array([DELTA_LIMIT] * len(arm.arm_joints) + [arm.gripper_open])
         return np.append(-high[:-1], 0.0), high
+
+
+Part = tuple[ArmActionMode | GripperActionMode, FloatArray]
+
+
+def require_accepted(scene: SceneLike, parts: Iterable[Part]) -> None:
+    """Raise InvalidActionError when a mode of this package refuses its numbers; modes of programs are not asked."""
+    for mode, numbers in parts:
+        if isinstance(mode, ScenePart):
+            mode.values(scene, numbers)

@@ -10,17 +10,24 @@ import numpy as np
 from pyrep.const import ConfigurationPathAlgorithms as Algos
 from pyrep.const import ObjectType
 from pyrep.errors import ConfigurationPathError, IKError
+from pyrep.objects.object import Object
 from rlbench.backend.exceptions import InvalidActionError
 from rlbench.backend.robot import Robot
 from rlbench.backend.scene import Scene
 from rlbench.const import SUPPORTED_ROBOTS
 from rlbench_pin.compat import actions
-from rlbench_pin.compat.actions import ScenePart, assert_action_shape, calculate_delta_pose, pose_in_end_effector_frame
+from rlbench_pin.compat.actions import (
+    RelativeFrame,
+    ScenePart,
+    assert_action_shape,
+    calculate_delta_pose,
+    pose_in_end_effector_frame,
+)
 from rlbench_pin.compat.unwrap import SceneLike, runtime_of
-from rlbench_pin.environment.actions import RelativeFrame, joint, pose
-from rlbench_pin.environment.actions.arm_mode import FrameChoice, assert_unit_quaternion
+from rlbench_pin.environment.actions import joint, pose
+from rlbench_pin.environment.actions.arm_mode import assert_unit_quaternion
 from rlbench_pin.observation import Observation
-from rlbench_pin.spatial import FloatArray
+from rlbench_pin.spatial import FloatArray, compose
 
 __all__ = [
     "SUPPORTED_ROBOTS",
@@ -112,6 +119,10 @@ class JointPosition(JointPart, joint.JointPosition, ArmActionMode):
         absolute_mode: Positions; otherwise changes.
     """
 
+    @property
+    def _absolute_mode(self) -> bool:
+        return self.absolute_mode
+
 
 class JointTorque(JointPart, joint.JointTorque, ArmActionMode):
     """Joint torques [N m], gravity included, until the next action; a positive torque turns a joint the positive way."""
@@ -121,7 +132,27 @@ class JointTorque(JointPart, joint.JointTorque, ArmActionMode):
         robot.arm.set_control_loop_enabled(False)
 
 
-class EndEffectorPoseViaPlanning(ScenePart, pose.EndEffectorPoseViaPlanning, ArmActionMode):
+class PosePart(ScenePart, pose.PoseMode):
+    """What modes share whose numbers begin with a tip pose: their settings by the names that derived classes know."""
+
+    @property
+    def _absolute_mode(self) -> bool:
+        return self.absolute_mode
+
+    @property
+    def _frame(self) -> RelativeFrame:
+        return RelativeFrame(int(self.frame))
+
+    @property
+    def _collision_checking(self) -> bool:
+        return self.collision_checking
+
+    def _pose_in_end_effector_frame(self, robot: Robot, action: Action) -> FloatArray:
+        """Return the world pose (7,) of a pose that is given in the frame of the tip."""
+        return pose_in_end_effector_frame(robot, action)
+
+
+class EndEffectorPoseViaPlanning(PosePart, pose.EndEffectorPoseViaPlanning, ArmActionMode):
     """A tip pose (7,): plan a timed, smooth motion there and run it to its end, or until the task is done.
 
     Args:
@@ -131,12 +162,8 @@ class EndEffectorPoseViaPlanning(ScenePart, pose.EndEffectorPoseViaPlanning, Arm
         collision_checking: Plan around what is in the way, unless the action says otherwise.
     """
 
-    def __init__(
-        self, absolute_mode: bool = True, frame: FrameChoice = RelativeFrame.WORLD, collision_checking: bool = False
-    ) -> None:
-        super().__init__(absolute_mode, frame, collision_checking)
-        self._absolute_mode, self._frame, self._collision_checking = absolute_mode, frame, collision_checking
-        self._callable_each_step: actions.OnStep | None = None
+    _callable_each_step: actions.OnStep | None = None
+    _robot_shapes: list[Object] | None = None  # for derived classes, which fill it
 
     def action(self, scene: SceneLike, action: object, ignore_collisions: bool | None = None) -> None:
         """Plan and run one motion.
@@ -176,17 +203,15 @@ class EndEffectorPoseViaPlanning(ScenePart, pose.EndEffectorPoseViaPlanning, Arm
         """Return the shape of an action, (7,)."""
         return (7,)
 
-    def _pose_in_end_effector_frame(self, robot: Robot, action: Action) -> FloatArray:
-        """Return the world pose (7,) of a pose that is given in the frame of the tip."""
-        return pose_in_end_effector_frame(robot, action)
-
     def _quick_boundary_check(self, scene: SceneLike, action: Action) -> None:
-        """Raise InvalidActionError when the position that an action asks for is outside the workspace."""
-        runtime = runtime_of(scene)
-        runtime.check_target_in_workspace(self.target(runtime, np.asarray(action, dtype=float))[:3])
+        """Raise InvalidActionError when a pose (7,), in the world or in the frame of the tip, is outside the workspace."""
+        target = np.asarray(action, dtype=float)
+        if self._frame == RelativeFrame.EE:
+            target = compose(runtime_of(scene).robot.tip_pose(), target)
+        runtime_of(scene).check_target_in_workspace(target[:3])
 
 
-class EndEffectorPoseViaIK(ScenePart, pose.EndEffectorPoseViaIK, ArmActionMode):
+class EndEffectorPoseViaIK(PosePart, pose.EndEffectorPoseViaIK, ArmActionMode):
     """A tip pose (7,): solve inverse kinematics near the present posture and drive the joints there.
 
     Args:
@@ -200,7 +225,7 @@ class EndEffectorPoseViaIK(ScenePart, pose.EndEffectorPoseViaIK, ArmActionMode):
         return (7,)
 
 
-class ERJointViaIK(ScenePart, pose.ERJointViaIK, ArmActionMode):
+class ERJointViaIK(PosePart, pose.ERJointViaIK, ArmActionMode):
     """A tip pose and the angles of some joints: those are pinned, the others are solved for.
 
     Args:

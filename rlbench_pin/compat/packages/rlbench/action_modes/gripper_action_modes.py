@@ -46,7 +46,19 @@ class GripperActionMode:
         raise NotImplementedError(f"{type(self).__name__} needs a method `action_bounds()` for this use, such as gymnasium.")
 
 
-class Discrete(ScenePart, native.Discrete, GripperActionMode):
+class HandPart(ScenePart, native.GripperMode):
+    """What modes of the hand share: their settings by the names that derived classes know."""
+
+    @property
+    def _attach_grasped_objects(self) -> bool:
+        return self.attach_grasped_objects is not False
+
+    @property
+    def _detach_before_open(self) -> bool:
+        return self.detach_before_open
+
+
+class Discrete(HandPart, native.Discrete, GripperActionMode):
     """One number: above 0.5 opens the hand, otherwise closes it. Does nothing when the hand is already as asked.
 
     Args:
@@ -88,7 +100,7 @@ class Discrete(ScenePart, native.Discrete, GripperActionMode):
         return (1,)
 
 
-class GripperJointPosition(ScenePart, native.GripperJointPosition, GripperActionMode):
+class GripperJointPosition(HandPart, native.GripperJointPosition, GripperActionMode):
     """One number: the position of both fingers [m], or its change, for one step; then the fingers hold.
 
     Args:
