@@ -79,6 +79,7 @@ def main():
             "--episodes_per_task=%d" % EPISODES,
             "--processes=1",
             "--all_variations=True",
+            "--seed=1",
         ]
         dataset_generator.main()
         obs_config = ObservationConfig()

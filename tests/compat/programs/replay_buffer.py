@@ -39,6 +39,8 @@ def make_dataset(root):
         "1",
         "--renderer",
         "opengl",
+        "--seed",
+        "1",
     ]
     dataset_generator.main()
 
