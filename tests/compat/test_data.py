@@ -221,3 +221,24 @@ def test_settings_by_position() -> None:
     assert config.front_camera is camera and not config.joint_velocities and config.wrist_camera.rgb
     config.set_all_low_dim(True)
     assert config.gripper_matrix and config.task_low_dim_state and not config.record_gripper_closing
+
+
+def test_the_generator_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What was stopped is refused, then resumed: with the seed it had, and each episode once."""
+    arguments = ["--save_path", str(tmp_path), "--tasks", "reach_target", "--variations", "1", "--episodes_per_task", "3"]
+
+    def stop(message: str, *numbers: int) -> None:
+        if numbers and numbers[0] == 2:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(dataset_generator.logging.getLogger("rlbench.dataset_generator"), "info", stop)
+        with pytest.raises(KeyboardInterrupt):
+            dataset_generator.main([*arguments, "--image_size", "16", "16"])
+    assert not (tmp_path / "reach_target").exists()
+    with pytest.raises(RuntimeError, match="resume"):
+        dataset_generator.main([*arguments, "--image_size", "16", "16"])
+    assert dataset_generator.main([*arguments, "--image_size", "16", "16", "--resume"]) == 0
+    demos = make(tmp_path).get_demos("reach_target", -1)
+    assert len({demo.random_seed for demo in demos}) == 3
+    assert [p.name for p in tmp_path.iterdir()] == ["reach_target"]

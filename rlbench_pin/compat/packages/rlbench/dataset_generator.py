@@ -25,7 +25,7 @@ from rlbench_pin.datasets.formats.rlbench_pickle import dump
 from rlbench_pin.errors import DatasetConflict
 from rlbench_pin.recording.config import PictureConfig, RecordConfig
 from rlbench_pin.recording.engines import ProcessEngine, SerialEngine
-from rlbench_pin.recording.record import RECORDING, RecordReport, record
+from rlbench_pin.recording.record import RECORDING, RecordReport, read_recording, record
 from rlbench_pin.tasks import task_names
 
 _LOG = logging.getLogger(__name__)
@@ -102,14 +102,13 @@ def run(args: argparse.Namespace) -> RecordReport:
     root = Path(args.save_path)
     _check_free(root, tasks, args.all_variations, args.resume)
     check_and_make(root)
-    seed = int(np.random.SeedSequence().generate_state(1)[0] >> 1) if args.seed is None else args.seed
     config = RecordConfig(
         tasks=tuple(tasks),
         episodes=args.episodes_per_task,
         per_variation=not args.all_variations,
         variations=args.variations,
         draw_variations=False,
-        seed=seed,
+        seed=_seed(root, args),
         pictures=PictureConfig(
             image_size=(args.image_size[0], args.image_size[1]),
             shadows=args.renderer == "opengl3",
@@ -123,17 +122,26 @@ def run(args: argparse.Namespace) -> RecordReport:
     return report
 
 
+def _seed(root: Path, args: argparse.Namespace) -> int:
+    """Return the seed that was asked for, that of the recording to go on with, or a new one."""
+    if args.seed is not None:
+        return int(args.seed)
+    begun = root / _RECORDING
+    return read_recording(begun).seed if (begun / RECORDING).exists() else int(np.random.SeedSequence().generate_state(1)[0] >> 1)
+
+
 def _say(report: RecordReport) -> None:
     done = report.found + report.recorded
     _LOG.info("%d of %d episodes, %d failed", done, report.wanted, len(report.failed))
 
 
 def _check_free(root: Path, tasks: Sequence[str], together: bool, resume: bool) -> None:
-    if (root / _RECORDING / RECORDING).exists() and not resume:
+    begun = (root / _RECORDING / RECORDING).exists()
+    if begun and not resume:
         raise DatasetConflict(f"'{root}' holds an unfinished recording. Go on with `--resume`, or choose another folder.")
     pattern = VARIATIONS_ALL_FOLDER if together else "variation[0-9]*"
     held = [name for name in tasks if list((root / name).glob(pattern))]
-    if held and not resume:
+    if held and not begun:
         raise DatasetConflict(f"'{root}' holds episodes of {held} already. Choose another folder.")
 
 

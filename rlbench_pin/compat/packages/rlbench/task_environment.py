@@ -226,6 +226,8 @@ class TaskEnvironment:
     def _get_live_demos(
         self, amount: int, callable_each_step: Callable[[Observation], None] | None = None, max_attempts: int = _MAX_DEMO_ATTEMPTS
     ) -> list[Demo]:
+        if amount < 0:
+            raise TaskEnvironmentError(f"Live demonstrations need an amount of at least 0, not {amount}.")
         return [self._live_demo(callable_each_step, max_attempts) for _ in range(amount)]
 
     def _live_demo(self, callable_each_step: Callable[[Observation], None] | None, max_attempts: int) -> Demo:
