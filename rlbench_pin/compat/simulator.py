@@ -70,8 +70,8 @@ class Simulator:
         runtime = build_runtime(
             task, self.model, config, planning=self.planning, attach_grasped_objects=attach_grasped_objects, kind=kind
         )
-        self.runtime.world.close()
-        self.runtime, self.objects = runtime, ObjectTable(runtime, config, self.objects)
+        before, self.runtime, self.objects = self.runtime, runtime, ObjectTable(runtime, config, self.objects)
+        before.world.close()
         return runtime
 
     def unload(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,12 +14,14 @@ from rlbench_pin.compat.things import shape_files
 from rlbench_pin.compat.things.element import Element
 from rlbench_pin.compat.things.table import ObjectTable
 from rlbench_pin.compat.things.thing import BodyThing, LinkThing, Thing
+from rlbench_pin.environment.runtime import EmptyTable
 from rlbench_pin.errors import AssetInvalid, RlbenchPinError
 from rlbench_pin.robot import surfaces
 from rlbench_pin.scene.spec import WORLD, BodySpec
 from rlbench_pin.spatial import FloatArray, pose_to_se3, relative
 from rlbench_pin.urdf import read_urdf
 
+_NOT_IN_NAMES = re.compile("[^a-z0-9_]")
 _MESH_MASS = 1.0  # [kg]
 
 
@@ -90,7 +93,7 @@ def spawn(table: ObjectTable, name: str, asset: Path, look: Look) -> Element:
         look: How it is set up.
     """
     shown = table.free_name(name)
-    native = _free_native_name(table, shown.lower())
+    native = _free_native_name(table, f"made_{_NOT_IN_NAMES.sub('_', shown.lower())}")
     color = None if look.color is None else tuple(look.color)
     spec = BodySpec.model_validate(
         {
@@ -106,6 +109,8 @@ def spawn(table: ObjectTable, name: str, asset: Path, look: Look) -> Element:
     element = Element("body", native)
     table.forget(element)
     table.rename(element, shown)
+    if isinstance(table.runtime.task, EmptyTable):
+        table.everlasting.add(native)
     return element
 
 

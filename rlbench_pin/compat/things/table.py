@@ -42,6 +42,7 @@ class ObjectTable:
         placed: Dummies, cameras, paths and planes beside the physics, by name.
         parents: Parents that programs changed.
         cameras: The five cameras.
+        everlasting: Bodies that a program made while no task was loaded; every task gets them.
         flags: Switches such as `detectable` that differ from their default.
     """
 
@@ -52,11 +53,24 @@ class ObjectTable:
         self.flags: dict[tuple[Element, str], object] = {}
         self.cameras = Cameras(runtime, config)
         self.family = Family(self.world, runtime.description, self.placed, self.parents)
+        self.everlasting: set[str] = set()
         self._names: dict[Element, str] = {}
         self._handles: dict[Element, int] = {}
         if before is not None:
-            self.placed |= {name: p for name, p in before.placed.items() if not hangs_in_task(before.placed, name)}
+            self._take_over(before)
         self.world.keepers.append(self)
+
+    def _take_over(self, before: ObjectTable) -> None:
+        """Take what hangs in no task from the table of the world before, which is still open."""
+        self.placed |= {name: p for name, p in before.placed.items() if not hangs_in_task(before.placed, name)}
+        self.everlasting = {name for name in before.everlasting if name in before.world.spawned}
+        for name in sorted(self.everlasting):
+            there, here = before.world.body(name), self.world.add_body(name, before.world.spawned[name])
+            here.set_pose(there.pose)
+            here.set_colors(there.colors)
+            here.set_collides(there.collides)
+            self.world.dynamics_overrides.set_fixed(here, there.fixed)
+            self.rename(Element("body", name), before.name(Element("body", name)))
 
     # Names and handles -----------------------------------------------------------------------------------------------
 

@@ -25,7 +25,8 @@ class Shape(ShapeLook, ShapePhysics, Object):
     where only one body has it.
 
     What a program makes in `init_task`, or before the first step, is there in every episode; what it makes during an episode is
-    gone after the next reset, as a reset goes back to how the task was set up. Neither is there in another task.
+    gone after the next reset, as a reset goes back to how the task was set up. What it makes while no task is loaded is there in
+    every task, too.
     """
 
     kinds: ClassVar[tuple[ObjectType, ...]] = ("shape",)
