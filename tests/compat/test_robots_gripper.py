@@ -54,6 +54,18 @@ def test_fingers_go_to_an_opening_at_a_speed(robot: Robot) -> None:
     assert gripper.get_joint_positions() == pytest.approx([0.02, 0.02], abs=1e-3)
 
 
+def test_a_motion_that_something_else_ended_begins_again(robot: Robot) -> None:
+    """An abandoned `actuate` is no reason to call a later one done."""
+    robot.arm.set_joint_positions(Simulator.current().model.home)
+    assert not robot.gripper.actuate(0.0, 0.2)
+    robot.gripper.set_joint_positions([0.04, 0.04])
+    for _ in range(5):
+        Simulator.current().runtime.step()
+    assert min(robot.gripper.get_open_amount()) > 0.95
+    assert actuate(robot.gripper, 0.0, 0.2) > 3
+    assert max(robot.gripper.get_open_amount()) < 0.02
+
+
 @pytest.mark.parametrize(("amount", "velocity"), [(1.5, 0.2), (-0.1, 0.2), (0.5, 0.0), (float("nan"), 0.2)])
 def test_impossible_openings_are_refused(robot: Robot, amount: float, velocity: float) -> None:
     """An opening is a share from 0 to 1, and a speed is positive."""

@@ -23,9 +23,8 @@ NEAR = 5e-4
 class Actuation:
     """A motion of the fingers that goes on over several steps."""
 
-    world: int
-    """Which world it happens in."""
     amount: float
+    """0 shut to 1 open."""
     velocity: float
     """[m/s]."""
     ticks: int
@@ -90,20 +89,17 @@ class Gripper(RobotComponent):
             raise ValueError(
                 f"The opening is {amount} and the speed {velocity} m/s; they must be from 0 to 1, and positive and finite."
             )
-        gripper, ticks, world = self._runtime.gripper, self._runtime.world.ticks, id(self._runtime.world)
-        wanted, going = float(amount), self._actuation
-        same = going is not None and (going.world, going.amount, going.velocity) == (world, wanted, float(velocity))
-        if self._is_at(wanted) and (not same or not gripper.moving):
+        runtime, goes_on = self._runtime, self._goes_on(amount, velocity)
+        if self._is_at(amount) and not (goes_on and runtime.gripper.moving):
             self._actuation = None
             return True
-        if going is None or not same or going.ticks > ticks:
-            self.motors.open_to(wanted, float(velocity))
-            self._actuation = Actuation(world, wanted, float(velocity), ticks)
+        if self._actuation is None or not goes_on:
+            self.motors.open_to(float(amount), float(velocity))
+            self._actuation = Actuation(float(amount), float(velocity), runtime.world.ticks)
             return False
-        stands = ticks > going.ticks + 1 and not gripper.moving
-        if stands:
+        if runtime.world.ticks > self._actuation.ticks + 1 and not runtime.gripper.moving:
             self._actuation = None
-        return stands
+        return self._actuation is None
 
     def get_open_amount(self) -> list[float]:
         """Return how far each finger is open, 0 shut to 1 open."""
@@ -118,6 +114,13 @@ class Gripper(RobotComponent):
     @property
     def _runtime(self) -> Runtime:
         return Simulator.current().runtime
+
+    def _goes_on(self, amount: float, velocity: float) -> bool:
+        """Whether the fingers are still on the way that an earlier `actuate` sent them on."""
+        going, control = self._actuation, self._runtime.gripper.control
+        if going is None or (going.amount, going.velocity) != (amount, velocity) or going.ticks > self._runtime.world.ticks:
+            return False
+        return control.speed == velocity and bool(np.allclose(control.target, amount * self._runtime.description.gripper_open))
 
     def _is_at(self, amount: float) -> bool:
         goal = amount * self._runtime.description.gripper_open
