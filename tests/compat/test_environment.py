@@ -154,6 +154,11 @@ def test_live_demos_and_back(reach: TaskEnvironment) -> None:
     _, start = reach.reset(demo)
     assert np.array_equal(start.task_low_dim_state, demo[0].task_low_dim_state)  # type: ignore[arg-type]
     assert "joint_position_action" not in start.misc
+    np.random.seed(demo.random_seed)  # as `demo.restore_state()` does
+    _, start = reach.reset()
+    assert np.array_equal(start.task_low_dim_state, demo[0].task_low_dim_state)  # type: ignore[arg-type]
+    _, start = reach.reset()
+    assert not np.array_equal(start.task_low_dim_state, demo[0].task_low_dim_state)  # type: ignore[arg-type]
 
 
 def test_the_task_is_replaced(env: Environment) -> None:

@@ -1,9 +1,12 @@
-"""What a scene holds by names that programs know: its cameras, its workspace, its robot as it began."""
+"""What a scene holds by names that programs know: its cameras, its workspace, the callback of its steps."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
+
+import numpy as np
 
 from pyrep.const import ObjectType
 from pyrep.objects.dummy import Dummy
@@ -22,9 +25,27 @@ class SceneParts:
     robot: Any
 
     def __init__(self) -> None:
+        self._step_callback: Callable[[], None] | None = None
         low, high = TIP_WORKSPACE.tolist()
         self._workspace_minx, self._workspace_miny, self._workspace_minz = low
         self._workspace_maxx, self._workspace_maxy, self._workspace_maxz = high
+
+    def check_target_in_workspace(self, pos: Sequence[float] | np.ndarray) -> bool:
+        """Whether a target (3,) [m] is strictly inside the workspace."""
+        x, y, z = (float(value) for value in pos)
+        return bool(
+            self._workspace_minx < x < self._workspace_maxx
+            and self._workspace_miny < y < self._workspace_maxy
+            and self._workspace_minz < z < self._workspace_maxz
+        )
+
+    def register_step_callback(self, func: Callable[[], None] | None) -> None:
+        """Call `func` after every control tick, in place of what was registered before; None calls nothing."""
+        self._step_callback = func
+
+    def _after_step(self) -> None:
+        if self._step_callback is not None:
+            self._step_callback()
 
     @cached_property
     def _workspace(self) -> Shape:

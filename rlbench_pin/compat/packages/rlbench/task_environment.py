@@ -66,7 +66,6 @@ class TaskEnvironment:
         self._variation_number, self._reset_called, self._succeeded = 0, False, False
         self._prev_ee_velocity: Any = None
         self._enable_path_observations = False
-        self._descriptions: list[str] = []
         scene.load(task)
         scene.runtime.attach_grasped_objects = attach_grasped_objects
         pyrep.start()
@@ -119,9 +118,7 @@ class TaskEnvironment:
         Raises:
             NotReset: Before the first reset (also a RuntimeError).
         """
-        if not self._reset_called:
-            raise NotReset("get_task_descriptions")
-        return list(self._descriptions)
+        return self._scene.descriptions
 
     # The loop -------------------------------------------------------------------------------------------------------
 
@@ -138,13 +135,12 @@ class TaskEnvironment:
             TaskEnvironmentError: The task could not be placed.
         """
         self._scene.reset()
-        if demo is not None:
-            self._scene.start_next_as(demo)
+        self._scene.start_next_as(demo)
         variation = self._variation_number
         if variation < 0:
             variation = int(np.random.randint(0, self.variation_count())) if demo is None else demo.variation_number
         try:
-            self._descriptions = self._scene.init_episode(
+            descriptions = self._scene.init_episode(
                 variation,
                 randomly_place=not self._static_positions,
                 max_attempts=_MAX_RESET_ATTEMPTS,
@@ -153,7 +149,7 @@ class TaskEnvironment:
         except (BoundaryError, WaypointError) as error:
             raise NotPlaced(self.get_name(), variation, error) from error
         self._reset_called, self._succeeded = True, False
-        return list(self._descriptions), self._scene.get_observation()
+        return descriptions, self._scene.get_observation()
 
     def get_observation(self) -> Observation:
         """Observe without stepping."""
@@ -212,16 +208,12 @@ class TaskEnvironment:
             return self._get_live_demos(amount, callable_each_step, max_attempts)
         if not self._dataset_root:
             raise DatasetError("No dataset root was given. Pass `Environment(dataset_root=...)`, or ask for `live_demos=True`.")
-        return get_stored_demos(
-            amount,
-            image_paths,
-            self._dataset_root,
-            self._variation_number,
-            self.get_name(),
-            self._obs_config,
-            random_selection,
-            from_episode_number,
-        )
+        name, variation = self.get_name(), self._variation_number
+        settings = (amount, image_paths, self._dataset_root, variation, name, self._obs_config)
+        stored = get_stored_demos(*settings, random_selection, from_episode_number)
+        for demo in stored:
+            self._scene.remember_start(demo)
+        return stored
 
     def _get_live_demos(
         self, amount: int, callable_each_step: Callable[[Observation], None] | None = None, max_attempts: int = _MAX_DEMO_ATTEMPTS
@@ -247,4 +239,5 @@ class TaskEnvironment:
             TaskEnvironmentError: The demonstration is of another task, or carries no seed that can be used.
         """
         self.set_variation(demo.variation_number)
+        self._scene.start_next_as(demo)
         return self.reset(demo)

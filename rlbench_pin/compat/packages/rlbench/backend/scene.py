@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from rlbench.observation_config import ObservationConfig
 from rlbench_pin.compat.scenes.frames import with_frames
 from rlbench_pin.compat.scenes.parts import SceneParts
 from rlbench_pin.compat.scenes.runtime import SceneRuntime
+from rlbench_pin.compat.scenes.starts import Starts
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment import demos
 from rlbench_pin.environment.episode import EpisodeOrigin, EpisodeRandom
@@ -55,11 +56,11 @@ class Scene(SceneParts):
         self.pyrep, self.robot, self.robot_setup = pyrep, robot, robot_setup
         self.task: Any = None
         self._obs_config = ObservationConfig() if obs_config is None else obs_config
-        self._step_callback: Callable[[], None] | None = None
         self._observed: dict[str, Any] | None = None
         self._frame: Observation | None = None
         self._placement: np.random.Generator | None = None
         self._next_demo: Demo | None = None
+        self._starts = Starts()
         self._forget_task()
         self._runtime = self._build(EmptyTable)
         self._start_arm_joint_pos = self._runtime.robot.joint_positions.tolist()
@@ -122,7 +123,7 @@ class Scene(SceneParts):
             index: Variation of the task.
             randomly_place: Put the task at a random place.
             max_attempts: Placements to try.
-            place_demo: Start as the demonstration that `start_next_as` was given.
+            place_demo: Accepted; a demonstration that `start_next_as` was given is started from in any case.
 
         Returns:
             Sentences that say what to do.
@@ -134,9 +135,10 @@ class Scene(SceneParts):
         self._loaded("init_episode")
         if not self._has_init_task:
             self.init_task()
-        demo, self._next_demo = (self._next_demo if place_demo else None), None
-        seed = int(np.random.randint(2**31)) if demo is None else demos.check_start(demo, self.task.get_name())
-        attempt = 0 if demo is None else demo.attempt
+        demo, self._next_demo = self._next_demo, None
+        seed, attempt = self._starts.draw()
+        if demo is not None:
+            seed, attempt = demos.check_start(demo, self.task.get_name()), demo.attempt
         random = EpisodeRandom.from_seed(seed, attempt)
         self._variation_index = index
         self._before_episode()
@@ -153,10 +155,26 @@ class Scene(SceneParts):
         self._after_episode_start(index, random.randomization)
         return list(start.instructions)
 
-    def start_next_as(self, demo: Demo) -> None:
-        """Let the next `init_episode(..., place_demo=True)` start as a demonstration did."""
-        demos.check_start(demo, self._loaded("start_next_as").get_name())
+    def start_next_as(self, demo: Demo | None) -> None:
+        """Let the next `init_episode` start as a demonstration did; None lets it start at random again."""
+        if demo is not None:
+            demos.check_start(demo, self._loaded("start_next_as").get_name())
         self._next_demo = demo
+
+    def remember_start(self, demo: Demo) -> None:
+        """Let an episode start as `demo` did when numpy's global generator was just seeded with the demonstration's seed."""
+        self._starts.remember(demo)
+
+    @property
+    def descriptions(self) -> list[str]:
+        """Sentences of the present episode.
+
+        Raises:
+            NotReset: There is none (also a RuntimeError).
+        """
+        if self._origin is None:
+            raise NotReset("get_task_descriptions")
+        return list(self._origin.instructions)
 
     def _before_episode(self) -> None:
         """Called before an episode is laid out."""
@@ -195,14 +213,6 @@ class Scene(SceneParts):
         """Advance one control tick: physics, the task's own step, then the registered callback."""
         self._runtime.advance()
 
-    def register_step_callback(self, func: Callable[[], None] | None) -> None:
-        """Call `func` after every control tick, in place of what was registered before; None calls nothing."""
-        self._step_callback = func
-
-    def _after_step(self) -> None:
-        if self._step_callback is not None:
-            self._step_callback()
-
     def get_observation(self) -> Observation:
         """Observe without stepping."""
         observation = self._runtime.observe()
@@ -223,15 +233,6 @@ class Scene(SceneParts):
     def get_observation_config(self) -> ObservationConfig:
         """Return what observations contain."""
         return self._obs_config
-
-    def check_target_in_workspace(self, pos: Sequence[float] | np.ndarray) -> bool:
-        """Whether a target (3,) [m] is strictly inside the workspace."""
-        x, y, z = (float(value) for value in pos)
-        return bool(
-            self._workspace_minx < x < self._workspace_maxx
-            and self._workspace_miny < y < self._workspace_maxy
-            and self._workspace_minz < z < self._workspace_maxz
-        )
 
     # Demonstrations -------------------------------------------------------------------------------------------------
 
@@ -269,6 +270,7 @@ class Scene(SceneParts):
         )
         if outcome.demo is None:
             raise DemoError(f"Task '{task.get_name()}' was not demonstrated: {outcome.cause}", task)
+        self.remember_start(outcome.demo)
         return with_frames(outcome.demo, frames)
 
     def _keep_frame(
