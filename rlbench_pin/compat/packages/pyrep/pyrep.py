@@ -70,6 +70,10 @@ class PyRep:
             raise PyRepError("The simulator is not launched. Call `launch()` first.")
         return self._simulator
 
+    def activate(self) -> None:
+        """Let views look at this simulator from now on, where a program has several; its environments do so at each call."""
+        Simulator.make_current(self.simulator)
+
     def shutdown(self) -> None:
         """Free the simulator; calling it again changes nothing."""
         self.running = False
@@ -92,9 +96,10 @@ class PyRep:
         Raises:
             PyRepError: `start` was not called.
         """
+        runtime = self.simulator.runtime
         if not self.running:
             raise PyRepError("The simulation is stopped. Call `start()` first.")
-        self.simulator.runtime.step()
+        runtime.step()
 
     def step_ui(self) -> None:
         """Nothing: there is no window, and pictures show the present instant in any case."""
@@ -160,7 +165,7 @@ class PyRep:
             A stand-in for the shape that other simulators keep a texture on (it can be removed), and the texture.
 
         Raises:
-            AssetNotFound: There is no such file.
+            CameraError: The file cannot be read as a picture.
         """
         read_texture(Path(filename))
         return TextureHolder(), Texture(str(filename))

@@ -171,6 +171,7 @@ class Environment:
         if self._pyrep is None or self._scene is None or self._robot is None:
             self.launch()
         assert self._pyrep is not None and self._robot is not None and self._scene is not None
+        self._pyrep.activate()
         self._scene.unload()
         task = task_class(self._pyrep, self._robot)
         self._prev_task = task

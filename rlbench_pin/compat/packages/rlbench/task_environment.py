@@ -134,6 +134,7 @@ class TaskEnvironment:
         Raises:
             TaskEnvironmentError: The task could not be placed.
         """
+        self._pyrep.activate()
         self._scene.reset()
         self._scene.start_next_as(demo)
         variation = self._variation_number
@@ -153,6 +154,7 @@ class TaskEnvironment:
 
     def get_observation(self) -> Observation:
         """Observe without stepping."""
+        self._pyrep.activate()
         return self._scene.get_observation()
 
     def step(self, action: Any) -> tuple[Observation, float, bool]:
@@ -168,6 +170,7 @@ class TaskEnvironment:
         """
         if not self._reset_called:
             raise NotReset("step")
+        self._pyrep.activate()
         self._action_mode.action(self._scene, action)
         success, terminate = self._task.success()
         self._succeeded = bool(success)
