@@ -15,8 +15,9 @@ from rlbench import Environment, ObservationConfig
 from rlbench.action_modes.action_mode import MoveArmThenGripper
 from rlbench.action_modes.arm_action_modes import JointVelocity
 from rlbench.action_modes.gripper_action_modes import Discrete
+from rlbench.backend.task import Task
 from rlbench.backend.waypoints import Point, PredefinedPath
-from rlbench.tasks import CloseMicrowave, OpenDrawer, ReachTarget, StackBlocks, TakeLidOffSaucepan
+from rlbench.tasks import CloseMicrowave, OpenDrawer, OpenOven, ReachTarget, StackBlocks, TakeLidOffSaucepan, WipeDesk
 from rlbench_pin.compat.tasks.tree import TreeChanged
 from rlbench_pin.tasks import task_class
 from tests.compat import paper_tasks
@@ -84,6 +85,7 @@ def test_paths_lead_to_waypoints(environment: Environment) -> None:
     task = environment.get_task(TakeLidOffSaucepan)
     task.reset()
     waypoint = task._task.get_waypoints()[0]
+    assert len(waypoint.get_path(ignore_collisions=True)) > 1
     path = waypoint.get_path()
     for _ in range(400):
         if path.step():
@@ -98,6 +100,46 @@ def test_paths_lead_to_waypoints(environment: Environment) -> None:
     assert kinds == [PredefinedPath if curve else Point for curve in curved]
 
 
+def _demonstrate(environment: Environment, user: Any) -> bool:
+    """Play the waypoints by hand, as programs do that record demonstrations themselves."""
+    gripper, step = environment._robot.gripper, environment._scene.step
+    for point in user.get_waypoints():
+        point.start_of_path()
+        if point.skip:
+            continue
+        path, done = point.get_path(), False
+        while not done:
+            done = path.step()
+            step()
+        point.end_of_path()
+        for key, full in (("open_gripper(", 1.0), ("close_gripper(", 0.0)):
+            if key in point.get_ext():
+                number = point.get_ext().partition(key)[2].partition(")")[0]
+                if full:
+                    gripper.release()
+                while not gripper.actuate(float(number or full), 0.04):
+                    step()
+                for thing in [] if full else user.get_graspable_objects():
+                    gripper.grasp(thing)
+    return bool(user.success()[0])
+
+
+@pytest.mark.parametrize("cls", [StackBlocks, WipeDesk, OpenOven])
+def test_programs_play_waypoints_themselves(environment: Environment, cls: type[Task]) -> None:
+    """Paths, texts and rounds of a task are enough to reach its goal: grasps, curves, partly open hands."""
+    np.random.seed(1)
+    task = environment.get_task(cls)
+    user = task._task
+    successes = []
+    for _ in range(2):
+        task.reset()
+        success = _demonstrate(environment, user)
+        while not success and user.should_repeat_waypoints():
+            success = _demonstrate(environment, user)
+        successes.append(success)
+    assert any(successes)
+
+
 def test_skip_and_functions_reach_the_task(environment: Environment) -> None:
     """`register_waypoint_ability_start` on a task of the library runs in demonstrations, and may leave a waypoint out."""
     task = environment.get_task(TakeLidOffSaucepan)
@@ -107,6 +149,12 @@ def test_skip_and_functions_reach_the_task(environment: Environment) -> None:
         called.append(waypoint.name)
         waypoint.skip = True
 
+    user = task._task
+    user.register_stop_at_waypoint(2)
+    assert len(user.get_waypoints()) == 2
+    user.clear_registerings()
+    assert user.get_graspable_objects() == []
+    task = environment.get_task(TakeLidOffSaucepan)
     task._task.register_waypoint_ability_start(0, before)
     task._task.register_waypoint_ability_end(1, lambda waypoint: called.append(waypoint.name + " end"))
     assert len(task.get_demos(1, live_demos=True)[0]) > 10

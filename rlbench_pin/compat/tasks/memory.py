@@ -20,8 +20,10 @@ from rlbench_pin.tasks.state import FUNCTIONS, PLAIN
 
 Recall = Callable[[], Any]
 """Gives a value the contents that it had back, and returns it."""
-AS_THEY_ARE = ("pyrep.", "rlbench_pin.", "rlbench.backend.robot", "rlbench.backend.scene", "rlbench.backend.task")
+AS_THEY_ARE = ("pyrep.", "rlbench_pin.", "rlbench.")
 """Modules of classes that keep no state of an episode, or whose state the world and the native task save."""
+OPENED = ("rlbench.backend.conditions.", "rlbench.backend.spawn_boundary.", "rlbench.backend.waypoints.")
+"""Modules among them whose objects are remembered like those of a user."""
 VIEWS, ROBOTS = ("pyrep.objects.",), ("pyrep.robots.",)
 """Modules of views, which remember whether their object was removed; and of those that are robots."""
 
@@ -38,7 +40,8 @@ def keep(value: Any, seen: dict[int, Any] | None = None) -> Recall:
     """
     seen = {} if seen is None else seen
     is_view = _is_of(value, VIEWS) and not _is_of(value, ROBOTS)
-    if isinstance(value, (*PLAIN, *FUNCTIONS)) or id(value) in seen or (_is_of(value, AS_THEY_ARE) and not is_view):
+    stays = _is_of(value, AS_THEY_ARE) and not _is_of(value, OPENED) and not is_view
+    if isinstance(value, (*PLAIN, *FUNCTIONS)) or id(value) in seen or stays:
         return lambda: value
     seen[id(value)] = value
     if is_view:

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pyrep.errors import ConfigurationPathError
-from pyrep.objects.dummy import Dummy
 from pyrep.objects.object import Object
 from pyrep.robots.configuration_paths.arm_configuration_path import ArmConfigurationPath
-from rlbench_pin.compat.arm_planning import plan_along
 from rlbench_pin.compat.simulator import Simulator
-from rlbench_pin.environment.turns import poses_of, turned
-from rlbench_pin.errors import PlanningError
+from rlbench_pin.environment.leg_planning import LegPlanner
+from rlbench_pin.environment.turns import runs, turned
+from rlbench_pin.errors import PlanningError, WaypointError
+from rlbench_pin.tasks import Task as NativeTask
 from rlbench_pin.tasks import Waypoint as NativeWaypoint
 
 if TYPE_CHECKING:
@@ -65,11 +65,32 @@ class Waypoint:
             self.native.skip = bool(skip)
 
     def get_path(self, ignore_collisions: bool = False) -> ArmConfigurationPath:
-        """Return a path of the arm from where it is to the waypoint.
+        """Return a path of the arm from where it is to the waypoint, planned as in demonstrations.
+
+        A hand that may arrive turned takes the turn with which the waypoints that follow can be reached as well.
+
+        Args:
+            ignore_collisions: Plan as if nothing could be touched, whatever the waypoint says.
 
         Raises:
             ConfigurationPathError: There is none.
         """
+        native = self.native
+        if native is None:
+            return self._asked_path(ignore_collisions or self._ignore_collisions)
+        runtime = Simulator.current().runtime
+        run, planner = _rest_of_run(native, runtime.task), LegPlanner(runtime)
+        try:
+            turns = planner.rank(run)
+            if ignore_collisions and not self._ignore_collisions and native.path != "curve":
+                return self._asked_path(True, turns[0])
+            plan = planner.plan(native, run[1] if len(run) > 1 else None, turns)
+        except (PlanningError, WaypointError) as error:
+            raise ConfigurationPathError(f"There is no path to {self.name}: {error}") from error
+        return ArmConfigurationPath(self._robot.arm, plan.path.flatten())
+
+    def _asked_path(self, ignore_collisions: bool, turn: float = 0.0) -> ArmConfigurationPath:
+        """Ask the arm for a path to the object, with the hand turned about its z [rad]."""
         raise NotImplementedError(f"{type(self).__name__} must define get_path(self, ignore_collisions).")
 
     def get_ext(self) -> str:
@@ -102,54 +123,24 @@ class Waypoint:
 class Point(Waypoint):
     """One pose of the tip."""
 
-    def get_path(self, ignore_collisions: bool = False) -> ArmConfigurationPath:
-        """Return a path to the pose; a hand that may arrive turned tries the turns one after the other.
-
-        Raises:
-            ConfigurationPathError: There is none.
-        """
-        arm, ignore = self._robot.arm, ignore_collisions or self._ignore_collisions
-        poses = [np.asarray(self._waypoint.get_pose(), dtype=float)]
-        symmetry = 1 if self.native is None else self.native.symmetry
-        poses += [turned(poses[0], 2.0 * np.pi * k / symmetry) for k in range(1, symmetry)]
-        first: Exception | None = None
-        for pose in poses:
-            try:
-                if self._linear_only:
-                    return arm.get_linear_path(pose[:3], quaternion=pose[3:], ignore_collisions=ignore)
-                return arm.get_path(pose[:3], quaternion=pose[3:], ignore_collisions=ignore, **SAMPLED)
-            except ConfigurationPathError as error:
-                first = first or error
-        assert first is not None
-        raise first
+    def _asked_path(self, ignore_collisions: bool, turn: float = 0.0) -> ArmConfigurationPath:
+        arm, pose = self._robot.arm, turned(np.asarray(self._waypoint.get_pose(), dtype=float), turn)
+        if self._linear_only:
+            return arm.get_linear_path(pose[:3], quaternion=pose[3:], ignore_collisions=ignore_collisions)
+        return arm.get_path(pose[:3], quaternion=pose[3:], ignore_collisions=ignore_collisions, **SAMPLED)
 
 
 class PredefinedPath(Waypoint):
-    """A curve that the tip follows."""
+    """A curve that the tip follows; it never looks at collisions."""
 
-    def get_path(self, ignore_collisions: bool = False) -> ArmConfigurationPath:
-        """Return a path along the curve; it never looks at collisions.
-
-        Raises:
-            ConfigurationPathError: The arm cannot follow the curve.
-        """
-        if self.native is None:
-            return self._robot.arm.get_path_from_cartesian_path(self._waypoint)
-        runtime = Simulator.current().runtime
-        first: PlanningError | None = None
-        for k in range(self.native.symmetry):
-            poses = poses_of(self.native, 2.0 * np.pi * k / self.native.symmetry, runtime.robot.tip_pose())
-            try:
-                return ArmConfigurationPath(self._robot.arm, plan_along(runtime, poses).path.flatten())
-            except PlanningError as error:
-                first = first or error
-        raise ConfigurationPathError(f"The arm cannot follow the curve of {self.name}: {first}") from first
+    def _asked_path(self, ignore_collisions: bool, turn: float = 0.0) -> ArmConfigurationPath:
+        return self._robot.arm.get_path_from_cartesian_path(self._waypoint)
 
 
 def waypoint_of(native: NativeWaypoint, robot: Robot) -> Waypoint:
     """Return a waypoint of a scene under its known name."""
     kind = PredefinedPath if native.path == "curve" else Point
-    return kind(Dummy(native.frame.name), robot, native=native)
+    return kind(Object.get_object(native.frame.name), robot, native=native)
 
 
 def _extension(waypoint: Object, native: NativeWaypoint | None) -> str:
@@ -157,3 +148,11 @@ def _extension(waypoint: Object, native: NativeWaypoint | None) -> str:
     text = str(waypoint.get_extension_string())
     closes = native is not None and isinstance(native.gripper, float) and not native.releases
     return text.replace("open_gripper(", "close_gripper(") if closes else text
+
+
+def _rest_of_run(native: NativeWaypoint, task: NativeTask) -> list[NativeWaypoint]:
+    """Return a waypoint and those after it that share the turn of the hand with it."""
+    for run in runs([w for w in task.get_waypoints() if w is native or not w.skip]):
+        if native in run:
+            return run[run.index(native) :]
+    return [native]
