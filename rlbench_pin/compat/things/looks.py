@@ -45,6 +45,27 @@ def paint(table: ObjectTable, element: Element, rgba: Rgba) -> None:
         )
 
 
+def show(table: ObjectTable, element: Element, shown: bool) -> None:
+    """Show a shape to cameras, or hide it; its colour comes back with it."""
+    if element.kind in ("robot", "gripper", "robot_link"):
+        _show_robot(table, element, shown)
+        return
+    rgba = color(table, element)
+    if not shown:
+        table.flags[element, "opacity"] = rgba[3]
+    opacity = table.flags.get((element, "opacity"), 1.0)
+    assert isinstance(opacity, float)
+    paint(table, element, (*rgba[:3], opacity if shown else 0.0))
+
+
+def _show_robot(table: ObjectTable, element: Element, shown: bool) -> None:
+    model, description = table.world.robot.model, table.runtime.description
+    hand = (description.hand_link, *description.finger_links)
+    links = {"robot": tuple(model.links), "gripper": hand}.get(element.kind, (element.name,))
+    for link in links:
+        table.world.texture_overrides.show_robot_link(model.link_index(link), shown)
+
+
 def set_texture(table: ObjectTable, element: Element, texture: Texture, repeats: float) -> None:
     """Put a texture on a shape.
 

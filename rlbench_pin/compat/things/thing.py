@@ -103,6 +103,11 @@ class LinkThing(Thing):
             f"set_pose of '{self.body.name}/{self.link}'", "a joint holds it.", "Move the joint, or the whole body."
         )
 
+    @property
+    def velocity(self) -> FloatArray:
+        """Velocity (6,) of its centre of mass."""
+        return self.body.model.link_velocity(self.link)
+
     def solids(self) -> list[Solid]:
         """Parts of this link alone."""
         parts = geometry.solid_geometry(self.body.model.urdf, self.body.model.scale)
@@ -188,6 +193,11 @@ class RobotThing(Thing):
         raise UnsupportedCall(
             f"set_pose of '{self._call}'", "the arm's joints hold it.", "Use `arm.set_joint_positions(q, disable_dynamics=True)`."
         )
+
+    @property
+    def velocity(self) -> FloatArray:
+        """Velocity (6,) of its centre of mass; the tip has none but itself."""
+        return self.robot.model.link_velocity(self._link or self.robot.description.tip_frame)
 
     def solids(self) -> list[Solid]:
         """Parts of the link."""

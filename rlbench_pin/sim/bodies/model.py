@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pinocchio as pin
 
 from rlbench_pin.errors import UnknownName
@@ -79,6 +80,16 @@ class LoadedModel:
         """Pose (7,) of a link's URDF frame in the world."""
         index = self.link_index(link)
         return self.base_pose() if index == BASE else self.link_pose_at(index)
+
+    def link_velocity(self, link: str) -> FloatArray:
+        """Velocity (6,) of a link's centre of mass, linear [m/s] then angular [rad/s], in world axes."""
+        index = self.link_index(link)
+        if index == BASE:
+            linear, angular = bullet.getBaseVelocity(self.uid, physicsClientId=self.client.id)
+        else:
+            state = bullet.getLinkState(self.uid, index, computeLinkVelocity=1, physicsClientId=self.client.id)
+            linear, angular = state[6], state[7]
+        return np.array(linear + angular)
 
     def link_pose_at(self, index: int) -> FloatArray:
         """Pose (7,) of the URDF frame of the link with number `index`, which is not the base."""

@@ -12,7 +12,7 @@ from rlbench_pin.sim.render.link_texture import LinkTexture
 from rlbench_pin.sim.render.renderer import Renderer
 from rlbench_pin.sim.render.texture import Texture
 
-_WHITE = (1.0, 1.0, 1.0, 1.0)
+_WHITE, _UNSEEN = (1.0, 1.0, 1.0, 1.0), (1.0, 1.0, 1.0, 0.0)
 
 
 class TextureOverrides:
@@ -29,6 +29,7 @@ class TextureOverrides:
         self._renderer, self._robot, self._bodies, self._room = renderer, robot, bodies, room
         self._robot_colors = visual_colors(robot)
         self._white_robot_links: set[int] = set()
+        self._hidden_robot_links: set[int] = set()
         self._white_bodies: set[str] = set()
 
     @property
@@ -45,8 +46,23 @@ class TextureOverrides:
             repeats: How often it repeats along one metre.
         """
         self._white_robot_links.add(link)
-        _whiten(self._robot, link)
+        self._repaint_robot_link(link)
         self._renderer.set_link_texture(self._robot.uid, link, LinkTexture(texture, repeats))
+
+    def show_robot_link(self, link: int, shown: bool) -> None:
+        """Hide a link of the arm from cameras, or show it again; what has no visuals stays as it is.
+
+        Args:
+            link: Number of the link.
+            shown: Whether it is seen from now on.
+        """
+        if link not in self._robot_colors:
+            return
+        if not shown:
+            self._hidden_robot_links.add(link)
+        elif link in self._hidden_robot_links:
+            self._hidden_robot_links.remove(link)
+        self._repaint_robot_link(link)
 
     def set_body(self, name: str, texture: Texture, repeats: float) -> None:
         """Put a texture on a body; a body that was given a colour keeps it, and the texture only shades it.
@@ -91,14 +107,18 @@ class TextureOverrides:
 
     def _repaint_robot_link(self, link: int) -> None:
         for shape, color in enumerate(self._robot_colors[link]):
+            if link in self._hidden_robot_links:
+                color = _UNSEEN
+            elif link in self._white_robot_links:
+                color = _WHITE
             bullet.changeVisualShape(
                 self._robot.uid, link, shapeIndex=shape, rgbaColor=color, physicsClientId=self._robot.client.id
             )
 
     def apply_again(self) -> None:
         """Apply the present overrides in a physics server that was built again."""
-        for link in self._white_robot_links:
-            _whiten(self._robot, link)
+        for link in self._white_robot_links | self._hidden_robot_links:
+            self._repaint_robot_link(link)
         for name in self._white_bodies & set(self._bodies):
             for link in self._bodies[name].visual_links:
                 _whiten(self._bodies[name].model, link)
@@ -110,9 +130,9 @@ class TextureOverrides:
             body.texture = None
         for name in self._white_bodies & set(self._bodies):
             self._bodies[name].repaint()
-        for link in self._white_robot_links:
+        links, self._white_bodies, self._white_robot_links = self._white_robot_links, set(), set()
+        for link in links:
             self._repaint_robot_link(link)
-        self._white_bodies, self._white_robot_links = set(), set()
 
 
 def _whiten(model: LoadedModel, link: int) -> None:

@@ -92,9 +92,17 @@ class Switches(ABC):
         """Whether cameras see it and all that hangs on it."""
         return self._all("renderable")
 
-    def is_model_respondable(self) -> bool:
-        """Whether it and all that hangs on it touch other things."""
-        return self._all("respondable")
+    def is_respondable(self) -> bool:
+        """Return False: only shapes touch other things."""
+        return False
+
+    def set_respondable(self, value: bool) -> None:
+        """Remember the switch: only shapes touch other things."""
+        self.set_flag("respondable", value)
+
+    def is_dynamic(self) -> bool:
+        """Return False: only shapes are moved by physics."""
+        return False
 
     def _all(self, name: str) -> bool:
         tree = self.table.family.tree(self.table.elements(), self.element)

@@ -213,6 +213,24 @@ class Object(PoseMethods, Switches):
     def set_model(self, value: bool) -> None:
         """Accepted; here everything with children is a model."""
 
+    def set_model_renderable(self, value: bool) -> None:
+        """Show it and all that hangs on it to cameras, or hide it."""
+        for member in self.get_objects_in_tree(exclude_base=False):
+            member.set_renderable(value)
+
+    def is_model_respondable(self) -> bool:
+        """Whether all shapes of its tree touch other things."""
+        return all(shape.is_respondable() for shape in self.get_objects_in_tree(ObjectType.SHAPE, exclude_base=False))
+
+    def set_model_respondable(self, value: bool) -> None:
+        """Let all shapes of its tree touch other things, or pass through them."""
+        for shape in self.get_objects_in_tree(ObjectType.SHAPE, exclude_base=False):
+            shape.set_respondable(value)
+
+    def is_model_dynamic(self) -> bool:
+        """Whether all shapes of its tree are moved by physics."""
+        return all(shape.is_dynamic() for shape in self.get_objects_in_tree(ObjectType.SHAPE, exclude_base=False))
+
     def get_explicit_handling(self) -> int:
         """Return 1 for sensors that are read only when asked, which is how all sensors work here."""
         return 1

@@ -45,14 +45,8 @@ class ShapeLook(Object):
         """Show the shape to cameras, or hide it."""
         if bool(value) == self.is_renderable():
             return
-        color = looks.color(self.table, self.element)
-        if value:
-            color = (*color[:3], float(self.table.flags.get((self.element, "opacity"), 1.0)))  # type: ignore[arg-type]
-        else:
-            self.table.flags[self.element, "opacity"] = color[3]
-            color = (*color[:3], 0.0)
         self.set_flag("renderable", value)
-        looks.paint(self.table, self.element, color)
+        looks.show(self.table, self.element, bool(value))
 
     def set_texture(
         self,

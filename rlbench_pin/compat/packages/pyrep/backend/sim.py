@@ -1,0 +1,16 @@
+"""The C functions of another simulator: not available here."""
+
+from __future__ import annotations
+
+from pyrep.errors import UnsupportedCall
+
+
+def __getattr__(name: str) -> object:
+    """Refuse every function: there is no such simulator behind the objects."""
+    if name.startswith("__"):
+        raise AttributeError(name)
+    raise UnsupportedCall(
+        f"pyrep.backend.sim.{name}",
+        "there is no such simulator here.",
+        "Use the classes of `pyrep.objects`, or the world at `rlbench_pin.compat.simulator.Simulator.current().world`.",
+    )
