@@ -60,6 +60,9 @@ def test_only_graspable_bodies_between_the_pads_count(world):
     assert world.gripper.between_fingers() == ("cube",)
     world.body("cube").graspable = False
     assert world.gripper.between_fingers() == ()
+    assert world.gripper.reaches_between_fingers("cube")
+    world.robot.reset_configuration(ABOVE)
+    assert not world.gripper.reaches_between_fingers("cube")
 
 
 def test_an_attached_body_neither_sags_nor_shakes(world):
