@@ -76,3 +76,19 @@ def test_variations_are_drawn_without_repeats() -> None:
     drawn = drawn_variations(60, 20)
     assert len(set(drawn)) == 20
     assert drawn == drawn_variations(60, 20)
+
+
+def test_the_first_variations() -> None:
+    """Which variations there are need not be drawn."""
+    items = plan_items(replace(CONFIG, draw_variations=False))
+    assert sorted({item.variation for item in items}) == [0, 1]
+
+
+def test_shadows_and_speed() -> None:
+    """Settings of the pictures and of the arm reach the environment that records."""
+    slow = PictureConfig(products=("rgb",), shadows=False, arm_max_velocity=0.5)
+    assert not slow.obs_config().front_camera.draws_shadows
+    assert PictureConfig().obs_config().front_camera.draws_shadows
+    with slow.environment() as environment:
+        planner = environment.get_task(TASK).runtime.planner
+    assert planner.config.max_velocity == 0.5

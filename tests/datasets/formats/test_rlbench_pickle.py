@@ -16,8 +16,10 @@ import numpy as np
 import pytest
 
 from rlbench_pin.datasets import DatasetWriter
-from rlbench_pin.datasets.formats.rlbench_folders import export_rlbench
+from rlbench_pin.datasets.formats.rlbench_folders import export_rlbench, write_frames
 from rlbench_pin.datasets.formats.rlbench_pickle import load
+from rlbench_pin.datasets.formats.rlbench_reader import read_folder
+from rlbench_pin.environment.observations.masks import spread_mask
 from rlbench_pin.errors import EpisodeFileError
 from tests.datasets.formats.test_rlbench_folders import make_demo
 
@@ -131,6 +133,35 @@ def test_pickles_of_every_protocol_are_read(tmp_path: Path, protocol: int, monke
 
 
 @pytest.mark.simulation
+@pytest.mark.parametrize("protocol", [2, 4, 5])
+def test_a_live_demo_that_a_program_pickled_is_read(tmp_path: Path, protocol: int) -> None:
+    """With its snapshot of the world and the try of its seed; `write_frames` keeps the try as well."""
+    demo = make_demo(5)
+    demo.state, demo.attempt = {"joints": np.arange(3.0)}, 2
+    by_hand = tmp_path / TASK / "variation0" / "episodes" / "episode0"
+    by_hand.mkdir(parents=True)
+    (by_hand / "low_dim_obs.pkl").write_bytes(pickle.dumps(demo, protocol=protocol))
+    read = read_folder(by_hand)
+    assert (read.random_seed, read.attempt, len(read)) == (5, 2, 4)
+    assert read.state is not None and np.array_equal(read.state["joints"], [0.0, 1.0, 2.0])
+    assert np.array_equal(read[1].joint_positions, demo[1].joint_positions)  # type: ignore[arg-type]
+    written = by_hand.with_name("episode1")
+    write_frames(written, demo)
+    assert read_folder(written).attempt == 2
+
+
+def test_masks_over_three_channels_are_written(tmp_path: Path) -> None:
+    """As floats in 0..1, they become the same pictures as ids."""
+    demo = make_demo(6)
+    ids = [frame.front_mask for frame in demo]
+    for frame in demo:
+        assert frame.front_mask is not None
+        frame.front_mask = spread_mask(frame.front_mask)
+    folder = tmp_path / TASK / "variation0" / "episodes" / "episode0"
+    write_frames(folder, demo)
+    assert all(np.array_equal(a.front_mask, b) for a, b in zip(read_folder(folder), ids))  # type: ignore[arg-type]
+
+
 def test_pickle_has_one_home() -> None:
     """No module but the one for this foreign format imports pickle."""
     package = Path(__file__).parents[3] / "rlbench_pin"
