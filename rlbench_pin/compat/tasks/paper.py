@@ -40,6 +40,8 @@ class PaperTask(Task):
 
     user_class: ClassVar[type[UserTask]]
     """Class of the user's task."""
+    has_step: ClassVar[bool] = True
+    """Whether that class has a `step` of its own."""
 
     def __init__(self, world: World) -> None:
         super().__init__(world)
@@ -131,7 +133,10 @@ class PaperTask(Task):
         return int(self.user.variation_count())
 
     def step(self) -> None:
-        """Run the user's step."""
+        """Run the user's step, if there is one."""
+        if not self.has_step:
+            super().step()
+            return
         with self._draws.lent():
             self.user.step()
 
@@ -233,9 +238,9 @@ def module_file(user: type) -> Path:
 
 
 @cache
-def adapter_of(user: type[UserTask]) -> type[PaperTask]:
-    """Return the native class that asks objects of a user's class."""
+def adapter_of(user: type[UserTask], has_step: bool) -> type[PaperTask]:
+    """Return the native class that asks objects of a user's class; `has_step` says whether also after every tick."""
     origin = user.native_origin()
     bases = (PaperTask,) if origin is Task else (PaperTask, origin)
-    namespace = {"user_class": user, "__doc__": user.__doc__, "__module__": user.__module__}
+    namespace = {"user_class": user, "has_step": has_step, "__doc__": user.__doc__, "__module__": user.__module__}
     return cast("type[PaperTask]", type(user.__name__, bases, namespace))
