@@ -156,7 +156,7 @@ def test_conditions_ask_views(environment: Environment, classes: dict[str, type[
     assert moved.condition_met() == (True, True)
     assert OrConditions([JointCondition(joint, 0.1), moved]).condition_met() == (True, True)
     follow = FollowCondition(chest, [here, here + [0.0, 0.0, 0.5]])
-    assert [follow.condition_met() for _ in range(5)] == [(False, False)] * 4 + [(False, True)]
+    assert [follow.condition_met() for _ in range(6)] == [(False, False)] * 5 + [(False, True)]
     follow.reset()
     assert (follow.index, follow.strikes) == (0, 0)
     near = FollowCondition(chest, [[0.0, 0.0, 0.0]], relative_to=chest)

@@ -135,7 +135,7 @@ class FollowCondition(Condition):
     """Met once an object has visited all points in order, coming within half of `delta_limit` of each.
 
     A question that finds the object farther than `delta_limit` from the point it looks at first is a strike; a visited point
-    clears the strikes. More than `MAX_STRIKES` strikes ask for the end of the episode.
+    clears the strikes. After more than `MAX_STRIKES` strikes, a further miss asks for the end of the episode.
 
     Args:
         obj: What has to travel.
@@ -165,9 +165,10 @@ class FollowCondition(Condition):
             place = np.asarray(self.obj.get_position(relative_to=self.relative_to))
             distance = float(np.linalg.norm(place - self.points[self.index]))
             if distance > self.delta_limit / 2.0:
-                if distance > self.delta_limit and first and (self.index > 0 or not self.start_after_first):
-                    self.strikes += 1
-                return False, self.strikes > MAX_STRIKES
+                misses = distance > self.delta_limit and first and (self.index > 0 or not self.start_after_first)
+                lost = misses and self.strikes > MAX_STRIKES
+                self.strikes += misses
+                return False, lost
             self.index, self.strikes, first = self.index + 1, 0, False
         return True, True
 
