@@ -30,4 +30,5 @@ def capture_body(body: Body, in_room: bool = False) -> BodySnapshot:
     links = body.model.collision_links()
     poses = np.array([body.link_pose(link) for link in links]).reshape(-1, 7)
     model = body.model
-    return BodySnapshot(body.name, model.urdf, links, poses, model.scale, body.collides, body.fixed, in_room=in_room)
+    collides = body.collides and body.obstacle
+    return BodySnapshot(body.name, model.urdf, links, poses, model.scale, collides, body.fixed, in_room=in_room)

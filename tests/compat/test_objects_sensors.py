@@ -182,6 +182,32 @@ def test_the_arm_can_be_hidden(pyrep: PyRep) -> None:
     assert np.array_equal(rgb_handles_to_mask(mask.capture_rgb()), before)
 
 
+def test_the_arm_has_colours(pyrep: PyRep) -> None:
+    """A link can be painted; the picture shows it and says so."""
+    hand, camera = Shape("panda_hand"), VisionSensor.create([48, 48], view_angle=20.0, render_mode=RenderMode.OPENGL)
+    x, y, z = hand.get_position()
+    camera.set_pose(look_at((x + 1.0, y, z), (x, y, z)))
+    assert not _red(camera.capture_rgb()).any()
+    hand.set_color([1.0, 0.0, 0.0])
+    assert hand.get_color() == [1.0, 0.0, 0.0] and Shape("panda_link0").get_color() != [1.0, 0.0, 0.0]
+    assert _red(camera.capture_rgb()).sum() > 20
+    boundary = Shape("boundary")
+    boundary.set_color([0.0, 1.0, 0.0])
+    boundary.set_dynamic(False)
+    assert boundary.get_color() == [0.0, 1.0, 0.0] and not boundary.is_dynamic() and not boundary.is_respondable()
+
+
+def test_plans_ignore_what_is_not_collidable(pyrep: PyRep) -> None:
+    """Physics goes on as before."""
+    tip = Dummy("Panda_tip").get_position()
+    cube, planner = box(0.1, tip.tolist()), Simulator.current().runtime.planner
+    for collidable in (True, False):
+        cube.set_collidable(collidable)
+        Simulator.current().runtime.refresh_planner()
+        touching = planner.collision.colliding_pairs(Simulator.current().world.robot.joint_positions)
+        assert bool(touching) is collidable and cube.is_respondable()
+
+
 # Proximity sensors ------------------------------------------------------------------------------------------------------
 
 

@@ -66,6 +66,8 @@ def set_dynamic(table: ObjectTable, element: Element, value: bool) -> None:
         UnsupportedCall: It is part of the room, or a link.
         RlbenchPinError: It has joints, or no mass in its model file.
     """
+    if not has_body(element) and not value:
+        return
     body = body_of(table, element, "set_dynamic")
     if value == (not body.fixed):
         return
@@ -74,6 +76,18 @@ def set_dynamic(table: ObjectTable, element: Element, value: bool) -> None:
             f"set_dynamic({value}) of '{table.name(element)}'", "it is part of something larger.", "Call it on a whole body."
         )
     table.world.dynamics_overrides.set_fixed(body, not value)
+
+
+def set_respondable(table: ObjectTable, element: Element, value: bool) -> None:
+    """Let a body touch other things, or pass through them; planes pass through everything in any case."""
+    if has_body(element) or value:
+        body_of(table, element, "set_respondable").set_collides(value)
+
+
+def set_obstacle(table: ObjectTable, element: Element, value: bool) -> None:
+    """Let plans avoid a body, or not; other things are no obstacles."""
+    if element.kind in ("body", "room"):
+        table.world.body(element.name).obstacle = value
 
 
 def volume(thing: Thing) -> float:

@@ -142,7 +142,9 @@ class ObjectTable:
         if element.kind == "body":
             return element.name in self.world.bodies
         if element.kind in ("link", "joint"):
-            return element in set(self.elements())
+            owner, _, part = element.name.partition("/")
+            body = self.world.bodies.get(owner)
+            return body is not None and part in (body.links if element.kind == "link" else body.joints)
         if element.kind == "frame":
             return element.name in self.world.frames
         return element.kind != "placed" or element.name in self.placed

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rlbench_pin.sim.bodies.body import Body, visual_colors
+from rlbench_pin.sim.bodies.body import Body, Color, visual_colors
 from rlbench_pin.sim.bodies.model import LoadedModel
 from rlbench_pin.sim.bodies.room import RoomBody
 from rlbench_pin.sim.client import bullet
@@ -30,6 +30,7 @@ class TextureOverrides:
         self._robot_colors = visual_colors(robot)
         self._white_robot_links: set[int] = set()
         self._hidden_robot_links: set[int] = set()
+        self._painted_robot_links: dict[int, Color] = {}
         self._white_bodies: set[str] = set()
 
     @property
@@ -63,6 +64,16 @@ class TextureOverrides:
         elif link in self._hidden_robot_links:
             self._hidden_robot_links.remove(link)
         self._repaint_robot_link(link)
+
+    def robot_link_color(self, link: int) -> Color:
+        """Colour rgba in 0..1 of a link of the arm: the one given to it, or that of its first visual."""
+        return self._painted_robot_links.get(link) or self._robot_colors.get(link, (_WHITE,))[0]
+
+    def paint_robot_link(self, link: int, color: Color) -> None:
+        """Give a link of the arm one colour rgba in 0..1 for all its visuals; those without visuals stay as they are."""
+        if link in self._robot_colors:
+            self._painted_robot_links[link] = color
+            self._repaint_robot_link(link)
 
     def set_body(self, name: str, texture: Texture, repeats: float) -> None:
         """Put a texture on a body; a body that was given a colour keeps it, and the texture only shades it.
@@ -109,15 +120,15 @@ class TextureOverrides:
         for shape, color in enumerate(self._robot_colors[link]):
             if link in self._hidden_robot_links:
                 color = _UNSEEN
-            elif link in self._white_robot_links:
-                color = _WHITE
+            else:
+                color = _WHITE if link in self._white_robot_links else self._painted_robot_links.get(link, color)
             bullet.changeVisualShape(
                 self._robot.uid, link, shapeIndex=shape, rgbaColor=color, physicsClientId=self._robot.client.id
             )
 
     def apply_again(self) -> None:
         """Apply the present overrides in a physics server that was built again."""
-        for link in self._white_robot_links | self._hidden_robot_links:
+        for link in {*self._white_robot_links, *self._hidden_robot_links, *self._painted_robot_links}:
             self._repaint_robot_link(link)
         for name in self._white_bodies & set(self._bodies):
             for link in self._bodies[name].visual_links:

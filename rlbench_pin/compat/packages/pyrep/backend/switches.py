@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 
-from rlbench_pin.compat.things import Element, ObjectTable
+from rlbench_pin.compat.things import Element, ObjectTable, physics
 
 
 class Switches(ABC):
@@ -29,13 +29,15 @@ class Switches(ABC):
         tree = self.table.family.tree(self.table.elements(), self.element) if model else []
         for element in (self.element, *tree):
             self.table.flags[element, name] = bool(value)
+            if name == "collidable":
+                physics.set_obstacle(self.table, element, bool(value))
 
     def is_collidable(self) -> bool:
         """Whether collision checks and plans look at it."""
         return self.flag("collidable")
 
     def set_collidable(self, value: bool) -> None:
-        """Let collision checks of this interface look at it, or not; physics is not changed (`Shape.set_respondable`)."""
+        """Let collision checks and plans look at it, or not; physics is not changed (see `Shape.set_respondable`)."""
         self.set_flag("collidable", value)
 
     def is_measurable(self) -> bool:

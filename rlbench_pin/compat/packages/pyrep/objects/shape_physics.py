@@ -29,7 +29,7 @@ class ShapePhysics(Object):
 
     def set_respondable(self, value: bool) -> None:
         """Let it touch other things, or pass through them; a link shares this with its whole body."""
-        self.body("set_respondable").set_collides(bool(value))
+        physics.set_respondable(self.table, self.element, bool(value))
 
     def is_dynamic(self) -> bool:
         """Whether it moves under gravity and contacts."""
