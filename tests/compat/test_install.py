@@ -73,8 +73,10 @@ def test_help_teaches() -> None:
     assert "usage" in said.stderr
 
 
-ECHO = """\
-import sys, helper, rlbench
+FOUND = "import importlib.util as u; assert u.find_spec('rlbench') and u.find_spec('pyrep')"
+ECHO = f"""\
+import sys, helper
+{FOUND}
 print(sys.argv, __name__, __file__, sys.path[0], helper.X, __spec__)
 """
 
@@ -118,7 +120,7 @@ def test_exit_codes_and_tracebacks_are_those_of_plain_python(text: str, code: in
 
 def test_modules_packages_folders_and_text(tmp_path: Path) -> None:
     """`-m module`, `-m package`, `folder` and `-c text` as python takes them."""
-    show = "import sys, rlbench; from pathlib import Path; print(Path(sys.argv[0]).name, sys.argv[1:], __name__)"
+    show = f"{FOUND}; import sys; from pathlib import Path; print(Path(sys.argv[0]).name, sys.argv[1:], __name__)"
     (tmp_path / "tool.py").write_text(show)
     (tmp_path / "package").mkdir()
     (tmp_path / "package" / "__init__.py").touch()
@@ -168,6 +170,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.simulation
 def test_processes_that_a_program_starts_find_the_names(tmp_path: Path) -> None:
     """By all start methods; functions and classes of the program travel to them."""
     (tmp_path / "program.py").write_text(SPAWN)
