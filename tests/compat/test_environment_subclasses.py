@@ -235,3 +235,39 @@ def test_a_scene_may_record_frames_itself(env: MyEnvironment) -> None:
     assert "joint_position_action" not in demo[0].misc
     assert all(len(frame.misc["joint_position_action"]) == 8 for frame in demo[1:])
     assert demo.random_seed is not None
+
+
+class OwnResetTaskEnvironment(TaskEnvironment):
+    """Resets with the scene's methods alone, as extension projects do."""
+
+    def reset(self, demo: Demo | None = None) -> tuple[list[str], Observation]:
+        """Without a word about the demonstration."""
+        self._scene.reset()
+        descriptions = self._scene.init_episode(self._variation_number, max_attempts=40, randomly_place=True)
+        self._reset_called = True
+        return descriptions, self._scene.get_observation()
+
+
+def test_an_own_reset_goes_back_to_demos(env: MyEnvironment) -> None:
+    """`reset_to_demo`, sentences and live demonstrations work with a reset that knows nothing of them."""
+    task: Any = env.get_task(ReachTarget)
+    own = OwnResetTaskEnvironment(
+        env._pyrep, env._robot, env._scene, task._task, env._action_mode, "", env._obs_config, False, True
+    )  # type: ignore[arg-type]
+    own.set_variation(3)
+    demo = own.get_demos(1, live_demos=True)[0]
+    descriptions, other = own.reset()
+    assert descriptions == own.get_task_descriptions()
+    _, start = own.reset_to_demo(demo)
+    assert np.allclose(start.joint_positions, demo[0].joint_positions)  # type: ignore[arg-type]
+    assert own.runtime.world.body("target").pose[:3] == pytest.approx(_target_of(own, demo))
+    assert start.misc["variation_index"] == 3
+    assert other.misc["variation_index"] == 3
+
+
+def _target_of(task: TaskEnvironment, demo: Demo) -> np.ndarray:
+    """Return where the target stood when the demonstration was made, from its snapshot."""
+    task.reset()
+    assert demo.state is not None
+    task.runtime.world.set_arrays(demo.state)
+    return np.array(task.runtime.world.body("target").pose[:3])
