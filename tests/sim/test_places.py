@@ -154,3 +154,19 @@ def test_scale():
         np.testing.assert_allclose(world.body("big").aabb_size(), 0.075, atol=1e-6)
         steps(world, 10)
         assert world.body("big").position[2] == pytest.approx(TABLE_HEIGHT + 0.0375, abs=1e-3)
+
+
+def test_another_parent() -> None:
+    """A body moves with its new parent only; its own descendants are refused."""
+    world = build(furniture_scene())
+    world.places.set_parent("cube", "corner")
+    before = world.body("cube").position
+    world.frame("spot").set_position([0.2, 0.2, 0.9])
+    assert np.array_equal(world.body("cube").position, before) and world.places.parent("cube") == "corner"
+    corner = world.frame("corner")
+    corner.set_position(corner.position + [0.0, 0.0, 0.1])
+    assert np.allclose(world.body("cube").position - before, [0.0, 0.0, 0.1])
+    world.places.set_parent("cube", "root")
+    corner.set_parent("cube", keep_in_place=True)
+    with pytest.raises(RlbenchPinError, match="descendant"):
+        world.places.set_parent("cube", "corner")
