@@ -233,3 +233,12 @@ def test_the_start_file_is_one_line_that_imports_os_first() -> None:
     (line,) = (ROOT / "rlbench_pin" / "compat" / START_FILE).read_text().splitlines()
     assert line.startswith('import os; os.environ.get("RLBENCH_PIN_COMPAT", "0") in ("", "0") or ')
     assert "os" in site.__dict__  # loaded at every start, so that the import costs nothing
+
+
+def test_programs_of_the_first_releases_are_told_what_changed() -> None:
+    """They import enumerations of modes; the error shows the way that modes are written now."""
+    said = compat("-c", "from rlbench.action_modes import ArmActionMode, ActionMode")
+    assert said.returncode == 1
+    assert "MoveArmThenGripper(JointVelocity(), Discrete())" in said.stderr
+    said = compat("-c", "import rlbench.action_modes as m; print(hasattr(m, 'nothing'))")
+    assert said.stdout == "False\n", said.stderr

@@ -1,1 +1,27 @@
 """What the numbers of an action mean."""
+
+from __future__ import annotations
+
+from rlbench_pin.errors import RlbenchPinError
+
+_FIRST_RELEASE = ("ActionMode", "ArmActionMode", "GripperActionMode")
+"""Names that this package had itself when it was one module with enumerations."""
+
+
+class OldActionMode(RlbenchPinError, ImportError):
+    """A program imports action modes as the first releases of RLBench had them."""
+
+
+def __getattr__(name: str) -> object:
+    """Say where the action modes are to programs of the first releases.
+
+    Raises:
+        OldActionMode: The name is one of theirs.
+    """
+    if name in _FIRST_RELEASE:
+        raise OldActionMode(
+            f"`rlbench.action_modes.{name}` is from the first releases of RLBench, where a mode was a member such as "
+            "ABS_JOINT_VELOCITY. A mode is an object now: MoveArmThenGripper(JointVelocity(), Discrete()), imported from "
+            "rlbench.action_modes.action_mode, .arm_action_modes and .gripper_action_modes; reset() returns (descriptions, obs)."
+        )
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
