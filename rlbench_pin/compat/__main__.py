@@ -127,4 +127,6 @@ def _run(module: ModuleType, code: str | bytes | CodeType) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    code = main(sys.argv[1:])
+    if code != DONE:
+        sys.exit(code)
