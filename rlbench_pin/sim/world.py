@@ -86,8 +86,7 @@ class World:
         self._contents = contents = Contents(self.client, self.spec, robot)
         self.bodies, self.room, self._places = contents.bodies, contents.room, contents.places
         self._springs = contents.joints_with_springs()
-        hardware = self.client.hardware
-        self.renderer = Renderer(self.client, self.room, contents.room_ids, contents.masks.table, hardware=hardware)
+        self.renderer = Renderer(self.client, self.room, contents.room_ids, contents.masks.table, self.client.hardware)
         self.robot = SimRobot(contents.robot, robot, contents.contacts, self.timestep, self._substeps)
         self.texture_overrides = TextureOverrides(self.renderer, contents.robot, self.bodies, self.room)
         self.dynamics_overrides = DynamicsOverrides(self.robot)
@@ -202,6 +201,7 @@ class World:
         if name in self.gripper.grasped and name in self._contents.spawned:
             self.gripper.release()
         self.dynamics_overrides.forget(self.body(name).model)
+        self.texture_overrides.clear_body(name)
         self._contents.remove(name)
 
     @property

@@ -207,6 +207,20 @@ def test_names_can_be_changed_and_removed_things_are_gone(saucepan: PyRep) -> No
     first.remove()
 
 
+def test_what_hung_on_a_removed_thing_stays(saucepan: PyRep) -> None:
+    """Where it was, on the world."""
+    marker, other, lid = Dummy.create(), Dummy.create(), Shape("lid")
+    marker.set_position([0.3, 0.1, 1.0])
+    other.set_position([0.3, 0.2, 1.0])
+    other.set_parent(marker)
+    lid.set_parent(marker)
+    before = lid.get_pose()
+    marker.remove()
+    assert other.get_parent() is None and np.allclose(other.get_position(), [0.3, 0.2, 1.0])
+    assert lid.get_parent() is None and np.allclose(lid.get_pose(), before)
+    other.remove()
+
+
 def test_cartesian_paths(saucepan: PyRep) -> None:
     """Half of the length of a corner lies in its corner; points hang on the path."""
     path = CartesianPath.create()

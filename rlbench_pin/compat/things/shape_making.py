@@ -137,6 +137,25 @@ def duplicate(table: ObjectTable, element: Element) -> Element:
     return made
 
 
+def discard(table: ObjectTable, element: Element) -> None:
+    """Take what a program made out of the scene; what hangs on it stays where it is.
+
+    Raises:
+        RlbenchPinError: It belongs to the scene file.
+    """
+    if element.kind not in ("placed", "body") or (element.kind == "body" and element.name not in table.world.spawned):
+        raise RlbenchPinError(
+            f"'{table.name(element)}' belongs to the scene file. Move it out of sight, or leave it out of the scene file."
+        )
+    for child in table.children(element):
+        if child.kind not in ("link", "joint"):
+            table.set_parent(child, None)
+    if element.kind == "placed":
+        del table.placed[element.name]
+    else:
+        table.world.remove_body(element.name)
+
+
 def surface(thing: Thing) -> tuple[FloatArray, NDArray[np.int64], FloatArray]:
     """Return corners (n, 3) [m] in the frame of a thing, triangles (m, 3) and a normal for each corner of each (3 m, 3).
 

@@ -97,8 +97,9 @@ class TextureOverrides:
         self._room[name].texture = texture
 
     def clear_body(self, name: str) -> None:
-        """Give one body its own looks back."""
-        body = self._bodies[name]
+        """Give one body its own looks back; parts of the room are left alone."""
+        if (body := self._bodies.get(name)) is None:
+            return
         for link in body.visual_links:
             self._renderer.clear_link_texture(body.model.uid, link)
         if name in self._white_bodies:

@@ -88,17 +88,6 @@ class CartesianPath(Object):
         pose = curves.pose_at(self.get_poses(), float(relative_distance))
         return pose[:3].tolist(), matrix_to_euler(pose_to_matrix(pose)[:3, :3]).tolist()
 
-    def remove(self) -> None:
-        """Take it out of the scene.
-
-        Raises:
-            PyRepError: It belongs to the scene file.
-        """
-        if self.element.kind != "placed":
-            raise PyRepError(f"'{self.get_name()}' belongs to the scene file and cannot be removed.")
-        del self.table.placed[self.element.name]
-        self._removed = True
-
 
 def _pose_of(numbers: Sequence[float]) -> FloatArray:
     matrix = np.eye(4)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from pyrep.errors import PyRepError
 from pyrep.objects.object import Object
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.compat.things import Element, ObjectType, Placed
@@ -37,14 +36,3 @@ class Dummy(Object):
         made.set_pose(self.get_pose())
         made.set_parent(self.get_parent())
         return made
-
-    def remove(self) -> None:
-        """Take it out of the scene.
-
-        Raises:
-            PyRepError: It belongs to the scene file.
-        """
-        if self.element.kind != "placed":
-            raise PyRepError(f"'{self.get_name()}' belongs to the scene file and cannot be removed.")
-        del self.table.placed[self.element.name]
-        self._removed = True

@@ -10,11 +10,12 @@ import numpy as np
 from pyrep.backend.poses import PoseMethods
 from pyrep.backend.switches import Switches
 from pyrep.const import ObjectType
-from pyrep.errors import ObjectAlreadyRemovedError, UnsupportedCall, WrongObjectTypeError
+from pyrep.errors import ObjectAlreadyRemovedError, PyRepError, UnsupportedCall, WrongObjectTypeError
 from rlbench_pin.compat.devices import configuration
 from rlbench_pin.compat.simulator import Simulator
-from rlbench_pin.compat.things import Element, ObjectTable, Thing, UnknownObject, solids
+from rlbench_pin.compat.things import Element, ObjectTable, Thing, UnknownObject, shape_making, solids
 from rlbench_pin.compat.things import ObjectType as TypeName
+from rlbench_pin.errors import RlbenchPinError
 
 
 class Object(PoseMethods, Switches):
@@ -257,10 +258,16 @@ class Object(PoseMethods, Switches):
         raise UnsupportedCall(f"copy of '{self.get_name()}'", "it is part of the fixed scene.", "Copy a Shape or a Dummy.")
 
     def remove(self) -> None:
-        """Take it out of the scene; only what a program made can be removed."""
-        raise UnsupportedCall(
-            f"remove of '{self.get_name()}'", "it belongs to the scene file.", "Leave it out there, or move it out of sight."
-        )
+        """Take it out of the scene; what hangs on it stays where it is.
+
+        Raises:
+            PyRepError: It belongs to the scene file: only what a program made can be removed.
+        """
+        try:
+            shape_making.discard(self.table, self.element)
+        except RlbenchPinError as error:
+            raise PyRepError(str(error)) from error
+        self._removed = True
 
 
 def view_of(element: Element) -> Object:

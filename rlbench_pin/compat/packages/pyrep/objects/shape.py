@@ -8,13 +8,12 @@ from typing import ClassVar
 import numpy as np
 
 from pyrep.const import PrimitiveShape
-from pyrep.errors import PyRepError, UnsupportedCall
+from pyrep.errors import UnsupportedCall
 from pyrep.objects.object import Object
 from pyrep.objects.shape_look import ShapeLook
 from pyrep.objects.shape_physics import ShapePhysics
 from rlbench_pin.compat.simulator import Simulator
-from rlbench_pin.compat.things import Element, ObjectType, shape_making
-from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.compat.things import ObjectType, shape_making
 from rlbench_pin.spatial import FloatArray
 
 
@@ -121,25 +120,6 @@ class Shape(ShapeLook, ShapePhysics, Object):
         shape = type(self)(made)
         shape.set_color(self.get_color())
         return shape
-
-    def remove(self) -> None:
-        """Take the body out of the world.
-
-        Raises:
-            PyRepError: It belongs to the scene file.
-        """
-        element = self.element
-        if element.kind == "placed":
-            del self.table.placed[element.name]
-        else:
-            self._remove_body(element)
-        self._removed = True
-
-    def _remove_body(self, element: Element) -> None:
-        try:
-            self.table.world.remove_body(element.name)
-        except RlbenchPinError as error:
-            raise PyRepError(f"{error} Move '{self.get_name()}' out of sight, or leave it out of the scene file.") from error
 
     def ungroup(self) -> list[Shape]:
         """Return the links of a body as shapes of their own; they stay joined by their joints."""

@@ -222,11 +222,10 @@ class VisionSensor(Object):
         Raises:
             PyRepError: It is the twin of one of the five cameras.
         """
-        element = self.element
-        if element.kind == "placed":
-            del self.table.placed[element.name]
-        elif not pictures.switch_off(self.table, element):
-            raise PyRepError(f"'{element.name}' goes with its camera. Switch masks off in the observation config.")
+        if self.element.kind != "camera":
+            super().remove()
+        elif not pictures.switch_off(self.table, self.element):
+            raise PyRepError(f"'{self.get_name()}' goes with its camera. Switch masks off in the observation config.")
         self._removed = True
 
 
