@@ -151,6 +151,11 @@ def _encode(text: str, encoding: str = "latin1") -> bytes:
     return codecs.encode(text, encoding)
 
 
+def _no_bytes() -> bytes:
+    """Return the empty bytes, which protocols 0 to 2 write as a call."""
+    return b""
+
+
 def _new_object(cls: type, base: type, state: object) -> object:
     """Make an object as protocols 0 and 1 do."""
     if cls not in _CLASS_PATHS or base is not object or state is not None:
@@ -169,6 +174,7 @@ _ALLOWED: Mapping[tuple[str, str], Callable[..., Any]] = {
     ("numpy", "ndarray"): _ArrayType,
     ("numpy", "dtype"): _Dtype,
     ("_codecs", "encode"): _encode,
+    **{(module, "bytes"): _no_bytes for module in ("builtins", "__builtin__")},
     **{(module, "_reconstructor"): _new_object for module in ("copyreg", "copy_reg")},
     **{(module, "object"): object for module in ("builtins", "__builtin__")},
 }

@@ -123,6 +123,7 @@ def test_pickles_of_every_protocol_are_read(tmp_path: Path, protocol: int, monke
         setattr(sys.modules[cls.__module__], cls.__name__, cls)
     demo, observation = (cls() for cls in classes)
     observation.__dict__.update(joint_positions=np.arange(7.0), gripper_open=np.float64(1.0), misc={"x": np.int32(4), "s": "é"})
+    observation.__dict__.update(task_low_dim_state=np.zeros(0))
     demo.__dict__.update(_observations=[observation], random_seed=("MT19937", np.arange(4, dtype=np.uint32), 624, 0, 0.0))
     data = pickle.dumps(demo, protocol=protocol)
     (tmp_path / "x.pkl").write_bytes(data)
@@ -130,6 +131,7 @@ def test_pickles_of_every_protocol_are_read(tmp_path: Path, protocol: int, monke
     (first,) = vars(again)["_observations"]
     assert np.array_equal(vars(first)["joint_positions"], np.arange(7.0))
     assert (vars(first)["gripper_open"], vars(first)["misc"]) == (1.0, {"x": 4, "s": "é"})
+    assert vars(first)["task_low_dim_state"].shape == (0,)
 
 
 @pytest.mark.simulation
