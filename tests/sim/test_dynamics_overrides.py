@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 
@@ -12,9 +14,10 @@ from tests.sim.support import build, cube, cube_scene, furniture_scene
 
 
 @pytest.fixture
-def world() -> World:
+def world() -> Iterator[World]:
     """A free cube in the air above one that the scene file holds there."""
-    return build(cube_scene(cube("cube", 0.3, 0.3, 1.2), cube("shelf", 0.3, 0.3, 1.0, fixed=True)))
+    with build(cube_scene(cube("cube", 0.3, 0.3, 1.2), cube("shelf", 0.3, 0.3, 1.0, fixed=True))) as world:
+        yield world
 
 
 def _run(world: World, ticks: int) -> np.ndarray:
@@ -69,8 +72,7 @@ def test_states_say_what_is_held(world: World) -> None:
 
 def test_bodies_with_joints_stay_as_they_were_loaded() -> None:
     """Their base alone says nothing about the rest."""
-    world = build(furniture_scene())
-    with pytest.raises(RlbenchPinError, match="scene file"):
+    with build(furniture_scene()) as world, pytest.raises(RlbenchPinError, match="scene file"):
         world.dynamics_overrides.set_fixed(world.body("chest"), False)
 
 

@@ -156,9 +156,8 @@ def test_scale():
         assert world.body("big").position[2] == pytest.approx(TABLE_HEIGHT + 0.0375, abs=1e-3)
 
 
-def test_another_parent() -> None:
+def test_another_parent(world):
     """A body moves with its new parent only; its own descendants are refused."""
-    world = build(furniture_scene())
     world.places.set_parent("cube", "corner")
     before = world.body("cube").position
     world.frame("spot").set_position([0.2, 0.2, 0.9])
