@@ -26,7 +26,7 @@ from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.spatial import compose, pose_at, relative, rotation_distance
 
-READY = np.array([0.3, 0.1, 1.0, 1.0, 0.0, 0.0, 0.0])
+READY = np.array([0.3, 0.1, 1.0, 0.0, 1.0, 0.0, 0.0])
 IDENTITY = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
 TEN = [
     JointVelocity(),

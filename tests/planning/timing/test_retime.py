@@ -35,7 +35,7 @@ def test_limits_hold_at_every_millisecond(limits: JointLimits, seed: int) -> Non
 
 def test_limits_hold_on_a_line_of_the_tip(model: RobotModel, limits: JointLimits) -> None:
     """The same is true where joint velocities change along the way."""
-    _, v, a = every_millisecond(retime(straight_spline(model, model.home, pose_at((0.35, 0.3, 0.85), np.pi)), limits))
+    _, v, a = every_millisecond(retime(straight_spline(model, model.home, pose_at((0.35, 0.3, 0.85), np.pi, 0.0, np.pi)), limits))
     assert (np.abs(v) <= limits.velocity).all()
     assert (np.abs(a) <= limits.acceleration).all()
 
