@@ -25,8 +25,15 @@ LOW_DIM: tuple[str, ...] = (
 )
 
 
+class OptionalFields:
+    """Fields that an observation has only when something sets them; until then they are None and not among its `vars`."""
+
+    ignore_collisions: bool | None = None
+    """In demonstrations: whether the leg that leads here was planned without collision checks."""
+
+
 @dataclass(eq=False)
-class Observation:
+class Observation(OptionalFields):
     """What is known at one instant; a field is None when it was not asked for.
 
     Pictures are (h, w, ...) arrays, top row first: rgb uint8, depth float32, mask int32, point cloud float32 in the world frame

@@ -44,7 +44,8 @@ class RuntimeState:
     task: Any
     variation: int
     noise: Mapping[str, Any]
-    planning: Mapping[str, Any]
+    planning: int
+    """Seed of the generators of plans."""
 
 
 class Runtime:
@@ -76,7 +77,7 @@ class Runtime:
         self.observer = Observer(world, model, config)
         self.attach_grasped_objects = attach_grasped_objects
         self.variation = 0
-        self.planning_rng = np.random.default_rng(0)
+        self._planning_seed = 0
         self.noise_rng = np.random.default_rng(0)
         self.listeners = Listeners()
         self._callbacks: list[Callable[[], None]] = []
@@ -88,10 +89,16 @@ class Runtime:
 
         Args:
             variation: Variation of the task.
-            planning: Generator of planners and of inverse kinematics.
+            planning: Draws the seed of the generators of plans and of inverse kinematics.
             noise: Generator of observation noise.
         """
-        self.variation, self.planning_rng, self.noise_rng = variation, planning, noise
+        self.variation, self.noise_rng = variation, noise
+        self._planning_seed = int(planning.integers(2**63))
+
+    @property
+    def planning_rng(self) -> np.random.Generator:
+        """A generator for one plan. All plans of an episode begin with the same draws: asked again, a motion comes out alike."""
+        return np.random.default_rng(self._planning_seed)
 
     def bound(self, mode: Bindable[BoundT]) -> BoundT:
         """Return what `mode` keeps for this runtime; it is bound when first asked for."""
@@ -174,7 +181,7 @@ class Runtime:
             self.task.state(),
             self.variation,
             self.noise_rng.bit_generator.state,
-            self.planning_rng.bit_generator.state,
+            self._planning_seed,
         )
 
     def restore(self, state: RuntimeState) -> None:
@@ -183,7 +190,7 @@ class Runtime:
         self.task.set_state(state.task)
         self.variation = state.variation
         self.noise_rng.bit_generator.state = state.noise
-        self.planning_rng.bit_generator.state = state.planning
+        self._planning_seed = state.planning
 
 
 class EmptyTable(Task):

@@ -39,7 +39,7 @@ def runs(waypoints: Sequence[Waypoint]) -> list[list[Waypoint]]:
     """Cut a waypoint list into runs."""
     result: list[list[Waypoint]] = []
     for waypoint in waypoints:
-        new = not result or result[-1][-1].releases or result[-1][-1].symmetry != waypoint.symmetry
+        new = not result or result[-1][-1].lets_go or result[-1][-1].symmetry != waypoint.symmetry
         if new:
             result.append([])
         result[-1].append(waypoint)

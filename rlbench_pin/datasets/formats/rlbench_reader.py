@@ -132,7 +132,10 @@ def _observation(pickled: Any, path: Path) -> Observation:
         raise EpisodeFileError(path, f"'{path / LOW_DIM_FILE}' holds a {type(pickled).__name__} where an observation belongs.")
     misc = known.get("misc")
     values = {name: known.get(name) for name in FIELDS}
-    return Observation(**values, misc=dict(misc) if isinstance(misc, dict) else {})
+    observation = Observation(**values, misc=dict(misc) if isinstance(misc, dict) else {})
+    if known.get("ignore_collisions") is not None:
+        observation.ignore_collisions = bool(np.all(known["ignore_collisions"]))
+    return observation
 
 
 def _check_counts(path: Path, frames: int) -> None:

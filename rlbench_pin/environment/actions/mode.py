@@ -14,14 +14,15 @@ from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.spatial import FloatArray
 
 
-def as_action(action: object, size: int, what: str) -> FloatArray:
-    """Return `action` as a finite float64 vector of `size` numbers, or raise InvalidActionError."""
+def as_action(action: object, size: int, what: str, more: int = 0) -> FloatArray:
+    """Return `action` as a finite float64 vector of `size` numbers, or with `more` after them, or raise InvalidActionError."""
     try:
         array = np.array(action, dtype=float)
     except (TypeError, ValueError) as error:
         raise InvalidActionError(f"{what} takes {size} numbers, not {action!r}.") from error
-    if array.shape != (size,):
-        raise InvalidActionError(f"{what} takes an array of shape ({size},), not {array.shape}.")
+    if array.shape not in ((size,), (size + more,)):
+        shapes = f"({size},)" if more == 0 else f"({size},) or ({size + more},)"
+        raise InvalidActionError(f"{what} takes an array of shape {shapes}, not {array.shape}.")
     if not np.isfinite(array).all():
         bad = ", ".join(str(i) for i in np.flatnonzero(~np.isfinite(array)))
         raise InvalidActionError(f"{what} got NaN or infinity at index {bad}. Check the policy's output.")
@@ -92,7 +93,15 @@ class SpecifiedMode:
 
 
 class PartMode(SpecifiedMode):
-    """An arm mode or a gripper mode. Subclasses say what the numbers mean (`make_spec`) and do (`execute`)."""
+    """An arm mode or a gripper mode. Subclasses say what the numbers mean (`make_spec`) and do (`execute`).
+
+    An action may have `optional_values` further numbers, which the specification leaves out.
+    """
+
+    @property
+    def optional_values(self) -> int:
+        """How many numbers may follow those of the specification, all or none."""
+        return 0
 
     def execute(self, runtime: Runtime, values: FloatArray) -> None:
         """Run one action to its end; `values`, shape (n,), are checked."""
@@ -104,7 +113,7 @@ class PartMode(SpecifiedMode):
         Raises:
             InvalidActionError: The action is refused; nothing has moved.
         """
-        values = as_action(action, self.action_shape(runtime)[0], type(self).__name__)
+        values = as_action(action, self.action_shape(runtime)[0], type(self).__name__, self.optional_values)
         self.execute(runtime, checked(self, runtime, values))
 
     def check(self, runtime: Runtime, values: FloatArray) -> FloatArray | None:

@@ -63,6 +63,11 @@ class SafeArm(PartMode):
         config = replace(self.config, dt=runtime.world.control_dt, hold="any")
         return Guard(filter=SafetyFilter(runtime.model, config, limits=reduced, counts=self.counts))
 
+    @property
+    def optional_values(self) -> int:
+        """How many numbers may follow in an action of the inner mode."""
+        return self.mode.optional_values if isinstance(self.mode, PartMode) else 0
+
     def action_shape(self, runtime: Runtime) -> tuple[int]:
         """Return the shape of an action of the inner mode."""
         return self.mode.action_shape(runtime)

@@ -115,6 +115,8 @@ class ObservationConfig:
     wrist_camera_matrix: bool = False
     record_gripper_closing: bool = False
     task_low_dim_state: bool = False
+    record_ignore_collisions: bool = True
+    """Put `ignore_collisions` on the frames of demonstrations."""
     model: ModelObservationConfig = field(default_factory=ModelObservationConfig)
     """Jacobians, dynamics and distances, put into `misc`; all off."""
     lighting: Lighting = field(default_factory=Lighting)

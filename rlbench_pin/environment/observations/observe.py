@@ -45,10 +45,14 @@ class Observer:
         world: The world to look at.
         model: Analytic model of its robot.
         config: What to deliver; read at each call, so changes take effect at once.
+
+    Attributes:
+        config: The settings.
+        look: How pictures differ from them.
     """
 
     def __init__(self, world: World, model: RobotModel, config: ObservationConfig) -> None:
-        self._world, self._arm, self._robot, self._config = world, model, model.description, config
+        self._world, self._arm, self._robot, self.config = world, model, model.description, config
         self._model = ModelObserver(world, model)
         self._shadows: ShadowMap | None = None
         self.look = Look()
@@ -58,24 +62,24 @@ class Observer:
         observation = Observation(misc={"variation_index": variation})
         instant = Instant(self._world, self._arm, task)
         for name, part in LOW_DIM_FIELDS.items():
-            if getattr(self._config, name):
-                value, noise = part.read(instant), self._config.noise_of(name)
+            if getattr(self.config, name):
+                value, noise = part.read(instant), self.config.noise_of(name)
                 setattr(observation, name, value if noise is None else noise.apply(np.asarray(value), rng))
-        if self._config.model.is_used:
-            observation.misc.update(self._model.observe(self._config.model))
+        if self.config.model.is_used:
+            observation.misc.update(self._model.observe(self.config.model))
         self._shadows = None
-        self._world.renderer.lighting = self.look.lighting or self._config.lighting
+        self._world.renderer.lighting = self.look.lighting or self.config.lighting
         for name in CAMERAS:
-            config = getattr(self._config, f"{name}_camera")
+            config = getattr(self.config, f"{name}_camera")
             if config.is_used:
                 view = camera_view(name, config, self._world, self._robot)
                 self._add_camera(observation, name, config, self.look.moved(name, view), rng)
-        for name, extra in self._config.extra_cameras.items():
+        for name, extra in self.config.extra_cameras.items():
             if extra.config.is_used:
                 view = self.look.moved(name, extra.view(self._world, self._robot))
                 self._add_camera(observation, name, extra.config, view, rng)
-        if self._config.wrist_camera_matrix:
-            view = camera_view("wrist", self._config.wrist_camera, self._world, self._robot)
+        if self.config.wrist_camera_matrix:
+            view = camera_view("wrist", self.config.wrist_camera, self._world, self._robot)
             observation.misc["wrist_camera_matrix"] = view.extrinsics()
         return task.decorate_observation(observation)
 
