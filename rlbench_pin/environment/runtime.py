@@ -12,6 +12,7 @@ import numpy as np
 from rlbench_pin.environment.listener import Listener, Listeners, timed_ticks
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import Observer
+from rlbench_pin.environment.observations.placing import CameraPlaces, Cameras
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.observation import Observation
 from rlbench_pin.planning.planner import MotionPlanner, PlannerConfig
@@ -70,10 +71,11 @@ class Runtime:
         planner: MotionPlanner,
         config: ObservationConfig,
         attach_grasped_objects: bool = True,
+        camera_places: CameraPlaces | None = None,
     ) -> None:
         self.world, self.task, self.description, self.model, self.planner = world, task, robot, model, planner
         self.robot, self.gripper = world.robot, world.gripper
-        self.observer = Observer(world, model, config)
+        self.observer = Observer(world, model, config, camera_places)
         self.attach_grasped_objects = attach_grasped_objects
         self.variation = 0
         self.planning_rng = np.random.default_rng(0)
@@ -92,6 +94,11 @@ class Runtime:
             noise: Generator of observation noise.
         """
         self.variation, self.planning_rng, self.noise_rng = variation, planning, noise
+
+    @property
+    def cameras(self) -> Cameras:
+        """The cameras by name: `cameras["front"].set_pose(...)` puts one elsewhere."""
+        return self.observer.cameras
 
     def bound(self, mode: Bindable[BoundT]) -> BoundT:
         """Return what `mode` keeps for this runtime; it is bound when first asked for."""
@@ -201,6 +208,7 @@ def build_runtime(
     planning: PlannerConfig | None = None,
     attach_grasped_objects: bool = True,
     renderer: RendererName = "cpu",
+    camera_places: CameraPlaces | None = None,
 ) -> Runtime:
     """Build the world of a task and set the task up.
 
@@ -211,13 +219,15 @@ def build_runtime(
         planning: Settings of the planner.
         attach_grasped_objects: As in `Runtime`.
         renderer: Who draws pictures.
+        camera_places: Where cameras stand that were put elsewhere; shared with other runtimes.
     """
     spec = SceneSpec(format=1) if task is EmptyTable else task_scene(task)
     world = World(spec, model.description, renderer=renderer)
     try:
         running = task(world)
         running.init_task()
-        return Runtime(world, running, model.description, model, MotionPlanner(model, planning), config, attach_grasped_objects)
+        planner = MotionPlanner(model, planning)
+        return Runtime(world, running, model.description, model, planner, config, attach_grasped_objects, camera_places)
     except BaseException:
         world.close()
         raise

@@ -131,13 +131,17 @@ class ObservationConfig:
         """Return the five camera settings by name."""
         return {name: getattr(self, f"{name}_camera") for name in CAMERAS}
 
+    def all_cameras(self) -> dict[str, CameraConfig]:
+        """Return the settings of the five cameras and of the extra ones by name."""
+        return {**self.cameras(), **{name: extra.config for name, extra in self.extra_cameras.items()}}
+
     def camera(self, name: str) -> CameraConfig:
         """Return the settings of a camera, one of the five or an extra one.
 
         Raises:
             UnknownName: There is no such camera; names the nearest.
         """
-        known = {**self.cameras(), **{extra: camera.config for extra, camera in self.extra_cameras.items()}}
+        known = self.all_cameras()
         if name not in known:
             raise UnknownName("camera", name, tuple(known))
         return known[name]
