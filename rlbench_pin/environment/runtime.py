@@ -81,6 +81,7 @@ class Runtime:
         self.planning_rng = np.random.default_rng(0)
         self.noise_rng = np.random.default_rng(0)
         self.listeners = Listeners()
+        self._parts: list[Callable[[], None]] = []
         self._callbacks: list[Callable[[], None]] = []
         self._command_filter: Callable[[Runtime], None] | None = None
         self._bound: dict[int, tuple[object, Any]] = {}
@@ -107,13 +108,25 @@ class Runtime:
         bound: BoundT = self._bound[id(mode)][1]
         return bound
 
-    def register_step_callback(self, callback: Callable[[], None]) -> None:
-        """Call `callback` after every control tick."""
-        self._callbacks.append(callback)
+    def call_each_tick(self, part: Callable[[], None]) -> None:
+        """Call a part of the environment after every control tick, before the callbacks of users; nothing removes it."""
+        self._parts.append(part)
+
+    def register_step_callback(self, callback: Callable[[], None] | None) -> None:
+        """Call `callback` after every control tick, beside those registered before, once however often it is registered.
+
+        Args:
+            callback: Takes no argument; None removes all.
+        """
+        if callback is None:
+            self._callbacks.clear()
+        elif callback not in self._callbacks:
+            self._callbacks.append(callback)
 
     def remove_step_callback(self, callback: Callable[[], None]) -> None:
-        """Undo `register_step_callback`."""
-        self._callbacks.remove(callback)
+        """Undo `register_step_callback`; nothing happens when it is not registered."""
+        if callback in self._callbacks:
+            self._callbacks.remove(callback)
 
     def step(self) -> None:
         """Advance one control tick: physics, then the task's own step, then the callbacks."""
@@ -121,7 +134,7 @@ class Runtime:
             self._command_filter(self)
         self.world.step()
         self.task.step()
-        for callback in self._callbacks:
+        for callback in (*self._parts, *self._callbacks):
             callback()
 
     @contextmanager
