@@ -75,7 +75,10 @@ class JointPosition(JointMode):
 
 
 class JointTorque(JointMode):
-    """Joint torques [N m] for one tick, gravity included, or changes of the motors' last torques; then the arm stops."""
+    """Joint torques [N m] for one tick, gravity included, or changes of the motors' last torques; then the arm stops.
+
+    Between two torque actions nothing stops: the arm brakes in ticks that no torque action commands, as while the hand moves.
+    """
 
     unit = "N m"
 
@@ -89,4 +92,5 @@ class JointTorque(JointMode):
         runtime.robot.set_torques(action if self.absolute_mode else runtime.robot.joint_torques + action)
 
     def action_post_step(self, runtime: Runtime, action: FloatArray) -> None:
-        """Nothing: the last torques act until the next action, or until the hand is to move."""
+        """Command zero velocity, so that no torque acts on unwatched; the next action finds the arm as fast as it is."""
+        runtime.robot.set_velocity_targets(np.zeros(runtime.model.size))
