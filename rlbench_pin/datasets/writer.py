@@ -19,6 +19,8 @@ from rlbench_pin.observation import FIELDS, Demo
 
 FORMAT = "rlbench_pin.episode"
 VERSION = 1
+DESCRIPTIONS = "descriptions"
+"""Key of `misc` that holds the instructions."""
 
 
 Compression = Literal["gzip", "lzf"]
@@ -82,7 +84,11 @@ def _write_observations(file: h5py.File, demo: Demo, compression: str) -> None:
     for name in (*FIELDS, *_further_fields(demo)):
         write_series(group, name, [getattr(obs, name, None) for obs in demo], compression)
     misc = file.create_group("misc")
-    for key in _checked({key for obs in demo for key in obs.misc}):
+    keys = {key for obs in demo for key in obs.misc}
+    if all(obs.misc.get(DESCRIPTIONS) == list(demo.instructions) for obs in demo):
+        file.attrs[DESCRIPTIONS] = True  # every frame has the instructions
+        keys.remove(DESCRIPTIONS)
+    for key in _checked(keys):
         write_series(misc, key, [obs.misc.get(key) for obs in demo], compression)
 
 

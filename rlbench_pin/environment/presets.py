@@ -14,8 +14,11 @@ from rlbench_pin.sim import RendererName
 
 
 def low_dim_config() -> ObservationConfig:
-    """All joint, gripper and task data; no pictures."""
-    config = ObservationConfig()
+    """All joint, gripper and task data; no pictures.
+
+    Poses of joints are left out: `RobotModel.joint_poses` has them from the joint positions.
+    """
+    config = ObservationConfig(joint_poses=False)
     config.set_all_high_dim(False)
     config.set_all_low_dim(True)
     return config

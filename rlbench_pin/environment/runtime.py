@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar
@@ -44,6 +44,7 @@ class RuntimeState:
     world: Any
     task: Any
     variation: int
+    instructions: tuple[str, ...]
     noise: Mapping[str, Any]
     planning: Mapping[str, Any]
 
@@ -55,6 +56,7 @@ class Runtime:
         world: The simulated world.
         robot: Arm and fingers of the world.
         gripper: Hand of the world.
+        instructions: Sentences that say what to do in the present episode.
         task: The task that is running.
         model: Analytic model of the arm.
         planner: Motion planner over `model`.
@@ -78,6 +80,7 @@ class Runtime:
         self.observer = Observer(world, model, config, camera_places)
         self.attach_grasped_objects = attach_grasped_objects
         self.variation = 0
+        self.instructions: tuple[str, ...] = ()
         self.planning_rng = np.random.default_rng(0)
         self.noise_rng = np.random.default_rng(0)
         self.listeners = Listeners()
@@ -95,6 +98,11 @@ class Runtime:
             noise: Generator of observation noise.
         """
         self.variation, self.planning_rng, self.noise_rng = variation, planning, noise
+        self.instructions = ()
+
+    def instruct(self, instructions: Sequence[str]) -> None:
+        """Take over the sentences that say what to do in this episode."""
+        self.instructions = tuple(instructions)
 
     @property
     def cameras(self) -> Cameras:
@@ -159,7 +167,7 @@ class Runtime:
     def get_observation(self) -> Observation:
         """Observe without stepping."""
         with self.listeners.observe():
-            return self.observer.observe(self.task, self.variation, self.noise_rng)
+            return self.observer.observe(self.task, self.variation, self.noise_rng, self.instructions)
 
     @contextmanager
     def listening(self, listener: Listener) -> Iterator[None]:
@@ -193,6 +201,7 @@ class Runtime:
             self.world.save(),
             self.task.state(),
             self.variation,
+            self.instructions,
             self.noise_rng.bit_generator.state,
             self.planning_rng.bit_generator.state,
         )
@@ -201,7 +210,7 @@ class Runtime:
         """Go back to `state`, exactly."""
         self.world.restore(state.world)
         self.task.set_state(state.task)
-        self.variation = state.variation
+        self.variation, self.instructions = state.variation, state.instructions
         self.noise_rng.bit_generator.state = state.noise
         self.planning_rng.bit_generator.state = state.planning
 

@@ -115,6 +115,8 @@ class ObservationConfig:
     wrist_camera_matrix: bool = False
     record_gripper_closing: bool = False
     task_low_dim_state: bool = False
+    joint_poses: bool = True
+    """Poses (7,) of the arm's joints in the world, put into `misc` as a list; `set_all` leaves it alone."""
     model: ModelObservationConfig = field(default_factory=ModelObservationConfig)
     """Jacobians, dynamics and distances, put into `misc`; all off."""
     lighting: Lighting = field(default_factory=Lighting)
@@ -169,7 +171,7 @@ class ObservationConfig:
         del self.extra_cameras[name]
 
     def set_all(self, value: bool) -> None:
-        """Switch everything but `record_gripper_closing`."""
+        """Switch everything but `record_gripper_closing` and `joint_poses`."""
         self.set_all_high_dim(value)
         self.set_all_low_dim(value)
 

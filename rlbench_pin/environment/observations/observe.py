@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -55,9 +55,9 @@ class Observer:
         self._shadows: ShadowMap | None = None
         self.look = Look()
 
-    def observe(self, task: Task, variation: int, rng: np.random.Generator) -> Observation:
+    def observe(self, task: Task, variation: int, rng: np.random.Generator, instructions: Sequence[str] = ()) -> Observation:
         """Return what is seen and felt now; every array is the caller's own."""
-        observation = Observation(misc={"variation_index": variation})
+        observation = Observation(misc={"variation_index": variation, "descriptions": list(instructions)})
         instant = Instant(self._world, self._arm, task)
         for name, part in LOW_DIM_FIELDS.items():
             if getattr(self._config, name):
@@ -65,9 +65,14 @@ class Observer:
                 setattr(observation, name, value if noise is None else noise.apply(np.asarray(value), rng))
         if self._config.model.is_used:
             observation.misc.update(self._model.observe(self._config.model))
+        if self._config.joint_poses:
+            observation.misc["joint_poses"] = self._arm.joint_poses(self._world.robot.joint_positions)
         self._shadows = None
         self._world.renderer.lighting = self.look.lighting or self._config.lighting
-        for name, config in self._config.all_cameras().items():
+        cameras = self._config.all_cameras()
+        if any(config.mask for config in cameras.values()):
+            observation.misc["mask_names"] = dict(self._world.masks)
+        for name, config in cameras.items():
             if config.is_used:
                 self._add_camera(observation, name, config, self._view(name), rng)
         if self._config.wrist_camera_matrix:
