@@ -90,7 +90,8 @@ class RobotModel:
     def joint_poses(self, q: FloatArray) -> list[FloatArray]:
         """Return the pose (7,) in the world of every arm joint's frame, base first; the joints turn or slide along its axes."""
         pin.forwardKinematics(self.arm, self.data, q)
-        return [se3_to_pose(placement) for placement in list(self.data.oMi)[1:]]
+        placements = self.data.oMi
+        return [se3_to_pose(placements[i]) for i in range(1, self.size + 1)]
 
     def jacobian(self, q: FloatArray, frame: FrameChoice = "world") -> FloatArray:
         """Return J (6, n) with v_tip = J dq, `[linear, angular]`, along world axes or in tip axes."""
