@@ -16,7 +16,7 @@ from rlbench_pin.datasets.manifest import digest
 from rlbench_pin.datasets.series import from_json, read_series
 from rlbench_pin.datasets.writer import DESCRIPTIONS, FORMAT, VERSION
 from rlbench_pin.errors import DatasetError, EpisodeFileError
-from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.observation import Demo, Observation, RandomState
 
 _MAX_FRAMES = 10_000_000
 
@@ -144,7 +144,7 @@ class Episode:
             attrs = self._file.attrs
             return Demo(
                 self.observations(fields=fields),
-                random_seed=_optional_int(attrs, "random_seed"),
+                random_seed=_seed(attrs),
                 num_reset_attempts=_optional_int(attrs, "num_reset_attempts"),
                 variation_number=self.variation,
                 instructions=self.instructions,
@@ -214,6 +214,10 @@ def _observation(columns: dict[str, list[Any]], extras: dict[str, list[Any]], in
     for name in columns.keys() - known.keys():
         setattr(observation, name, columns[name][index])
     return observation
+
+
+def _seed(attrs: h5py.AttributeManager) -> int | RandomState | None:
+    return tuple(from_json(attrs["random_state"])) if "random_state" in attrs else _optional_int(attrs, "random_seed")
 
 
 def _read_state(file: h5py.File) -> dict[str, np.ndarray] | None:
