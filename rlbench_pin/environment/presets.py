@@ -38,6 +38,15 @@ def picture_config(
     return config
 
 
-def make_environment(config: ObservationConfig, renderer: RendererName = "cpu") -> Environment:
+def make_environment(
+    config: ObservationConfig, renderer: RendererName = "cpu", max_velocity: float = 1.0, max_acceleration: float = 4.0
+) -> Environment:
     """An environment whose actions are the ones that demonstrations record: absolute joint positions and the hand."""
-    return Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=config, seed=0, renderer=renderer)
+    return Environment(
+        MoveArmThenGripper(JointPosition(), Discrete()),
+        obs_config=config,
+        arm_max_velocity=max_velocity,
+        arm_max_acceleration=max_acceleration,
+        seed=0,
+        renderer=renderer,
+    )
