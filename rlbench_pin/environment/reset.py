@@ -80,6 +80,7 @@ def lay_out(runtime: Runtime, variation: int, random: EpisodeRandom, *, static: 
     runtime.world.restore(runtime.world.origin)
     runtime.begin(variation, random.planning, random.noise)
     instructions = task.begin_episode(variation, random.placement)
+    runtime.instruct(instructions)
     if not static and not task.is_static_workspace():
         place_task(runtime.world, random.placement, task.base_rotation_bounds())
     return instructions

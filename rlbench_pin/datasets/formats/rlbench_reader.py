@@ -98,7 +98,7 @@ def _demo(pickled: Any, frames: list[Observation], variation: int, path: Path) -
     seed, attempts = known.get("random_seed"), known.get("num_reset_attempts")
     return Demo(
         frames,
-        random_seed=seed if isinstance(seed, int) else None,
+        random_seed=seed if isinstance(seed, int | tuple) else None,
         num_reset_attempts=attempts if isinstance(attempts, int) else None,
         variation_number=variation,
         instructions=folder_descriptions(path),

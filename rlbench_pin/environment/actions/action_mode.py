@@ -94,8 +94,8 @@ class JointPositionActionMode(ActionMode):
     def action(self, runtime: Runtime, action: object) -> None:
         """Command both, step once, hold both."""
         arm, gripper = self.split(runtime, action)
-        self._arm.command(runtime, arm)
-        move = self._gripper.command(runtime, gripper)
+        self._arm.action_pre_step(runtime, arm)
+        self._gripper.action_pre_step(runtime, gripper)
         runtime.step()
-        self._arm.after(runtime)
-        self._gripper.after(runtime, move)
+        self._arm.action_post_step(runtime, arm)
+        self._gripper.action_post_step(runtime, gripper)

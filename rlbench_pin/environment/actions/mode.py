@@ -93,7 +93,11 @@ class SpecifiedMode:
 
 
 class PartMode(SpecifiedMode):
-    """An arm mode or a gripper mode. Subclasses say what the numbers mean (`make_spec`) and do (`execute`).
+    """An arm mode or a gripper mode. Subclasses say what the numbers mean (`make_spec`) and what they do.
+
+    A mode whose action takes one control tick says what comes before and after the tick: `action_pre_step` and
+    `action_post_step`. Then other modes can share the tick: all pre-steps, one `runtime.step()`, all post-steps. A mode that
+    takes as many ticks as its motion needs overrides `execute`, and `action_step` is the whole motion.
 
     An action may have `optional_values` further numbers, which the specification leaves out.
     """
@@ -103,9 +107,29 @@ class PartMode(SpecifiedMode):
         """How many numbers may follow those of the specification, all or none."""
         return 0
 
+    @property
+    def takes_one_tick(self) -> bool:
+        """Whether an action takes one control tick, so that its pre-step and post-step are all there is to it."""
+        return type(self).execute is PartMode.execute and type(self).action is PartMode.action
+
+    def action_pre_step(self, runtime: Runtime, action: FloatArray) -> None:
+        """Do what comes before the tick of an action (n,), such as commanding the motors, without stepping. Here nothing."""
+
+    def action_step(self, runtime: Runtime, action: FloatArray) -> None:
+        """Run the ticks of an action (n,): one tick, or the whole motion of a mode that has its own `execute`."""
+        if type(self).execute is PartMode.execute:
+            runtime.step()
+        else:
+            self.execute(runtime, action)
+
+    def action_post_step(self, runtime: Runtime, action: FloatArray) -> None:
+        """Do what comes after the tick of an action (n,), such as holding still, without stepping. Here nothing."""
+
     def execute(self, runtime: Runtime, values: FloatArray) -> None:
         """Run one action to its end; `values`, shape (n,), are checked."""
-        raise NotImplementedError
+        self.action_pre_step(runtime, values)
+        self.action_step(runtime, values)
+        self.action_post_step(runtime, values)
 
     def action(self, runtime: Runtime, action: object) -> None:
         """Check one action, then run it to its end.

@@ -90,6 +90,31 @@ class SafeArm(PartMode):
         with runtime.filtering(self._command):
             execute(self.mode, runtime, values)
 
+    @property
+    def takes_one_tick(self) -> bool:
+        """Whether an action of the inner mode takes one control tick."""
+        return isinstance(self.mode, PartMode) and self.mode.takes_one_tick
+
+    def action_pre_step(self, runtime: Runtime, action: FloatArray) -> None:
+        """Command the motors as the inner mode does and filter that, so that the coming tick is safe whoever steps."""
+        runtime.bound(self).look_at(runtime.world.snapshot())
+        if isinstance(self.mode, PartMode) and self.takes_one_tick:
+            self.mode.action_pre_step(runtime, action)
+            self._command(runtime)
+
+    def action_step(self, runtime: Runtime, action: FloatArray) -> None:
+        """Run the ticks of the inner action; those of a motion are filtered one by one."""
+        if self.takes_one_tick:
+            runtime.step()
+            return
+        with runtime.filtering(self._command):
+            execute(self.mode, runtime, action)
+
+    def action_post_step(self, runtime: Runtime, action: FloatArray) -> None:
+        """Do what the inner mode does after its tick."""
+        if isinstance(self.mode, PartMode) and self.takes_one_tick:
+            self.mode.action_post_step(runtime, action)
+
     def _command(self, runtime: Runtime) -> None:
         """Replace the motors' command of the coming tick by a safe one where needed."""
         robot = runtime.robot
