@@ -15,7 +15,7 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Waypoint
 
 _NEAR = 0.15
-"""A leg without collision checks that is no longer than this should be straight [m]."""
+"""A leg that is no longer than this should be straight; without collision checks it has to be [m]."""
 _OTHER_GOALS = 24
 """Configurations at the end of a leg that are tried when the arm could not go on from the first one."""
 
@@ -125,25 +125,25 @@ class LegPlanner:
     @staticmethod
     def _has_to_be_followed(waypoint: Waypoint, tip: FloatArray, pose: FloatArray) -> bool:
         """Whether the leg from `tip` (7,) to `pose` (7,) has to be a line or a curve."""
-        near = waypoint.ignore_collisions and np.linalg.norm(pose[:3] - tip[:3]) <= _NEAR
-        return waypoint.path != "plan" or bool(near)
+        return waypoint.path != "plan" or (waypoint.ignore_collisions and _is_near(tip, pose))
 
     def _can_go_on(self, q: FloatArray, rest: Sequence[Waypoint], turn: float) -> bool:
-        """Whether the legs after configuration `q` (n,) can be followed, up to the first that is free to go another way.
+        """Whether the legs after configuration `q` (n,) can be followed, up to the first long one that may go another way.
 
-        On these legs the hand may touch things, but not the arm behind it.
+        On legs without collision checks the hand may touch things, but not the arm behind it; only the first is looked at.
         """
         model, first = self._runtime.model, True
         for following in rest:
             tip = model.tip_pose(q)
             poses = poses_of(following, turn, tip)
-            if not self._has_to_be_followed(following, tip, poses[-1]):
+            must = self._has_to_be_followed(following, tip, poses[-1])
+            if not must and not _is_near(tip, poses[-1]):
                 return True
             try:
                 path = curve_path(model, q, poses) if following.path == "curve" else straight_path(model, q, poses[-1])
             except NotStraight:
-                return False
-            if first and any(self._arm_touches(q) for q in path[:: max(1, len(path) // 4)]):
+                return not must
+            if must and first and any(self._arm_touches(q) for q in path[:: max(1, len(path) // 4)]):
                 return False
             q, first = path[-1], False
         return True
@@ -151,3 +151,7 @@ class LegPlanner:
     def _arm_touches(self, q: FloatArray) -> bool:
         """Whether a link of the arm before the hand touches anything in configuration `q` (n,)."""
         return any(pair & self._arm_links for pair in map(set, self._runtime.planner.collision.colliding_pairs(q)))
+
+
+def _is_near(tip: FloatArray, pose: FloatArray) -> bool:
+    return bool(np.linalg.norm(pose[:3] - tip[:3]) <= _NEAR)
