@@ -17,6 +17,7 @@ from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.path import through
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.planning.planner import MotionPlanner
+from rlbench_pin.planning.timing.arc import ArcLimits
 from rlbench_pin.planning.timing.retime import retime
 from rlbench_pin.planning.timing.torque import TorqueLimits
 from rlbench_pin.spatial import FloatArray
@@ -63,9 +64,10 @@ class Inspector(Listener):
     def _compare_torques(self, plan: Plan, torque: TorqueLimits) -> None:
         """Note the largest torque, and what keeping the limits costs."""
         self.worst_torque = max(self.worst_torque, torque.worst(plan.trajectory))
-        limits, speed = self.planner.limits, self.planner.config.max_speed
-        free = retime(through(plan.path), limits, max_speed=speed)
-        kept = retime(through(plan.path), limits, max_speed=speed, torque=torque)
+        limits, config = self.planner.limits, self.planner.config
+        arc = ArcLimits(config.max_velocity, config.max_acceleration)
+        free = retime(through(plan.path), limits, arc=arc)
+        kept = retime(through(plan.path), limits, arc=arc, torque=torque)
         self.stretch.append(kept.duration / max(free.duration, 1e-9))
 
 

@@ -31,7 +31,7 @@ def main() -> None:
 
         target = task.world.body("target").position
         for height in (0.10, 0.0):  # [m] above the target
-            pose = np.concatenate([target + [0.0, 0.0, height], [1.0, 0.0, 0.0, 0.0]])  # the hand points down
+            pose = np.concatenate([target + [0.0, 0.0, height], [0.0, 1.0, 0.0, 0.0]])  # the hand points down
             obs, reward, terminate = task.step(np.append(pose, 1.0))
             print("Tip at", obs.gripper_pose[:3].round(3), "reward", reward, "ended", terminate)
 

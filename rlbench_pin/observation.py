@@ -9,7 +9,11 @@ from typing import Any, overload
 
 import numpy as np
 
+from rlbench_pin.errors import TaskEnvironmentError
+
 Array = np.ndarray
+RandomState = tuple[Any, ...]
+"""State of numpy's global generator, as `numpy.random.get_state()` returns it."""
 
 CAMERAS: tuple[str, ...] = ("left_shoulder", "right_shoulder", "overhead", "wrist", "front")
 PRODUCTS: tuple[str, ...] = ("rgb", "depth", "mask", "point_cloud")
@@ -25,8 +29,15 @@ LOW_DIM: tuple[str, ...] = (
 )
 
 
+class OptionalFields:
+    """Fields that an observation has only when something sets them; until then they are None and not among its `vars`."""
+
+    ignore_collisions: bool | None = None
+    """In demonstrations: whether the leg that leads here was planned without collision checks."""
+
+
 @dataclass(eq=False)
-class Observation:
+class Observation(OptionalFields):
     """What is known at one instant; a field is None when it was not asked for.
 
     Pictures are (h, w, ...) arrays, top row first: rgb uint8, depth float32, mask int32, point cloud float32 in the world frame
@@ -80,7 +91,8 @@ class Demo(Sequence[Observation]):
 
     Args:
         observations: One per control tick, the first before any motion.
-        random_seed: Seed of the episode; `reset(seed=...)` with it gives the same start state.
+        random_seed: Seed of the episode; `reset(seed=...)` with it gives the same start state. Demonstrations of other programs
+            have the state of numpy's global generator in its place.
         num_reset_attempts: Placement attempts the reset needed.
         variation_number: Variation of the task.
         instructions: Sentences that describe the goal.
@@ -90,7 +102,9 @@ class Demo(Sequence[Observation]):
         task_name: Snake-case name of the task.
     """
 
-    random_seed: int | None = None  # with defaults of the class, an unpickled demo that lacks some of these can be used
+    random_seed: int | RandomState | None = (
+        None  # with defaults of the class, an unpickled demo that lacks some of these can be used
+    )
     num_reset_attempts: int | None = None
     variation_number: int = 0
     instructions: tuple[str, ...] = ()
@@ -102,7 +116,7 @@ class Demo(Sequence[Observation]):
     def __init__(
         self,
         observations: Sequence[Observation],
-        random_seed: int | None = None,
+        random_seed: int | RandomState | None = None,
         num_reset_attempts: int | None = None,
         variation_number: int = 0,
         instructions: Sequence[str] = (),
@@ -121,6 +135,34 @@ class Demo(Sequence[Observation]):
         self.attempt = attempt
         self.task_name = task_name
 
+    @property
+    def seed(self) -> int | None:
+        """`random_seed` where it is a whole number; None where it is a state, or missing."""
+        return int(self.random_seed) if isinstance(self.random_seed, int | np.integer) else None
+
+    def restore_state(self) -> None:
+        """Set numpy's global generator from `random_seed`: a whole number seeds it, a state is set.
+
+        For programs that draw from that generator; nothing in this package does. `TaskEnvironment.reset_to_demo` brings back the
+        start of the demonstration.
+
+        Raises:
+            TaskEnvironmentError: There is no seed, or it is neither.
+        """
+        seed = self.random_seed
+        if self.seed is not None and self.seed >= 0:
+            np.random.seed(self.seed if self.seed < 2**32 else np.array(_words(self.seed)))  # noqa: NPY002
+            return
+        try:
+            if not isinstance(seed, tuple):
+                raise TypeError("it is no tuple")
+            np.random.set_state(seed)  # noqa: NPY002
+        except (TypeError, ValueError, IndexError) as error:
+            raise TaskEnvironmentError(
+                f"The demonstration has random_seed={_shown(seed)}, so numpy's generator cannot be set ({error}). It needs a "
+                "whole number >= 0, or what `numpy.random.get_state()` returned before the reset."
+            ) from error
+
     def __len__(self) -> int:
         return len(self._observations)
 
@@ -133,3 +175,13 @@ class Demo(Sequence[Observation]):
 
     def __iter__(self) -> Iterator[Observation]:
         return iter(self._observations)
+
+
+def _words(number: int) -> list[int]:
+    """Cut a whole number into words of 32 bits, the lowest first."""
+    return [number >> shift & 0xFFFFFFFF for shift in range(0, number.bit_length(), 32)]
+
+
+def _shown(seed: object) -> str:
+    text = repr(seed)
+    return text if len(text) <= 40 else f"{text[:40]}..."

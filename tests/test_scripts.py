@@ -14,8 +14,14 @@ import pytest
 from rlbench_pin.datasets import read_demo, read_manifest, stored_demos, verify_task
 from rlbench_pin.datasets.formats.rlbench_reader import folder_demos
 from rlbench_pin.datasets.layout import episode_path
+from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.scene.reader import read_scene
+from rlbench_pin.sim import World
+from rlbench_pin.spatial import compose, rotation_distance
+from rlbench_pin.tasks.waypoints import waypoints_of
 
 EXPORT = Path(__file__).resolve().parents[1] / "scripts" / "export_demos.py"
+TURN = EXPORT.with_name("turn_tip_frame.py")
 TASK = "reach_target"
 
 
@@ -50,3 +56,70 @@ def test_export_demos(tmp_path: Path) -> None:
     assert f"{tmp_path / 'rlbench'} is there already" in again
     assert "wrote" not in again
     assert len(stored_demos(tmp_path / "dataset", TASK, -1, -1, random_selection=False)) == 2
+
+
+OLD_SCENE = """format = 2
+
+[[frame]]
+name = "grasp_a"                            # poses of the hand
+pose = [0.1, 0.2, 0.3]
+rpy = [3.1415927, 0.0, 0.5]
+
+[[frame]]
+name = "other"
+pose = [0.1, 0.2, 0.3]
+
+[[waypoint]]
+name = "waypoint0"
+parent = "waypoint1"
+pose = [0.01, -0.02, -0.1]                  # before it
+
+[[waypoint]]
+name = "waypoint1"
+parent = "grasp_a"
+
+[[waypoint]]
+name = "waypoint2"
+parent = "other"
+
+[[waypoint]]
+name = "waypoint3"
+parent = "other"
+path = "curve"
+points = [
+    [0.3, 0.1, 0.2, 0.0, 0.0, 0.6, 0.8],
+]
+
+[[waypoint]]
+name = "waypoint4"
+parent = "waypoint2"
+path = "curve"
+arc = { axis = [0.0, 1.0, 0.0], angle = 0.4 }
+"""
+
+
+def test_turn_tip_frame(tmp_path: Path) -> None:
+    """Every pose of the hand is turned about its own z, stays where it is, and comments and other frames stay as they are."""
+    file = tmp_path / "scene.toml"
+    file.write_text(OLD_SCENE)
+    before = hand_poses(file)
+    subprocess.run([sys.executable, str(TURN), str(file), "--frames", "grasp_"], check=True, capture_output=True)
+    after = hand_poses(file)
+    assert after.keys() == before.keys()
+    for name, poses in before.items():
+        for old, new in zip(poses, after[name], strict=True):
+            wanted = old if name == "other" else compose(old, [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
+            np.testing.assert_allclose(new[:3], wanted[:3], atol=1e-6, err_msg=name)
+            assert rotation_distance(new, wanted) < 1e-6, name
+    assert "# poses of the hand" in file.read_text() and "# before it" in file.read_text()
+
+
+def hand_poses(file: Path) -> dict[str, list[np.ndarray]]:
+    """Return where frames and waypoints of a scene are in the world, a curve pose by pose."""
+    with World(read_scene(file), robot_description("panda")) as world:
+        poses = {name: [world.frame(name).pose] for name in ("grasp_a", "other")}
+        previous = world.frame("other").pose
+        for waypoint in waypoints_of(world):
+            curve = waypoint.curve_poses(previous) if waypoint.path == "curve" else [waypoint.pose]
+            poses[f"waypoint{waypoint.index}"], previous = curve, curve[-1]
+    return poses

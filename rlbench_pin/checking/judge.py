@@ -69,11 +69,11 @@ def flail_succeeds(task: TaskEnvironment, seed: int, variation: int, steps: int 
 
 def left_over(task: TaskEnvironment, demo: Demo) -> tuple[str, ...]:
     """Start as a demonstration did, after it was played, and return what is not as it was: nothing, in a task that cleans up."""
-    assert demo.random_seed is not None
+    assert demo.seed is not None
     if demo.attempt or demo.state is None:
         task.reset_to_demo(demo)
         return ()
-    task.reset(seed=demo.random_seed, variation=demo.variation_number)
+    task.reset(seed=demo.seed, variation=demo.variation_number)
     remains = differences(demo.state, task.world.arrays(exact=False))
     if remains:
         task.reset_to_demo(demo)

@@ -97,11 +97,11 @@ class RecordDemos:
     def _keep(self, demo: Demo, seconds: float, film: Film | None) -> Recorded:
         episode = DatasetWriter(self.out).add(demo)
         video = None if film is None else film.keep(episode.parent.with_name("videos") / f"{episode.stem}.mp4")
-        assert demo.random_seed is not None
+        assert demo.seed is not None
         return Recorded(
             task=demo.task_name,
             variation=demo.variation_number,
-            seed=demo.random_seed,
+            seed=demo.seed,
             attempt=demo.attempt,
             frames=len(demo),
             seconds=round(seconds, 3),

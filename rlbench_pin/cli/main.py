@@ -16,7 +16,7 @@ from rlbench_pin.cli.evaluate import Evaluate
 from rlbench_pin.cli.list_tasks import ListTasks
 from rlbench_pin.cli.new import New
 from rlbench_pin.cli.problems import Problems
-from rlbench_pin.cli.record import Record
+from rlbench_pin.cli.record import Record, spelled_out
 from rlbench_pin.cli.replay import Replay
 from rlbench_pin.cli.video import Video
 from rlbench_pin.cli.view import View
@@ -51,11 +51,12 @@ COMMANDS: dict[str, Callable[..., Subcommand]] = {
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit code of the process."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
     command: Subcommand = tyro.extras.subcommand_cli_from_dict(
         COMMANDS,
         prog="rlbench-pin",
         description="Robot manipulation tasks with planned demonstrations.",
-        args=None if arguments is None else list(arguments),
+        args=spelled_out(words) if words[:1] == ["record"] else words,
     )
     try:
         return command.run()

@@ -4,26 +4,52 @@ from __future__ import annotations
 
 import importlib
 import json
+import re
 import shlex
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import tyro
 
 from rlbench_pin.cli.list_tasks import named_tasks
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
 from rlbench_pin.datasets import Compression
-from rlbench_pin.errors import MissingExtra
+from rlbench_pin.environment.observations.camera_config import RenderMode
+from rlbench_pin.errors import MissingExtra, TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.recording.config import PictureConfig, RecordConfig
 from rlbench_pin.recording.engines import Engine, ProcessEngine, SerialEngine
 from rlbench_pin.recording.record import RecordReport, read_recording, record
 
 EngineName = Literal["processes", "ray"]
+DEFAULT_OUT = Path("out/dataset")
+_PAIR = re.compile(r"\d+,\d+")
+_BOOLEANS = ("true", "false")
+
+
+@dataclass(frozen=True)
+class KnownNames:
+    """Flags of RLBench's generators, taken in the place of ours. Underscores are as good as hyphens, lists may have commas."""
+
+    tasks: tuple[str, ...] = ()
+    """As the task names themselves."""
+    save_path: Path | None = None
+    """As `--out`."""
+    processes: int | None = None
+    """As `--workers`."""
+    episodes_per_task: int | None = None
+    """As `--episodes` with `--per-variation`; with `--all-variations True` as `--episodes` alone."""
+    all_variations: bool | None = None
+    """True spreads the episodes of a task over its variations, as `record` does; False counts them for each variation."""
+
+    @property
+    def are_used(self) -> bool:
+        """Whether any of them was given."""
+        return any(getattr(self, f.name) not in (None, ()) for f in fields(self))
 
 
 @dataclass(frozen=True)
@@ -57,18 +83,47 @@ class Record:
     """`gzip` is small, `lzf` is fast."""
     max_attempts: int = 10
     """Tries for each episode."""
-    out: Path = Path("out/dataset")
+    renderer: RenderMode = "opengl3"
+    """`opengl3` draws shadows, `opengl` is faster without."""
+    arm_max_velocity: float = 1.0
+    """Cap on the speed of motions along the joint-space path [rad/s]."""
+    arm_max_acceleration: float = 4.0
+    """Cap on how fast that speed changes [rad/s^2]."""
+    out: Path = DEFAULT_OUT
     """Folder of the dataset."""
     json: bool = False
     """Print the report as JSON."""
+    known: tyro.conf.OmitArgPrefixes[KnownNames] = field(default_factory=KnownNames)
+    """Flags of other generators."""
 
     def run(self) -> int:
         """Record; 1 when episodes are missing at the end."""
+        if self.known.are_used:
+            return self._in_our_names().run()
         config = read_recording(self.out) if self.resume and not self.tasks else self._config()
         engine = make_engine(self.engine, self.workers)
         with stopping_gently() as stop, closing(RecordBar("record")) as bar:
             report = record(config, self.out, engine=engine, resume=self.resume, on_progress=bar, stop=stop)
         return print_report(report, self.out, self._resume_command(), as_json=self.json)
+
+    def _in_our_names(self) -> Record:
+        """Return the same with our flags in the place of those of other generators.
+
+        Raises:
+            TaskEnvironmentError: A setting was given under both names.
+        """
+        known = self.known
+        changes: dict[str, Any] = {"known": KnownNames(), "tasks": (*self.tasks, *known.tasks)}
+        for ours, theirs in {"out": "save_path", "workers": "processes", "episodes": "episodes_per_task"}.items():
+            value = getattr(known, theirs)
+            if value is None:
+                continue
+            if getattr(self, ours) not in (getattr(Record(), ours), value):
+                raise TaskEnvironmentError(f"--{ours} and --{theirs} name the same setting with two values. Give one of them.")
+            changes[ours] = value
+        if known.all_variations is not None or known.episodes_per_task is not None:
+            changes["per_variation"] = self.per_variation if known.all_variations else True
+        return replace(self, **changes)
 
     def _config(self) -> RecordConfig:
         return RecordConfig(
@@ -78,8 +133,14 @@ class Record:
             variations=self.variations,
             seed=self.seed,
             max_attempts=self.max_attempts,
+            max_velocity=self.arm_max_velocity,
+            max_acceleration=self.arm_max_acceleration,
             pictures=PictureConfig(
-                cameras=self.cameras, products=self.products, image_size=self.image_size, compression=self.compression
+                cameras=self.cameras,
+                products=self.products,
+                image_size=self.image_size,
+                render_mode=self.renderer,
+                compression=self.compression,
             ),
         )
 
@@ -141,3 +202,30 @@ def _text(report: RecordReport, out: Path) -> str:
     lines += [f"tries that failed: {', '.join(f'{n} x {cause}' for cause, n in report.causes.items())}"] if report.causes else []
     lines += [f"{death.item.name}: a worker died ({death.cause}) and was replaced" for death in report.deaths]
     return "\n".join(lines)
+
+
+def spelled_out(arguments: Sequence[str]) -> list[str]:
+    """Return the arguments of `record` as its parser wants them.
+
+    `--image_size=128,128` becomes two numbers, and `--all_variations` without a value is true.
+    """
+    result: list[str] = []
+    words = [part for argument in arguments for part in _split(argument)]
+    for index, word in enumerate(words):
+        following = words[index + 1].lower() if index + 1 < len(words) else ""
+        flag = result[-1].replace("_", "-") if result else ""
+        if flag == "--image-size" and _PAIR.fullmatch(word):
+            result += word.split(",")
+        elif flag == "--all-variations" and word.lower() in _BOOLEANS:
+            result.append(word.capitalize())
+        else:
+            result.append(word)
+        if word.replace("_", "-") == "--all-variations" and following not in _BOOLEANS:
+            result.append("True")
+    return result
+
+
+def _split(argument: str) -> list[str]:
+    """Cut `--flag=value` of the flags that are rewritten."""
+    flag, equals, value = argument.partition("=")
+    return [flag, value] if equals and flag.replace("_", "-") in ("--image-size", "--all-variations") else [argument]

@@ -11,6 +11,7 @@ import numpy as np
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.planning import Algorithm, MotionPlanner, Plan, retime, solve_ik
+from rlbench_pin.planning.timing import ArcLimits
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray, compose
 
@@ -123,7 +124,7 @@ def timed(runtime: Runtime, points: FloatArray, pace: Pace) -> Trajectory:
     return retime(
         points,
         runtime.model.limits.capped(pace.velocity, pace.acceleration),
-        max_speed=None if planner.config.max_speed is None else pace.velocity,
+        arc=ArcLimits(pace.velocity, pace.acceleration),
         torque=planner.torque,
         jerk_time=0.0 if pace.jerk >= USUAL_JERK else pace.acceleration / pace.jerk,
     )

@@ -6,6 +6,7 @@ from typing import ClassVar
 
 from rlbench_pin.compat.things import ObjectTable
 from rlbench_pin.environment import ObservationConfig
+from rlbench_pin.environment.observations import CameraPlaces
 from rlbench_pin.environment.runtime import EmptyTable, Runtime, RuntimeT, build_runtime
 from rlbench_pin.planning.planner import PlannerConfig
 from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
@@ -32,9 +33,9 @@ class Simulator:
 
     def __init__(self, robot: str = DEFAULT_ROBOT) -> None:
         self.model = RobotModel(robot_description(robot))
-        self.planning = PlannerConfig()
+        self.planning, self._camera_places = PlannerConfig(), CameraPlaces()
         config = ObservationConfig()
-        self.runtime: Runtime = build_runtime(EmptyTable, self.model, config)
+        self.runtime: Runtime = build_runtime(EmptyTable, self.model, config, camera_places=self._camera_places)
         self.objects = ObjectTable(self.runtime, config)
         Simulator.running = self
 
@@ -68,7 +69,13 @@ class Simulator:
     ) -> RuntimeT:
         """Build the world of a task in place of the present one; the runtime is of class `kind`."""
         runtime = build_runtime(
-            task, self.model, config, planning=self.planning, attach_grasped_objects=attach_grasped_objects, kind=kind
+            task,
+            self.model,
+            config,
+            planning=self.planning,
+            attach_grasped_objects=attach_grasped_objects,
+            camera_places=self._camera_places,
+            kind=kind,
         )
         before, self.runtime, self.objects = self.runtime, runtime, ObjectTable(runtime, config, self.objects)
         before.world.close()

@@ -14,9 +14,9 @@ import numpy as np
 
 from rlbench_pin.datasets.manifest import digest
 from rlbench_pin.datasets.series import from_json, read_series
-from rlbench_pin.datasets.writer import FORMAT, VERSION
+from rlbench_pin.datasets.writer import DESCRIPTIONS, FORMAT, VERSION
 from rlbench_pin.errors import DatasetError, EpisodeFileError
-from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.observation import Demo, Observation, RandomState
 
 _MAX_FRAMES = 10_000_000
 
@@ -121,6 +121,8 @@ class Episode:
     def misc(self, key: str) -> list[Any]:
         """Read one key of `misc` for all frames; None where a frame has none, or all when no frame has it."""
         with self._named():
+            if key == DESCRIPTIONS and self._describes:
+                return [list(self.instructions) for _ in range(self._length)]
             group = self._file["misc"]
             return read_series(group, key, self._length) if key in group else [None] * self._length
 
@@ -132,6 +134,8 @@ class Episode:
             wanted = [name for name in self.fields if fields is None or name in fields]
             columns = {name: read_series(group, name, self._length, frames) for name in wanted}
             extras = {key: read_series(misc, key, self._length, frames) for key in misc if "@" not in key}
+            if self._describes:
+                extras[DESCRIPTIONS] = [list(self.instructions) for _ in frames]
         return [_observation(columns, extras, i) for i in range(len(frames))]
 
     def demo(self, fields: Collection[str] | None = None) -> Demo:
@@ -140,7 +144,7 @@ class Episode:
             attrs = self._file.attrs
             return Demo(
                 self.observations(fields=fields),
-                random_seed=_optional_int(attrs, "random_seed"),
+                random_seed=_seed(attrs),
                 num_reset_attempts=_optional_int(attrs, "num_reset_attempts"),
                 variation_number=self.variation,
                 instructions=self.instructions,
@@ -149,6 +153,11 @@ class Episode:
                 attempt=int(attrs["attempt"]),
                 task_name=self.task_name,
             )
+
+    @property
+    def _describes(self) -> bool:
+        """Whether every frame has the instructions in its `misc`."""
+        return bool(self._file.attrs.get(DESCRIPTIONS, False))
 
     # Trust ------------------------------------------------------------------------------------------------------
 
@@ -205,6 +214,10 @@ def _observation(columns: dict[str, list[Any]], extras: dict[str, list[Any]], in
     for name in columns.keys() - known.keys():
         setattr(observation, name, columns[name][index])
     return observation
+
+
+def _seed(attrs: h5py.AttributeManager) -> int | RandomState | None:
+    return tuple(from_json(attrs["random_state"])) if "random_state" in attrs else _optional_int(attrs, "random_seed")
 
 
 def _read_state(file: h5py.File) -> dict[str, np.ndarray] | None:

@@ -71,7 +71,7 @@ def check_structure(path: Path, entry: EpisodeEntry, task: str) -> None:
     with Episode(path) as episode:
         demo = episode.demo()
     listed = (task, entry.variation, entry.frames, entry.random_seed, entry.attempt)
-    found = (demo.task_name, demo.variation_number, len(demo), demo.random_seed, demo.attempt)
+    found = (demo.task_name, demo.variation_number, len(demo), demo.seed, demo.attempt)
     if listed != found:
         raise EpisodeFileError(
             path, f"'{path}' holds (task, variation, frames, seed, attempt) {found}, its manifest says {listed}."

@@ -19,6 +19,8 @@ from rlbench_pin.observation import FIELDS, Demo
 
 FORMAT = "rlbench_pin.episode"
 VERSION = 1
+DESCRIPTIONS = "descriptions"
+"""Key of `misc` that holds the instructions."""
 
 
 Compression = Literal["gzip", "lzf"]
@@ -71,8 +73,10 @@ def _write_head(file: h5py.File, demo: Demo) -> None:
     file.attrs["attempt"] = demo.attempt
     file.attrs["instructions"] = to_json(list(demo.instructions))
     file.attrs["versions"] = to_json(dict(demo.versions))
-    if demo.random_seed is not None:
-        file.attrs["random_seed"] = demo.random_seed
+    if demo.seed is not None:
+        file.attrs["random_seed"] = demo.seed
+    elif demo.random_seed is not None:
+        file.attrs["random_state"] = to_json(demo.random_seed)
     if demo.num_reset_attempts is not None:
         file.attrs["num_reset_attempts"] = demo.num_reset_attempts
 
@@ -82,7 +86,11 @@ def _write_observations(file: h5py.File, demo: Demo, compression: str) -> None:
     for name in (*FIELDS, *_further_fields(demo)):
         write_series(group, name, [getattr(obs, name, None) for obs in demo], compression)
     misc = file.create_group("misc")
-    for key in _checked({key for obs in demo for key in obs.misc}):
+    keys = {key for obs in demo for key in obs.misc}
+    if all(obs.misc.get(DESCRIPTIONS) == list(demo.instructions) for obs in demo):
+        file.attrs[DESCRIPTIONS] = True  # every frame has the instructions
+        keys.remove(DESCRIPTIONS)
+    for key in _checked(keys):
         write_series(misc, key, [obs.misc.get(key) for obs in demo], compression)
 
 
@@ -154,7 +162,7 @@ def episode_entry(demo: Demo, data: bytes, number: int, failures: Sequence[str] 
         variation=demo.variation_number,
         episode=number,
         frames=len(demo),
-        random_seed=demo.random_seed,
+        random_seed=demo.seed,
         attempt=demo.attempt,
         num_bytes=len(data),
         sha256=digest(data),
@@ -167,5 +175,5 @@ def episode_entry(demo: Demo, data: bytes, number: int, failures: Sequence[str] 
 def _episode_number(entries: dict[tuple[int, int], EpisodeEntry], demo: Demo) -> int:
     """Return the number of the same demo when it is stored, else the first after all stored ones."""
     stored = [e for (variation, _), e in entries.items() if variation == demo.variation_number]
-    same = [e.episode for e in stored if demo.random_seed is not None and e.random_seed == demo.random_seed]
+    same = [e.episode for e in stored if demo.seed is not None and e.random_seed == demo.seed]
     return same[0] if same else max((e.episode for e in stored), default=-1) + 1

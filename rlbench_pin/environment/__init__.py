@@ -23,7 +23,9 @@ from rlbench_pin.environment.demonstrate import DemoOutcome, LegReport
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import EnvironmentState
 from rlbench_pin.environment.observations import (
+    Camera,
     CameraConfig,
+    Cameras,
     ExtraCamera,
     GaussianNoise,
     Identity,
@@ -40,7 +42,9 @@ __all__ = [
     "ActionMode",
     "ActionSpec",
     "ArmActionMode",
+    "Camera",
     "CameraConfig",
+    "Cameras",
     "DemoOutcome",
     "Discrete",
     "DynamicsRandomizationConfig",

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import zip_longest
 
 import numpy as np
 
@@ -103,6 +102,7 @@ class DemoPlayer:
         self._amount = 1.0
         self._target = runtime.robot.joint_positions
         self._succeeded = False
+        self._ignores_collisions: bool | None = None
 
     @property
     def planning_time(self) -> float:
@@ -124,44 +124,47 @@ class DemoPlayer:
         self._frame()
         for _ in range(MAX_ROUNDS):
             self._succeeded = False
-            for waypoint, following, turns in self._legs():
+            for waypoint, rest, turns in self._legs():
                 if waypoint.index not in self.omit.waypoints:
-                    self._run_leg(waypoint, following, turns)
+                    self._run_leg(waypoint, rest, turns)
             repeat = task.should_repeat_waypoints()
             if self._succeeded or not repeat:
                 break
         self._wait_for_success()
         return self.frames
 
-    def _legs(self) -> Iterator[tuple[Waypoint, Waypoint | None, list[float]]]:
-        """Yield each waypoint that is not skipped, the one after it in its run, and the turns of the hand to try, best first.
+    def _legs(self) -> Iterator[tuple[Waypoint, list[Waypoint], list[float]]]:
+        """Yield each waypoint that is not skipped, those after it in its run, and the turns of the hand to try, best first.
 
         Start hooks run here, before the poses of their leg are read.
         """
         for run in runs(self.runtime.task.get_waypoints()):
             turns: list[float] | None = None
-            for waypoint, following in zip_longest(run, run[1:]):
+            for number, waypoint in enumerate(run, start=1):
                 self.waypoint = waypoint
                 waypoint.run_start_hook()
                 if waypoint.skip:
                     continue
                 if turns is None:
                     turns = self._planner.rank(run)
-                yield waypoint, following, turns
+                yield waypoint, run[number:], turns
                 turns = [self._planner.turn]
 
-    def _run_leg(self, waypoint: Waypoint, following: Waypoint | None, turns: Sequence[float]) -> None:
+    def _run_leg(self, waypoint: Waypoint, rest: Sequence[Waypoint], turns: Sequence[float]) -> None:
         self._succeeded = False
-        plan = self._plan(waypoint, following, turns)
+        plan = self._plan(waypoint, rest, turns)
         self.runtime.listeners.leg(waypoint, plan)
+        self._ignores_collisions = waypoint.ignore_collisions
+        if len(self.frames) == 1:
+            self._flag(self.frames[0])
         follow(self.runtime, plan.trajectory, until=self._check, on_tick=self._arm_tick)
         if waypoint.gripper is not None and (waypoint.releases or not self.omit.grasps):
             self._operate_gripper(waypoint)
         waypoint.run_end_hook()
 
-    def _plan(self, waypoint: Waypoint, following: Waypoint | None, turns: Sequence[float]) -> Plan:
+    def _plan(self, waypoint: Waypoint, rest: Sequence[Waypoint], turns: Sequence[float]) -> Plan:
         began = time.process_time()
-        plan = self._planner.plan(waypoint, following, turns)
+        plan = self._planner.plan(waypoint, rest, turns)
         seconds = time.process_time() - began
         self.legs.append(LegReport(waypoint.index, plan.report.method, seconds, plan.trajectory.duration))
         return plan
@@ -197,9 +200,10 @@ class DemoPlayer:
         return False
 
     def _wait_for_success(self) -> None:
+        """Hold until the goal is reached, but never for two ticks alone: the last frame is a key frame, as is the one before."""
         self._check()
-        for _ in range(EXTRA_TICKS):
-            if self._succeeded:
+        for ticks in range(EXTRA_TICKS):
+            if self._succeeded and ticks != 2:
                 return
             self.runtime.drive_to(self._target)
             self._frame()
@@ -213,9 +217,15 @@ class DemoPlayer:
         observation = self.runtime.get_observation()
         if self.frames:
             observation.misc["joint_position_action"] = np.append(self._target, self._amount)
+            self._flag(observation)
         self.frames.append(observation)
         if self.on_frame is not None:
             self.on_frame(observation)
+
+    def _flag(self, observation: Observation) -> None:
+        """Note on a frame how the leg that it belongs to was planned; the first frame belongs to the first leg."""
+        if self.runtime.observer.config.record_ignore_collisions:
+            observation.ignore_collisions = self._ignores_collisions
 
 
 def try_play(player: DemoPlayer) -> tuple[str, int | None]:

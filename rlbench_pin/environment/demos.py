@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Iterable, Mapping
 from importlib.metadata import PackageNotFoundError, version
 
@@ -11,7 +12,7 @@ from rlbench_pin.environment.demonstrate import DemoOutcome, DemoPlayer, try_pla
 from rlbench_pin.environment.episode import EpisodeOrigin, checked_seed
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import DemoError, TaskEnvironmentError
-from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.observation import Demo, Observation, RandomState
 from rlbench_pin.tasks import Task
 
 LIBRARIES = ("rlbench_pin", "pin", "coal", "pybullet", "ompl", "toppra", "placo", "osqp", "numpy")
@@ -96,21 +97,31 @@ def _live_demo(play: Callable[[int, int], DemoOutcome], task: Task, seed: int, m
 
 
 def check_start(demo: Demo, task_name: str) -> int:
-    """Return the seed of a demonstration.
+    """Return the seed of a demonstration, from which its task is set up.
+
+    Where it carries the state of a generator instead, its snapshot says where everything is, and the seed is a hash of the state.
 
     Raises:
-        TaskEnvironmentError: It is of another task than `task_name`, or carries no seed that is a whole number.
+        TaskEnvironmentError: It is of another task than `task_name`, or carries no seed, or a state without a snapshot.
     """
     if demo.task_name and demo.task_name != task_name:
         raise TaskEnvironmentError(f"The demonstration shows '{demo.task_name}', this is '{task_name}'.")
     if demo.random_seed is None:
         raise TaskEnvironmentError("The demonstration carries no seed, so its start cannot be restored. Record it again.")
-    if not isinstance(demo.random_seed, int | np.integer):
+    if not isinstance(demo.random_seed, tuple):
+        return checked_seed(demo.random_seed)
+    if demo.state is None:
         raise TaskEnvironmentError(
-            "The demonstration carries the state of a random number generator instead of a seed: its start cannot be restored. "
-            "Record it again."
+            "The demonstration carries the state of a random number generator instead of a seed, and no snapshot of the world: "
+            "its start cannot be restored. Record it again."
         )
-    return checked_seed(demo.random_seed)
+    return _seed_from(demo.random_seed)
+
+
+def _seed_from(state: RandomState) -> int:
+    """Return a seed that stands for the state of a generator: a hash of it."""
+    parts = b"".join(part.tobytes() if isinstance(part, np.ndarray) else repr(part).encode() for part in state)
+    return int.from_bytes(hashlib.sha256(parts).digest()[:6], "big")
 
 
 def restore_start(runtime: Runtime, demo: Demo) -> None:

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from rlbench_pin.environment.actions.action_mode import ActionMode
-from rlbench_pin.environment.observations.cameras import camera_view
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import camera_misc
+from rlbench_pin.environment.observations.placing import Camera, CameraPlaces, Cameras
 from rlbench_pin.environment.randomization.config import (
     DynamicsRandomizationConfig,
     RandomizeEvery,
@@ -31,6 +31,9 @@ from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import RENDERERS, RendererName, World
 from rlbench_pin.tasks import Task, task_class
 
+_SCENE_DATA = {"intrinsics": "intrinsics", "extrinsics": "extrinsics", "near_plane": "near", "far_plane": "far"}
+"""Name in the data of a scene -> name in `misc`."""
+
 
 class Environment:
     """A simulated robot at a table, for which tasks can be chosen.
@@ -48,8 +51,8 @@ class Environment:
         dynamics_randomization_config: Dynamics randomization.
         attach_grasped_objects: Fix grasped bodies to the hand, unless the gripper mode says otherwise.
         shaped_rewards: Return the tasks' own rewards.
-        arm_max_velocity: Cap on planned joint speeds [rad/s].
-        arm_max_acceleration: Cap on planned joint accelerations [rad/s^2].
+        arm_max_velocity: Cap on the speed of planned motions along the joint-space path, the norm of the joint velocity [rad/s].
+        arm_max_acceleration: Cap on how fast that speed changes, and on the acceleration of each joint [rad/s^2].
         seed: Seed of everything that is drawn and not seeded by a call.
         renderer: Who draws pictures: `cpu`, `egl`, or `auto` for EGL where there is one. Pictures of the two differ a little.
 
@@ -94,6 +97,7 @@ class Environment:
         self._attach_grasped_objects = attach_grasped_objects
         self._planner_config = PlannerConfig(max_velocity=arm_max_velocity, max_acceleration=arm_max_acceleration)
         self._seeds = np.random.default_rng(seed)
+        self._places = CameraPlaces()
         self._model: RobotModel | None = None
         self._runtime: Runtime | None = None
 
@@ -163,6 +167,7 @@ class Environment:
             planning=self._planner_config,
             attach_grasped_objects=self._attach_grasped_objects,
             renderer=self._renderer,
+            camera_places=self._places,
         )
 
     def get_demos(
@@ -203,7 +208,7 @@ class Environment:
     @property
     def action_size(self) -> int:
         """How many numbers an action has; known after `launch()`."""
-        return self._action_mode.action_shape(self._launched("shape"))
+        return self._action_mode.action_shape(self._launched("The shape of actions is"))
 
     def action_bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest values of an action, each of shape (n,); known after `launch()`.
@@ -211,34 +216,33 @@ class Environment:
         Raises:
             NotLaunched: Before `launch()` (also a RuntimeError).
         """
-        return self._action_mode.action_bounds(self._launched("bounds"))
+        return self._action_mode.action_bounds(self._launched("The bounds of actions are"))
 
     def _launched(self, what: str) -> Runtime:
         """Return the present runtime; before the first task, one of the arm at an empty table."""
         if self._model is None:
-            raise NotLaunched(
-                f"The {what} of actions is known once the robot is loaded. Call `launch()` or `get_task(...)` first."
-            )
+            raise NotLaunched(f"{what} known once the robot is loaded. Call `launch()` or `get_task(...)` first.")
         if self._runtime is None:
             self._runtime = self._build(EmptyTable, self._model)
         return self._runtime
 
+    @property
+    def cameras(self) -> Cameras:
+        """The cameras by name; known after `launch()`. Where `set_pose` puts one, it stays for all tasks of this environment."""
+        return self._launched("The cameras are").cameras
+
     def get_scene_data(self) -> dict[str, dict[str, Any] | None]:
         """Return intrinsics, extrinsics and clipping planes of each camera at the home posture, None where it is switched off."""
         with World(SceneSpec(format=1), self._robot) as world:
-            return {f"{name}_camera": self._camera_data(name, world) for name in CAMERAS}
+            cameras = Cameras(world, self._robot, self._obs_config, self._places)
+            return {f"{name}_camera": _camera_data(cameras[name]) for name in CAMERAS}
 
-    def _camera_data(self, name: str, world: World) -> dict[str, Any] | None:
-        config = self._obs_config.camera(name)
-        if not config.is_used:
-            return None
-        misc = camera_misc(name, camera_view(name, config, world, self._robot))
-        return {
-            "intrinsics": misc[f"{name}_camera_intrinsics"],
-            "extrinsics": misc[f"{name}_camera_extrinsics"],
-            "near_plane": misc[f"{name}_camera_near"],
-            "far_plane": misc[f"{name}_camera_far"],
-        }
+
+def _camera_data(camera: Camera) -> dict[str, Any] | None:
+    if not camera.config.is_used:
+        return None
+    misc = camera_misc(camera.name, camera.view())
+    return {what: misc[f"{camera.name}_camera_{key}"] for what, key in _SCENE_DATA.items()}
 
 
 class AlreadyLaunched(TaskEnvironmentError, RuntimeError):

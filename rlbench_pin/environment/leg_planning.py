@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Waypoint
 
 _NEAR = 0.15
-"""A leg without collision checks that is no longer than this should be straight [m]."""
+"""A leg that is no longer than this should be straight; without collision checks it has to be [m]."""
 _OTHER_GOALS = 24
 """Configurations at the end of a leg that are tried when the arm could not go on from the first one."""
 
@@ -32,6 +32,8 @@ class LegPlanner:
 
     def __init__(self, runtime: Runtime) -> None:
         self._runtime = runtime
+        description = runtime.description
+        self._arm_links = set(runtime.robot.link_poses()) - {description.hand_link, *description.finger_links}
         self.turn = 0.0
 
     def rank(self, run: Sequence[Waypoint]) -> list[float]:
@@ -50,12 +52,12 @@ class LegPlanner:
         choices = rank_turns(runtime.planner, kept, runtime.robot.joint_positions, runtime.robot.tip_pose(), runtime.planning_rng)
         return [choice.turn for choice in choices]
 
-    def plan(self, waypoint: Waypoint, following: Waypoint | None, turns: Sequence[float]) -> Plan:
+    def plan(self, waypoint: Waypoint, rest: Sequence[Waypoint], turns: Sequence[float]) -> Plan:
         """Plan with the first of `turns` that works.
 
         Args:
             waypoint: Where to.
-            following: The waypoint after it in its run, which the arm should reach from there.
+            rest: The waypoints after it in its run, which the arm should reach from there.
             turns: Turns of the hand to try [rad].
 
         Raises:
@@ -63,34 +65,47 @@ class LegPlanner:
         """
         self._runtime.refresh_planner()
         error: PlanningError | None = None
+        found: list[tuple[float, Plan]] = []
         for turn in turns:
             try:
-                plan = self._plan_ahead(waypoint, following, turn)
+                plan = self._plan_turn(waypoint, turn)
             except PlanningError as failure:
                 error = error or failure
                 continue
-            self.turn = turn
-            return plan
-        assert error is not None
-        raise error
+            if self._leads_on(plan, waypoint, rest, turn):
+                self.turn = turn
+                return plan
+            found.append((turn, plan))
+        if not found:
+            assert error is not None
+            raise error
+        self.turn, plan = next(self._other_goals(waypoint, rest, [turn for turn, _ in found]), found[0])
+        return plan
 
-    def _plan_ahead(self, waypoint: Waypoint, following: Waypoint | None, turn: float) -> Plan:
-        """Return a plan, if need be to another configuration at the same pose, from which the arm can go on straight."""
-        plan = self._plan_turn(waypoint, turn)
-        if waypoint.path != "plan" or self._can_go_on(plan.path[-1], following, turn):
-            return plan
+    def _leads_on(self, plan: Plan, waypoint: Waypoint, rest: Sequence[Waypoint], turn: float) -> bool:
+        """Whether the arm can go on from the end of a plan, or could not end anywhere else."""
+        tip = self._runtime.robot.tip_pose()
+        pose = poses_of(waypoint, turn, tip)[-1]
+        return self._has_to_be_followed(waypoint, tip, pose) or self._can_go_on(plan.path[-1], rest, turn)
+
+    def _other_goals(self, waypoint: Waypoint, rest: Sequence[Waypoint], turns: Sequence[float]) -> Iterator[tuple[float, Plan]]:
+        """Yield plans to other configurations at the same pose, from which the arm can go on, with their turns."""
         runtime, rng = self._runtime, self._runtime.planning_rng
-        q, pose = runtime.robot.joint_positions, poses_of(waypoint, turn, runtime.robot.tip_pose())[0]
-        limits, ignore, allowed = runtime.planner.limits, waypoint.ignore_collisions, runtime.touching()
+        q, tip, allowed = runtime.robot.joint_positions, runtime.robot.tip_pose(), runtime.touching()
+        limits, ignore = runtime.planner.limits, waypoint.ignore_collisions
         for _ in range(_OTHER_GOALS):
             start = rng.uniform(limits.lower, limits.upper)
-            try:
-                goal = runtime.planner.reachable(start, pose, rng, ignore_collisions=ignore, allowed=allowed)
-                if self._can_go_on(goal, following, turn):
-                    return runtime.planner.plan_to_configuration(q, goal, ignore_collisions=ignore, allowed=allowed, rng=rng)
-            except PlanningError:
-                continue
-        return plan
+            for turn in turns:
+                pose = poses_of(waypoint, turn, tip)[-1]
+                try:
+                    goal = runtime.planner.reachable(start, pose, rng, ignore_collisions=ignore, allowed=allowed)
+                    if self._can_go_on(goal, rest, turn):
+                        yield (
+                            turn,
+                            runtime.planner.plan_to_configuration(q, goal, ignore_collisions=ignore, allowed=allowed, rng=rng),
+                        )
+                except PlanningError:
+                    continue
 
     def _plan_turn(self, waypoint: Waypoint, turn: float) -> Plan:
         runtime, rng = self._runtime, self._runtime.planning_rng
@@ -107,19 +122,36 @@ class LegPlanner:
             rng=rng,
         )
 
-    def _can_go_on(self, q: FloatArray, following: Waypoint | None, turn: float) -> bool:
-        """Whether the following leg, if it has to be a line or a curve, can be followed from configuration `q` (n,)."""
-        if following is None:
-            return True
-        model = self._runtime.model
-        tip = model.tip_pose(q)
-        poses = poses_of(following, turn, tip)
-        near = following.ignore_collisions and np.linalg.norm(poses[-1][:3] - tip[:3]) <= _NEAR
-        try:
-            if following.path == "curve":
-                curve_path(model, q, poses)
-            elif following.path == "straight" or near:
-                straight_path(model, q, poses[-1])
-        except NotStraight:
-            return False
+    @staticmethod
+    def _has_to_be_followed(waypoint: Waypoint, tip: FloatArray, pose: FloatArray) -> bool:
+        """Whether the leg from `tip` (7,) to `pose` (7,) has to be a line or a curve."""
+        return waypoint.path != "plan" or (waypoint.ignore_collisions and _is_near(tip, pose))
+
+    def _can_go_on(self, q: FloatArray, rest: Sequence[Waypoint], turn: float) -> bool:
+        """Whether the legs after configuration `q` (n,) can be followed, up to the first long one that may go another way.
+
+        On legs without collision checks the hand may touch things, but not the arm behind it; only the first is looked at.
+        """
+        model, first = self._runtime.model, True
+        for following in rest:
+            tip = model.tip_pose(q)
+            poses = poses_of(following, turn, tip)
+            must = self._has_to_be_followed(following, tip, poses[-1])
+            if not must and not _is_near(tip, poses[-1]):
+                return True
+            try:
+                path = curve_path(model, q, poses) if following.path == "curve" else straight_path(model, q, poses[-1])
+            except NotStraight:
+                return not must
+            if must and first and any(self._arm_touches(q) for q in path[:: max(1, len(path) // 4)]):
+                return False
+            q, first = path[-1], False
         return True
+
+    def _arm_touches(self, q: FloatArray) -> bool:
+        """Whether a link of the arm before the hand touches anything in configuration `q` (n,)."""
+        return any(pair & self._arm_links for pair in map(set, self._runtime.planner.collision.colliding_pairs(q)))
+
+
+def _is_near(tip: FloatArray, pose: FloatArray) -> bool:
+    return bool(np.linalg.norm(pose[:3] - tip[:3]) <= _NEAR)

@@ -11,6 +11,9 @@ from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
 
+LEAST_SPEED = 0.13
+"""Joint speed in the first and in the last tick of a motion [rad/s]: a moving arm is never taken for a resting one, whose speed
+by the rule of key frames is below 0.1."""
 REST_SPEED = 0.05
 """Joint speed below which the arm counts as resting [rad/s]."""
 _REST_TICKS = 10
@@ -37,7 +40,7 @@ def follow(
         on_tick: Called after every tick with the commanded joint positions (n,) [rad].
     """
     target = runtime.robot.joint_positions
-    for target in TrajectoryTracker(trajectory, runtime.world.control_dt):
+    for target in TrajectoryTracker(trajectory, runtime.world.control_dt, LEAST_SPEED):
         runtime.drive_to(target)
         on_tick(target)
         if until():

@@ -14,8 +14,11 @@ from rlbench_pin.sim import RendererName
 
 
 def low_dim_config() -> ObservationConfig:
-    """All joint, gripper and task data; no pictures."""
-    config = ObservationConfig()
+    """All joint, gripper and task data; no pictures.
+
+    Poses of joints are left out: `RobotModel.joint_poses` has them from the joint positions.
+    """
+    config = ObservationConfig(joint_poses=False)
     config.set_all_high_dim(False)
     config.set_all_low_dim(True)
     return config
@@ -36,17 +39,14 @@ def picture_config(
 
 
 def make_environment(
-    config: ObservationConfig,
-    renderer: RendererName = "cpu",
-    arm_max_velocity: float = 1.0,
-    arm_max_acceleration: float = 4.0,
+    config: ObservationConfig, renderer: RendererName = "cpu", max_velocity: float = 1.0, max_acceleration: float = 4.0
 ) -> Environment:
     """An environment whose actions are the ones that demonstrations record: absolute joint positions and the hand."""
     return Environment(
         MoveArmThenGripper(JointPosition(), Discrete()),
         obs_config=config,
-        arm_max_velocity=arm_max_velocity,
-        arm_max_acceleration=arm_max_acceleration,
+        arm_max_velocity=max_velocity,
+        arm_max_acceleration=max_acceleration,
         seed=0,
         renderer=renderer,
     )

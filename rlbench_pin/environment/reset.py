@@ -79,6 +79,7 @@ def lay_out(runtime: Runtime, variation: int, random: EpisodeRandom, *, static: 
     runtime.world.restore(runtime.world.origin)
     runtime.begin(variation, random.planning, random.noise)
     instructions = task.begin_episode(variation, random.placement)
+    runtime.instruct(instructions)
     if not static and not task.is_static_workspace():
         runtime.place_task(random.placement)
     return instructions

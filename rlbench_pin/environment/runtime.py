@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar
@@ -12,6 +12,7 @@ import numpy as np
 from rlbench_pin.environment.listener import Listener, Listeners, timed_ticks
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import Observer
+from rlbench_pin.environment.observations.placing import CameraPlaces, Cameras
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.observation import Observation
 from rlbench_pin.planning.planner import MotionPlanner, PlannerConfig
@@ -44,8 +45,10 @@ class RuntimeState:
     world: Any
     task: Any
     variation: int
+    instructions: tuple[str, ...]
     noise: Mapping[str, Any]
-    planning: Mapping[str, Any]
+    planning: int
+    """Seed of the generators of plans."""
 
 
 class Runtime:
@@ -55,6 +58,7 @@ class Runtime:
         world: The simulated world.
         robot: Arm and fingers of the world.
         gripper: Hand of the world.
+        instructions: Sentences that say what to do in the present episode.
         task: The task that is running.
         model: Analytic model of the arm.
         planner: Motion planner over `model`.
@@ -71,15 +75,18 @@ class Runtime:
         planner: MotionPlanner,
         config: ObservationConfig,
         attach_grasped_objects: bool = True,
+        camera_places: CameraPlaces | None = None,
     ) -> None:
         self.world, self.task, self.description, self.model, self.planner = world, task, robot, model, planner
         self.robot, self.gripper = world.robot, world.gripper
-        self.observer = Observer(world, model, config)
+        self.observer = Observer(world, model, config, camera_places)
         self.attach_grasped_objects = attach_grasped_objects
         self.variation = 0
-        self.planning_rng = np.random.default_rng(0)
+        self._planning_seed = 0
+        self.instructions: tuple[str, ...] = ()
         self.noise_rng = np.random.default_rng(0)
         self.listeners = Listeners()
+        self._parts: list[Callable[[], None]] = []
         self._callbacks: list[Callable[[], None]] = []
         self._command_filter: Callable[[Runtime], None] | None = None
         self._bound: dict[int, tuple[object, Any]] = {}
@@ -89,10 +96,26 @@ class Runtime:
 
         Args:
             variation: Variation of the task.
-            planning: Generator of planners and of inverse kinematics.
+            planning: Draws the seed of the generators of plans and of inverse kinematics.
             noise: Generator of observation noise.
         """
-        self.variation, self.planning_rng, self.noise_rng = variation, planning, noise
+        self.variation, self.noise_rng = variation, noise
+        self.instructions = ()
+        self._planning_seed = int(planning.integers(2**63))
+
+    @property
+    def planning_rng(self) -> np.random.Generator:
+        """A generator for one plan. All plans of an episode begin with the same draws: asked again, a motion comes out alike."""
+        return np.random.default_rng(self._planning_seed)
+
+    def instruct(self, instructions: Sequence[str]) -> None:
+        """Take over the sentences that say what to do in this episode."""
+        self.instructions = tuple(instructions)
+
+    @property
+    def cameras(self) -> Cameras:
+        """The cameras by name: `cameras["front"].set_pose(...)` puts one elsewhere."""
+        return self.observer.cameras
 
     def bound(self, mode: Bindable[BoundT]) -> BoundT:
         """Return what `mode` keeps for this runtime; it is bound when first asked for."""
@@ -101,13 +124,25 @@ class Runtime:
         bound: BoundT = self._bound[id(mode)][1]
         return bound
 
-    def register_step_callback(self, callback: Callable[[], None]) -> None:
-        """Call `callback` after every control tick."""
-        self._callbacks.append(callback)
+    def call_each_tick(self, part: Callable[[], None]) -> None:
+        """Call a part of the environment after every control tick, before the callbacks of users; nothing removes it."""
+        self._parts.append(part)
+
+    def register_step_callback(self, callback: Callable[[], None] | None) -> None:
+        """Call `callback` after every control tick, beside those registered before, once however often it is registered.
+
+        Args:
+            callback: Takes no argument; None removes all.
+        """
+        if callback is None:
+            self._callbacks.clear()
+        elif callback not in self._callbacks:
+            self._callbacks.append(callback)
 
     def remove_step_callback(self, callback: Callable[[], None]) -> None:
-        """Undo `register_step_callback`."""
-        self._callbacks.remove(callback)
+        """Undo `register_step_callback`; nothing happens when it is not registered."""
+        if callback in self._callbacks:
+            self._callbacks.remove(callback)
 
     def step(self) -> None:
         """Advance one control tick: physics, then the task's own step, then the callbacks."""
@@ -115,7 +150,7 @@ class Runtime:
             self._command_filter(self)
         self.world.step()
         self.task.step()
-        for callback in self._callbacks:
+        for callback in (*self._parts, *self._callbacks):
             callback()
 
     @contextmanager
@@ -144,7 +179,7 @@ class Runtime:
     def get_observation(self) -> Observation:
         """Observe without stepping."""
         with self.listeners.observe():
-            return self.observer.observe(self.task, self.variation, self.noise_rng)
+            return self.observer.observe(self.task, self.variation, self.noise_rng, self.instructions)
 
     @contextmanager
     def listening(self, listener: Listener) -> Iterator[None]:
@@ -178,17 +213,18 @@ class Runtime:
             self.world.save(),
             self.task.state(),
             self.variation,
+            self.instructions,
             self.noise_rng.bit_generator.state,
-            self.planning_rng.bit_generator.state,
+            self._planning_seed,
         )
 
     def restore(self, state: RuntimeState) -> None:
         """Go back to `state`, exactly."""
         self.world.restore(state.world)
         self.task.set_state(state.task)
-        self.variation = state.variation
+        self.variation, self.instructions = state.variation, state.instructions
         self.noise_rng.bit_generator.state = state.noise
-        self.planning_rng.bit_generator.state = state.planning
+        self._planning_seed = state.planning
 
 
 class EmptyTable(Task):
@@ -206,6 +242,7 @@ def build_runtime(
     planning: PlannerConfig | None = None,
     attach_grasped_objects: bool = True,
     renderer: RendererName = "cpu",
+    camera_places: CameraPlaces | None = None,
     kind: type[RuntimeT] = Runtime,  # type: ignore[assignment]
 ) -> RuntimeT:
     """Build the world of a task and set the task up.
@@ -217,6 +254,7 @@ def build_runtime(
         planning: Settings of the planner.
         attach_grasped_objects: As in `Runtime`.
         renderer: Who draws pictures.
+        camera_places: Where cameras stand that were put elsewhere; shared with other runtimes.
         kind: `Runtime`, or a subclass of it.
     """
     spec = SceneSpec(format=1) if task is EmptyTable else task_scene(task)
@@ -224,7 +262,8 @@ def build_runtime(
     try:
         running = task(world)
         running.init_task()
-        return kind(world, running, model.description, model, MotionPlanner(model, planning), config, attach_grasped_objects)
+        planner = MotionPlanner(model, planning)
+        return kind(world, running, model.description, model, planner, config, attach_grasped_objects, camera_places)
     except BaseException:
         world.close()
         raise

@@ -10,10 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rlbench_pin.errors import NoIkSolution, WaypointError
+from rlbench_pin.errors import NoIkSolution, NotStraight, WaypointError
 from rlbench_pin.planning.planner import MotionPlanner
+from rlbench_pin.planning.straight import curve_path, straight_path
 from rlbench_pin.spatial import FloatArray, compose
 from rlbench_pin.tasks import Waypoint
+
+_BROKEN_LINE = 10.0
+"""Cost of a line that cannot be followed from where the leg before it would end: another turn of the hand is better [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +43,7 @@ def runs(waypoints: Sequence[Waypoint]) -> list[list[Waypoint]]:
     """Cut a waypoint list into runs."""
     result: list[list[Waypoint]] = []
     for waypoint in waypoints:
-        new = not result or result[-1][-1].releases or result[-1][-1].symmetry != waypoint.symmetry
+        new = not result or result[-1][-1].lets_go or result[-1][-1].symmetry != waypoint.symmetry
         if new:
             result.append([])
         result[-1].append(waypoint)
@@ -60,11 +64,27 @@ def _try_turn(
     for waypoint in run:
         poses = poses_of(waypoint, turn, previous)
         previous = poses[-1]
+        line = _line_end(planner, waypoint, poses, q)
+        if line is not None:
+            cost += float(np.abs(line - q).max())
+            q = line
+            continue
+        cost += 0.0 if waypoint.path == "plan" else _BROKEN_LINE
         for pose in poses[:: max(1, len(poses) // 4)] if len(poses) > 1 else poses:
             q_next = planner.reachable(q, pose, rng)
             cost += float(np.abs(q_next - q).max())
             q = q_next
     return RunChoice(turn, cost, q)
+
+
+def _line_end(planner: MotionPlanner, waypoint: Waypoint, poses: Sequence[FloatArray], q: FloatArray) -> FloatArray | None:
+    """Return where a line or a curve that has to be followed ends (n,); None when there is none or it cannot be followed."""
+    try:
+        if waypoint.path == "curve":
+            return np.array(curve_path(planner.model, q, poses)[-1])
+        return np.array(straight_path(planner.model, q, poses[-1])[-1]) if waypoint.path == "straight" else None
+    except NotStraight:
+        return None
 
 
 def rank_turns(

@@ -17,11 +17,9 @@ class PlannerConfig:
     """How motions are searched and how fast they may be."""
 
     max_velocity: float = 1.0
-    """No joint is faster [rad/s]."""
+    """Largest norm of the joint velocity, so that no joint is faster either [rad/s]."""
     max_acceleration: float = 4.0
-    """No joint accelerates more [rad/s^2]."""
-    max_speed: float | None = None
-    """Bound of the norm of the joint velocity [rad/s]; None for none."""
+    """Largest change of that norm, and largest acceleration of a joint [rad/s^2]."""
     torque_limits: bool = True
     """Keep the joint torques within their limits, with what the hand holds."""
     jerk_time: float = 0.0

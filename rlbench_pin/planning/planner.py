@@ -18,6 +18,7 @@ from rlbench_pin.planning.rules import Rules
 from rlbench_pin.planning.search.around import path_around
 from rlbench_pin.planning.stages import Stages
 from rlbench_pin.planning.straight import curve_path, straight_path
+from rlbench_pin.planning.timing.arc import ArcLimits
 from rlbench_pin.planning.timing.retime import retime
 from rlbench_pin.planning.timing.torque import TorqueLimits
 from rlbench_pin.robot.collision import CollisionModel
@@ -272,9 +273,8 @@ class MotionPlanner:
 
     def _close(self, stages: Stages, found: _Found, rules: Rules | None) -> Plan:
         with stages.stage("retime"):
-            trajectory = retime(
-                found.path, self.limits, max_speed=self.config.max_speed, torque=self.torque, jerk_time=self.config.jerk_time
-            )
+            arc = ArcLimits(self.config.max_velocity, self.config.max_acceleration)
+            trajectory = retime(found.path, self.limits, arc=arc, torque=self.torque, jerk_time=self.config.jerk_time)
         report = PlanReport(
             method=found.method,
             goal=found.goal,

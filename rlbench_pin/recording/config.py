@@ -6,10 +6,13 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.datasets.writer import Compression
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import drawn_variations
+from rlbench_pin.environment.observations.camera_config import RenderMode
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import TaskEnvironmentError, UnknownName
@@ -32,14 +35,10 @@ class PictureConfig:
     """Width and height of the pictures [px]."""
     renderer: RendererName = "cpu"
     """Who draws: pictures of `cpu` are the same everywhere."""
+    render_mode: RenderMode = "opengl3"
+    """`opengl3` draws shadows, `opengl` is faster without."""
     compression: Compression = "gzip"
     """`gzip` is small, `lzf` is fast."""
-    shadows: bool = True
-    """Things cast shadows."""
-    arm_max_velocity: float = 1.0
-    """Cap on planned joint speeds [rad/s]."""
-    arm_max_acceleration: float = 4.0
-    """Cap on planned joint accelerations [rad/s^2]."""
 
     def __post_init__(self) -> None:
         _check_names("camera", self.cameras, CAMERAS)
@@ -52,8 +51,7 @@ class PictureConfig:
         config = low_dim_config()
         for name in self.cameras:
             camera = config.camera(name)
-            camera.image_size = self.image_size
-            camera.render_mode = "opengl3" if self.shadows else "opengl"
+            camera.image_size, camera.render_mode = self.image_size, self.render_mode
             for product in self.products:
                 setattr(camera, product, True)
         return config
@@ -64,9 +62,14 @@ class PictureConfig:
         shapes = {"rgb": (*plain, 3), "depth": plain, "mask": plain, "point_cloud": (*plain, 3)}
         return {f"{camera}_{product}": shapes[product] for camera in self.cameras for product in self.products}
 
-    def environment(self) -> Environment:
-        """Return an environment that delivers these pictures; its actions are those that demonstrations record."""
-        return make_environment(self.obs_config(), self.renderer, self.arm_max_velocity, self.arm_max_acceleration)
+    def environment(self, max_velocity: float = 1.0, max_acceleration: float = 4.0) -> Environment:
+        """Return an environment that delivers these pictures; its actions are those that demonstrations record.
+
+        Args:
+            max_velocity: Cap on the speed of motions along the joint-space path [rad/s].
+            max_acceleration: Cap on how fast that speed changes [rad/s^2].
+        """
+        return make_environment(self.obs_config(), self.renderer, max_velocity, max_acceleration)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,6 +90,10 @@ class RecordConfig:
     """Seed of the recording; every episode draws its own from it, its task, its variation and its number."""
     max_attempts: int = 10
     """Tries for each episode."""
+    max_velocity: float = 1.0
+    """Cap on the speed of motions along the joint-space path [rad/s]."""
+    max_acceleration: float = 4.0
+    """Cap on how fast that speed changes [rad/s^2]."""
     pictures: PictureConfig = field(default_factory=PictureConfig)
     """Which pictures the episodes hold."""
 
@@ -98,6 +105,9 @@ class RecordConfig:
                 raise TaskEnvironmentError(
                     f"{name}={value} records nothing; it must be at least {low or 0}, and not 0 variations."
                 )
+        for name in ("max_velocity", "max_acceleration"):
+            if not 0.0 < getattr(self, name) < np.inf:
+                raise TaskEnvironmentError(f"{name}={getattr(self, name)} moves no arm; it must be above 0.")
         if not self.tasks:
             raise TaskEnvironmentError("No task was named. `rlbench-pin list` prints them.")
 
@@ -122,6 +132,15 @@ class WorkItem:
     """An episode file of which the new one must show the same motion; none when empty."""
     sha256: str = ""
     """What the bytes of that file must add up to."""
+    max_velocity: float = 1.0
+    """Cap on the speed of motions along the joint-space path [rad/s]."""
+    max_acceleration: float = 4.0
+    """Cap on how fast that speed changes [rad/s^2]."""
+
+    @property
+    def speed(self) -> tuple[float, float]:
+        """How fast the arm may be: velocity and acceleration."""
+        return self.max_velocity, self.max_acceleration
 
     @property
     def key(self) -> tuple[str, int, int]:
@@ -159,7 +178,10 @@ def _task_items(config: RecordConfig, task: str, name: str, variations: Sequence
 
 def _item(config: RecordConfig, task: str, name: str, variation: int, index: int) -> WorkItem:
     seed = item_seed(config.seed, name, variation, index)
-    return WorkItem(task, name, variation, index, seed, tuple(range(config.max_attempts)))
+    return WorkItem(
+        task, name, variation, index, seed, tuple(range(config.max_attempts)),
+        max_velocity=config.max_velocity, max_acceleration=config.max_acceleration,
+    )  # fmt: skip
 
 
 def item_seed(seed: int, task: str, variation: int, index: int) -> int:

@@ -7,7 +7,7 @@ import numpy as np
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError
-from rlbench_pin.observation import Demo
+from rlbench_pin.observation import Demo, Observation
 
 JOINT_TOLERANCE = 1e-3
 """How far a joint may be from where it was recorded, in replay [rad]."""
@@ -24,6 +24,7 @@ def replay_demo(task: TaskEnvironment, stored: Demo) -> Demo:
         DemoError: It has no actions, or the motion comes out otherwise than it was recorded.
     """
     _, first = task.reset_to_demo(stored)
+    _keep_flag(first, stored[0])
     frames = [first]
     for index, recorded in enumerate(stored[1:], start=1):
         action = recorded.misc.get("joint_position_action")
@@ -33,6 +34,7 @@ def replay_demo(task: TaskEnvironment, stored: Demo) -> Demo:
             )
         observation, _, _ = task.step(action)
         observation.misc["joint_position_action"] = np.array(action)
+        _keep_flag(observation, recorded)
         _compare(observation.joint_positions, recorded.joint_positions, index, stored)
         frames.append(observation)
     return Demo(
@@ -46,6 +48,11 @@ def replay_demo(task: TaskEnvironment, stored: Demo) -> Demo:
         attempt=stored.attempt,
         task_name=stored.task_name,
     )
+
+
+def _keep_flag(observation: Observation, recorded: Observation) -> None:
+    if recorded.ignore_collisions is not None:
+        observation.ignore_collisions = recorded.ignore_collisions
 
 
 def _compare(now: np.ndarray | None, then: np.ndarray | None, index: int, stored: Demo) -> None:

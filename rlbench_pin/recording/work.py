@@ -50,6 +50,7 @@ class Recorder:
         self._environment: Environment | None = None
         self._task: TaskEnvironment | None = None
         self._loaded = ""
+        self._speed: tuple[float, float] | None = None
         self._made = 0
 
     def make(self, item: WorkItem) -> ItemResult:
@@ -89,7 +90,7 @@ class Recorder:
                 _TRIM(0)
 
     def _try(self, item: WorkItem, attempt: int, failures: list[str]) -> Demo | None:
-        task = self._load(item.task)
+        task = self._load(item)
         outcome = task.try_demo(seed=item.seed, variation=item.variation, attempt=attempt)
         if not item.source:
             failures += [outcome.cause] if outcome.cause else []
@@ -99,11 +100,13 @@ class Recorder:
             return outcome.demo
         return replay_demo(task, stored)
 
-    def _load(self, name: str) -> TaskEnvironment:
-        if self._task is None or self._loaded != name:
+    def _load(self, item: WorkItem) -> TaskEnvironment:
+        if self._speed != item.speed:
+            self.close()
+        if self._task is None or self._loaded != item.task:
             if self._environment is None:
-                self._environment = self.config.environment()
-            self._task, self._loaded = self._environment.get_task(find_task(name)), name
+                self._environment, self._speed = self.config.environment(*item.speed), item.speed
+            self._task, self._loaded = self._environment.get_task(find_task(item.task)), item.task
         return self._task
 
 

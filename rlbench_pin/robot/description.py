@@ -26,7 +26,7 @@ class RobotDescription:
     gripper_joints: tuple[str, ...]
     """Finger joints; each opens with a growing value. Two in the simulation; for planning and control there may be none."""
     tip_frame: str
-    """Frame between the finger pads, z out of the hand, y towards the first finger."""
+    """Frame between the finger pads, z out of the hand, y from the first finger to the second."""
     hand_link: str
     """Link that carries the fingers; grasped bodies are fixed to it."""
     finger_links: tuple[str, ...]

@@ -87,6 +87,12 @@ class RobotModel:
         """Return the tip's pose (7,) in the world."""
         return se3_to_pose(self.tip_se3(q))
 
+    def joint_poses(self, q: FloatArray) -> list[FloatArray]:
+        """Return the pose (7,) in the world of every arm joint's frame, base first; the joints turn or slide along its axes."""
+        pin.forwardKinematics(self.arm, self.data, q)
+        placements = self.data.oMi
+        return [se3_to_pose(placements[i]) for i in range(1, self.size + 1)]
+
     def jacobian(self, q: FloatArray, frame: FrameChoice = "world") -> FloatArray:
         """Return J (6, n) with v_tip = J dq, `[linear, angular]`, along world axes or in tip axes."""
         return pin.computeFrameJacobian(self.arm, self.data, q, self.tip_id, _REFERENCE[frame])

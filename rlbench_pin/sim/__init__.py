@@ -1,7 +1,8 @@
 """The simulated world: PyBullet behind plain names and arrays. Nothing else imports pybullet."""
 
+from rlbench_pin.sim.arm.control import DriveMode
 from rlbench_pin.sim.arm.gripper import SimGripper
-from rlbench_pin.sim.arm.robot import DriveMode, SimRobot
+from rlbench_pin.sim.arm.robot import SimRobot
 from rlbench_pin.sim.bodies.body import Body
 from rlbench_pin.sim.bodies.joint import ObjectJoint
 from rlbench_pin.sim.contacts import Contact

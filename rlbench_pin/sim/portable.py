@@ -11,9 +11,9 @@ import numpy as np
 
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.scene.spec import BodySpec
+from rlbench_pin.sim.arm.control import ArmControl
 from rlbench_pin.sim.arm.grasp import Attachment
 from rlbench_pin.sim.arm.gripper import FingerControl
-from rlbench_pin.sim.arm.robot import ArmControl
 from rlbench_pin.sim.state import (
     LogicalBodyState,
     LogicalState,
@@ -62,11 +62,16 @@ def _readable(world: World, logical: LogicalState) -> dict[str, np.ndarray]:
         "joint_states": np.array([j.state() for n in bodies for j in world.body(n).joints.values()]).reshape(-1, 2),
         "robot_joints": world.robot.joint_states(),
         "frame_poses": np.array([local for _, local in logical.frames.values()]).reshape(-1, 7),
-        "arm_control": np.stack([logical.arm.target, logical.arm.reference]),
+        "arm_control": np.stack(_rows(logical.arm)),
         "finger_control": np.stack([logical.fingers.target, logical.fingers.reference, logical.fingers.last]),
         "finger_limits": np.array([logical.fingers.speed, logical.fingers.force]),
         "attachment_poses": np.array([a.T_hand_body for a in logical.attachments]).reshape(-1, 7),
     }
+
+
+def _rows(arm: ArmControl) -> list[np.ndarray]:
+    """The numbers of a command; the last row is there after a tick of torques only."""
+    return [arm.target, arm.reference] if arm.torques is None else [arm.target, arm.reference, arm.torques]
 
 
 def _meta(world: World, logical: LogicalState) -> dict[str, Any]:
@@ -147,7 +152,7 @@ def _logical_state(meta: dict[str, Any], arrays: Mapping[str, np.ndarray]) -> Lo
     specs = [BodySpec.model_validate(s) for s in meta["spawned"]]
     return LogicalState(
         ticks=meta["ticks"],
-        arm=ArmControl(meta["arm_mode"], arm[0], arm[1]),
+        arm=ArmControl(meta["arm_mode"], *arm),
         fingers=FingerControl(fingers[0], fingers[1], float(limits[0]), float(limits[1]), fingers[2]),
         attachments=tuple(Attachment(n, pose) for n, pose in zip(meta["attachments"], held, strict=True)),
         frames={n: (parent, local) for (n, parent), local in zip(meta["frames"].items(), frames, strict=True)},

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Protocol
 
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.scene.spec import BodySpec
+from rlbench_pin.sim.arm.control import ArmControl
 from rlbench_pin.sim.arm.grasp import Attachment
 from rlbench_pin.sim.arm.gripper import FingerControl
-from rlbench_pin.sim.arm.robot import ArmControl
 from rlbench_pin.sim.bodies.body import Body, Color
 from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.spatial import FloatArray

@@ -41,7 +41,7 @@ class TopGrasp:
         """Return the tip pose (7,) in the world, at a height [m] if one is given."""
         x, y, z = self.position
         turn = self.angle / 2.0
-        return np.array([x, y, z if height is None else height, np.cos(turn), np.sin(turn), 0.0, 0.0])
+        return np.array([x, y, z if height is None else height, -np.sin(turn), np.cos(turn), 0.0, 0.0])
 
 
 @dataclass(frozen=True, eq=False)

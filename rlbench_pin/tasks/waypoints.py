@@ -55,8 +55,8 @@ class Waypoint:
 
     @property
     def ignore_collisions(self) -> bool:
-        """Plan without looking at collisions."""
-        return self.spec.ignore_collisions
+        """Plan without looking at collisions; curves are always planned so."""
+        return self.spec.ignore_collisions or self.spec.path == "curve"
 
     @property
     def gripper(self) -> Literal["open", "close"] | float | None:
@@ -69,6 +69,11 @@ class Waypoint:
         if isinstance(self.spec.gripper, float):
             return self._opens
         return self.spec.gripper == "open"
+
+    @property
+    def lets_go(self) -> bool:
+        """Whether the hand, closed by the waypoints before, opens on arrival."""
+        return self.releases and self._opens
 
     @property
     def symmetry(self) -> int:

@@ -40,8 +40,8 @@ ROBOT = """
 ## panda
 
 `robots/panda/panda.urdf` - origin: foot of the base (`panda_link0`), arm reaching along +x; SRDF beside it.
-Tip frame `panda_hand_tcp`: z out of the hand, fingers open along its y. Fingers `panda_finger_joint1` (left, +y) and
-`panda_finger_joint2` (right, -y), each 0..0.04.
+Tip frame `panda_hand_tcp`: z out of the hand, fingers open along its y. Fingers `panda_finger_joint1` (left, -y) and
+`panda_finger_joint2` (right, +y), each 0..0.04.
 Pads about 0.018 x 0.018, ending 0.0095 beyond the tip frame; hand body 0.20 (y) x 0.064 (x).
 """
 

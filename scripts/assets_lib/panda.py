@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import math
 import re
 import xml.etree.ElementTree as ET
 from pathlib import Path
@@ -121,12 +122,20 @@ def _urdf(source: Path, visuals: dict[str, list[tuple[str, Rgb]]]) -> str:
         dynamics = joint.find("dynamics")
         if dynamics is not None:
             dynamics.attrib = {"damping": dynamics.attrib["damping"], "friction": "0"}
+    _turn_tip(root)
     _add_contact(root)
     ET.indent(root)
     text = ET.tostring(root, encoding="unicode")
     head = '<?xml version="1.0"?>\n'
     head += "<!-- Derived by scripts/build_assets.py from franka_description (Apache-2.0, see LICENSE). -->\n"
     return head + re.sub(r' xmlns:\w+="[^"]*"', "", text) + "\n"
+
+
+def _turn_tip(root: ET.Element) -> None:
+    """Turn the tip frame half round about the hand's z: a hand that points down ahead of the base is then (0, 1, 0, 0)."""
+    origin = root.find("joint[@name='panda_hand_tcp_joint']/origin")
+    assert origin is not None
+    origin.set("rpy", f"0 0 {math.pi}")
 
 
 def _replace_visual(link: ET.Element, visual: ET.Element, visuals: dict[str, list[tuple[str, Rgb]]]) -> None:

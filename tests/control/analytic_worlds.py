@@ -12,7 +12,7 @@ from rlbench_pin.scene.snapshot import NO_FILE, BodySnapshot, Shape, WorldSnapsh
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, pose_at
 
 TABLE_TOP = TABLE_HEIGHT
-TOP_DOWN = (1.0, 0.0, 0.0, 0.0)
+TOP_DOWN = (0.0, 1.0, 0.0, 0.0)
 """Quaternion of a hand that points down."""
 
 

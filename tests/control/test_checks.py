@@ -48,7 +48,7 @@ def test_a_quaternion_of_norm_zero_is_refused(quaternion: list[float]) -> None:
 @pytest.mark.parametrize("place", range(7))
 def test_a_pose_with_nan_is_refused(place: int) -> None:
     """Wherever the NaN is."""
-    pose = np.array([0.3, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    pose = np.array([0.3, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0])
     pose[place] = np.nan
     with pytest.raises(InvalidTarget):
         as_placement(pose)

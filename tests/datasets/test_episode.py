@@ -9,7 +9,9 @@ import h5py
 import numpy as np
 import pytest
 
-from rlbench_pin.datasets import read_demo, write_demo
+from rlbench_pin.datasets import DatasetWriter, Episode, read_demo, write_demo
+from rlbench_pin.datasets.verify import verify_task
+from rlbench_pin.datasets.writer import encode_demo
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import Demo, Observation
 from tests.demos_for_tests import assert_equal, make_demo
@@ -126,3 +128,16 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
     """A path that does not exist is an error of ours."""
     with pytest.raises(DatasetError, match=r"nowhere\.h5.*does not exist"):
         read_demo(tmp_path / "nowhere.h5")
+
+
+def test_the_state_of_a_generator_is_stored_in_the_place_of_a_seed(tmp_path: Path) -> None:
+    """It comes back as a tuple that numpy takes; the manifest lists no seed, and the dataset verifies."""
+    state = np.random.RandomState(3).get_state()
+    demo = Demo([Observation(joint_positions=np.zeros(7))], random_seed=state, task_name="reach_target")
+    path = DatasetWriter(tmp_path).add(demo)
+    with Episode(path) as stored:
+        read = stored.demo()
+    assert isinstance(read.random_seed, tuple) and read.seed is None
+    read.restore_state()
+    assert encode_demo(read) == path.read_bytes()
+    verify_task(tmp_path, "reach_target", structure=True)

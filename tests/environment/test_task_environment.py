@@ -8,6 +8,7 @@ import pytest
 from rlbench_pin import Demo, Observation
 from rlbench_pin.environment import Discrete, Environment, JointPosition, MoveArmThenGripper, TaskEnvironment
 from rlbench_pin.environment.presets import low_dim_config
+from rlbench_pin.environment.replay import replay_succeeds
 from rlbench_pin.errors import DatasetError, NoShapedReward, NotReset, TaskEnvironmentError, UnknownName
 
 
@@ -123,8 +124,25 @@ def test_a_demo_without_a_usable_seed_is_refused(reach: TaskEnvironment) -> None
     demo.__dict__["random_seed"] = ("MT19937", np.zeros(624, dtype=np.uint32), 0, 0, 0.0)
     with pytest.raises(TaskEnvironmentError, match="state of a random number generator instead of a seed"):
         reach.reset_to_demo(demo)
+    demo.__dict__["random_seed"] = -3
+    with pytest.raises(TaskEnvironmentError, match="whole number >= 0, not -3"):
+        reach.reset_to_demo(demo)
     demo.random_seed = 3
     assert reach.reset_to_demo(demo)[0] == reach.reset(seed=3, variation=0)[0]
+
+
+@pytest.mark.simulation
+def test_a_demo_with_the_state_of_a_generator_starts_from_its_snapshot(lift: TaskEnvironment) -> None:
+    """Everything stands where it stood, whatever was played before; the demonstration succeeds again from there."""
+    demo = lift.get_demos(1, live_demos=True, seed=3)[0]
+    np.random.seed(5)  # noqa: NPY002
+    demo.random_seed = np.random.get_state()  # noqa: NPY002
+    for seed in (1, 2):
+        lift.reset(seed=seed)
+        descriptions, seen = lift.reset_to_demo(demo)
+        assert seen.get_low_dim_data().tobytes() == demo[0].get_low_dim_data().tobytes()
+        assert descriptions == list(demo.instructions)
+    assert replay_succeeds(lift, demo)
 
 
 def test_demo_i_starts_from_seed_plus_i(lift: TaskEnvironment) -> None:

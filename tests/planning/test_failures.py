@@ -63,7 +63,7 @@ def test_ten_thousand_random_poses(model: RobotModel, boxes: Boxes) -> None:
 
 def test_out_of_reach_says_what_is_nearest(model: RobotModel, rng: np.random.Generator) -> None:
     """The nearest pose is one that the arm reaches, and the error is measured from it."""
-    wanted = pose_at((1.2, 0.0, 1.0), np.pi)
+    wanted = pose_at((1.2, 0.0, 1.0), np.pi, 0.0, np.pi)
     with pytest.raises(NoIkSolution) as caught:
         MotionPlanner(model).plan_to_pose(HOME, wanted, rng=rng)
     nearest = caught.value.nearest
@@ -76,7 +76,7 @@ def test_a_blocked_goal_says_how_deep(model: RobotModel, boxes: Boxes, rng: np.r
     planner = MotionPlanner(model)
     planner.update(boxes.snapshot(boxes.box("rock", (0.2, 0.2, 0.3), (0.35, 0.25, TABLE_TOP + 0.15))))
     with pytest.raises(GoalInCollision, match="mm deep") as caught:
-        planner.plan_to_pose(HOME, pose_at((0.35, 0.25, TABLE_TOP + 0.1), np.pi), rng=rng)
+        planner.plan_to_pose(HOME, pose_at((0.35, 0.25, TABLE_TOP + 0.1), np.pi, 0.0, np.pi), rng=rng)
     assert caught.value.depths[0] == max(caught.value.depths) > 0.01
 
 
@@ -84,9 +84,9 @@ def test_a_broken_line_says_where_and_by_what(model: RobotModel, boxes: Boxes, r
     """The fraction that was reached and the obstacle are named."""
     planner = MotionPlanner(model)
     planner.update(boxes.snapshot(boxes.screen()))
-    q = planner.plan_to_pose(HOME, pose_at((0.35, -0.25, TABLE_TOP + 0.1), np.pi), rng=rng).trajectory.q[-1]
+    q = planner.plan_to_pose(HOME, pose_at((0.35, -0.25, TABLE_TOP + 0.1), np.pi, 0.0, np.pi), rng=rng).trajectory.q[-1]
     with pytest.raises(NotStraight, match="screen") as caught:
-        planner.plan_to_pose(q, pose_at((0.35, 0.25, TABLE_TOP + 0.1), np.pi), straight=True, rng=rng)
+        planner.plan_to_pose(q, pose_at((0.35, 0.25, TABLE_TOP + 0.1), np.pi, 0.0, np.pi), straight=True, rng=rng)
     assert 0.0 < caught.value.fraction < 1.0
 
 

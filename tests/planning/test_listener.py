@@ -14,8 +14,8 @@ from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import pose_at
 from tests.worlds_for_tests import HOME, TABLE_TOP, Boxes
 
-GOAL = pose_at((0.35, 0.25, TABLE_TOP + 0.1), np.pi)
-TOO_FAR = pose_at((1.5, 0.0, 1.0), np.pi)
+GOAL = pose_at((0.35, 0.25, TABLE_TOP + 0.1), np.pi, 0.0, np.pi)
+TOO_FAR = pose_at((1.5, 0.0, 1.0), np.pi, 0.0, np.pi)
 
 
 class Record(PlanningListener):

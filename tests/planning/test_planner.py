@@ -18,7 +18,10 @@ from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import pose_at, rotation_distance
 from tests.worlds_for_tests import HOME, TABLE_TOP, Boxes
 
-LEFT, RIGHT = pose_at((0.35, 0.25, TABLE_TOP + 0.1), np.pi), pose_at((0.35, -0.25, TABLE_TOP + 0.1), np.pi)
+LEFT, RIGHT = (
+    pose_at((0.35, 0.25, TABLE_TOP + 0.1), np.pi, 0.0, np.pi),
+    pose_at((0.35, -0.25, TABLE_TOP + 0.1), np.pi, 0.0, np.pi),
+)
 
 
 @pytest.fixture
@@ -111,7 +114,7 @@ def test_errors_say_what_is_wrong(planner: MotionPlanner, boxes: Boxes, rng: np.
     """Out of reach, blocked goal and blocked start are different errors."""
     planner.update(boxes.snapshot(boxes.box("rock", (0.2, 0.2, 0.3), (0.35, 0.25, TABLE_TOP + 0.15))))
     with pytest.raises(NoIkSolution):
-        planner.plan_to_pose(HOME, pose_at((1.5, 0.0, 1.0), np.pi), rng=rng)
+        planner.plan_to_pose(HOME, pose_at((1.5, 0.0, 1.0), np.pi, 0.0, np.pi), rng=rng)
     with pytest.raises(GoalInCollision, match="rock"):
         planner.plan_to_pose(HOME, LEFT, rng=rng)
     with pytest.raises(StartInCollision, match="table"):
@@ -133,8 +136,8 @@ def test_a_narrow_grasp_is_reached(planner: MotionPlanner, boxes: Boxes, model: 
     width = 0.076
     snapshot = boxes.snapshot(boxes.box("cube", (width, width, width), (0.3, 0.0, TABLE_TOP + width / 2)))
     planner.update(snapshot)
-    above = planner.plan_to_pose(HOME, pose_at((0.3, 0.0, TABLE_TOP + 0.2), np.pi), rng=rng).trajectory.q[-1]
-    plan = planner.plan_to_pose(above, pose_at((0.3, 0.0, TABLE_TOP + 0.05), np.pi), rng=rng)
+    above = planner.plan_to_pose(HOME, pose_at((0.3, 0.0, TABLE_TOP + 0.2), np.pi, 0.0, np.pi), rng=rng).trajectory.q[-1]
+    plan = planner.plan_to_pose(above, pose_at((0.3, 0.0, TABLE_TOP + 0.05), np.pi, 0.0, np.pi), rng=rng)
     assert plan.report.method == "straight"
     assert touches(model, snapshot, plan) == []
 
@@ -144,11 +147,11 @@ def test_a_held_cube_is_lifted_carried_and_set_down(
 ) -> None:
     """Pick and place: the cube leaves the table, goes around the screen, and is set down on the table again."""
     cube = boxes.box("cube", (0.05, 0.05, 0.05), (0.35, -0.25, TABLE_TOP + 0.025))
-    at_cube = pose_at((0.35, -0.25, TABLE_TOP + 0.025), np.pi)
+    at_cube = pose_at((0.35, -0.25, TABLE_TOP + 0.025), np.pi, 0.0, np.pi)
     planner.update(boxes.snapshot(cube, boxes.screen()))
     q = planner.plan_to_pose(HOME, at_cube, rng=rng).trajectory.q[-1]
     planner.update(boxes.snapshot(cube, boxes.screen(), arm=q, opening=0.025, attached=("cube",)))
-    plan = planner.plan_to_pose(q, pose_at((0.35, 0.25, TABLE_TOP + 0.025), np.pi), rng=rng)
+    plan = planner.plan_to_pose(q, pose_at((0.35, 0.25, TABLE_TOP + 0.025), np.pi, 0.0, np.pi), rng=rng)
     assert plan.report.method == "sampled"
     judge = MotionPlanner(model).collision
     judge.update(boxes.snapshot(cube, boxes.screen(), arm=q, opening=0.025, attached=("cube",)))
@@ -161,7 +164,7 @@ def test_a_curve_is_followed(planner: MotionPlanner, boxes: Boxes, model: RobotM
     planner.update(boxes.snapshot())
     start = planner.plan_to_pose(HOME, LEFT, rng=rng).trajectory.q[-1]
     angles = np.linspace(0.2, 2.0, 10)
-    poses = [pose_at((0.35 - 0.1 + 0.1 * np.cos(a), 0.25 + 0.1 * np.sin(a), TABLE_TOP + 0.1), np.pi) for a in angles]
+    poses = [pose_at((0.35 - 0.1 + 0.1 * np.cos(a), 0.25 + 0.1 * np.sin(a), TABLE_TOP + 0.1), np.pi, 0.0, np.pi) for a in angles]
     plan = planner.plan_curve(start, poses, rng=rng)
     tips = np.array([model.tip_pose(q)[:3] for q in plan.trajectory.q])
     for pose in poses:

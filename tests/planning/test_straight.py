@@ -20,10 +20,10 @@ def distance_to_line(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.nda
 @pytest.mark.parametrize(
     "goal",
     [
-        pose_at((0.3, 0.2, 0.9), np.pi, 0.0, 0.5),
-        pose_at((0.1, -0.3, 1.1), np.pi, 0.3, -0.5),
-        pose_at((0.5, 0.0, 0.8), np.pi),
-        pose_at((0.278, 0.0, 1.2), 2.8, 0.0, 0.0),
+        pose_at((0.3, 0.2, 0.9), np.pi, 0.0, 0.5 + np.pi),
+        pose_at((0.1, -0.3, 1.1), np.pi, 0.3, -0.5 + np.pi),
+        pose_at((0.5, 0.0, 0.8), np.pi, 0.0, np.pi),
+        pose_at((0.278, 0.0, 1.2), -2.8, 0.0, np.pi),
     ],
 )
 def test_the_tip_keeps_to_the_line(model: RobotModel, goal: np.ndarray) -> None:
@@ -41,22 +41,22 @@ def test_the_tip_keeps_to_the_line(model: RobotModel, goal: np.ndarray) -> None:
 
 def test_steps_are_small(model: RobotModel) -> None:
     """The arm does not flip on the way."""
-    path = straight_path(model, model.home, pose_at((0.4, 0.3, 0.9), np.pi))
+    path = straight_path(model, model.home, pose_at((0.4, 0.3, 0.9), np.pi, 0.0, np.pi))
     assert np.abs(np.diff(path, axis=0)).max() < 0.2
     np.testing.assert_array_equal(path[0], model.home)
 
 
 def test_a_line_out_of_reach_says_how_far_it_goes(model: RobotModel) -> None:
     """The error carries the fraction of the line that can be followed."""
-    start = straight_path(model, model.home, pose_at((0.2, 0.0, 0.9), np.pi))[-1]
+    start = straight_path(model, model.home, pose_at((0.2, 0.0, 0.9), np.pi, 0.0, np.pi))[-1]
     with pytest.raises(NotStraight) as caught:
-        straight_path(model, start, pose_at((1.0, 0.0, 0.9), np.pi))
+        straight_path(model, start, pose_at((1.0, 0.0, 0.9), np.pi, 0.0, np.pi))
     assert 0.3 < caught.value.fraction < 0.7
 
 
 def test_an_obstacle_interrupts_the_line(model: RobotModel) -> None:
     """Configurations that are not free end it."""
-    goal = pose_at((0.278, 0.0, above_table(0.148)), np.pi)
+    goal = pose_at((0.278, 0.0, above_table(0.148)), np.pi, 0.0, np.pi)
 
     def is_free(q: np.ndarray) -> bool:
         return bool(model.tip_pose(q)[2] > above_table(0.448))
@@ -69,7 +69,7 @@ def test_an_obstacle_interrupts_the_line(model: RobotModel) -> None:
 def test_a_curve_visits_its_poses(model: RobotModel) -> None:
     """The tip passes every pose of the row."""
     start = model.tip_pose(model.home)
-    poses = [compose(start, pose_at((0.1 * np.cos(a) - 0.1, 0.1 * np.sin(a), 0.0))) for a in np.linspace(0.1, 3.0, 12)]
+    poses = [compose(start, pose_at((0.1 - 0.1 * np.cos(a), -0.1 * np.sin(a), 0.0))) for a in np.linspace(0.1, 3.0, 12)]
     tips = np.array([model.tip_pose(q) for q in curve_path(model, model.home, poses)])
     for pose in poses:
         assert np.linalg.norm(tips[:, :3] - pose[:3], axis=1).min() < 1e-5

@@ -11,7 +11,7 @@ import pytest
 
 from rlbench_pin.errors import RobotModelError
 from rlbench_pin.robot.model import RobotModel
-from rlbench_pin.spatial import above_table, pose_to_se3
+from rlbench_pin.spatial import above_table, pose_to_se3, rotation_distance
 
 STEP = 1e-6
 
@@ -105,3 +105,13 @@ def test_home_outside_the_limits_is_refused(model: RobotModel, tmp_path: Path) -
     """A home that the joints cannot reach is a fault of the description."""
     with pytest.raises(RobotModelError, match="home"):
         RobotModel(replace(model.description, home=(9.0, *model.description.home[1:])))
+
+
+def test_the_tip_of_a_hand_that_points_down(model: RobotModel) -> None:
+    """It is (0, 1, 0, 0) but for the 10 degrees that home leans, and y goes from the first finger to the second."""
+    home = model.tip_pose(model.home)
+    assert np.degrees(rotation_distance(home, np.array([0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]))) == pytest.approx(10.0, abs=0.1)
+    data = model.full.createData()
+    pin.framesForwardKinematics(model.full, data, model.full_configuration(model.home))
+    first, second = (data.oMf[model.full.getFrameId(link)].translation for link in model.description.finger_links)
+    assert (second - first) @ pose_to_se3(home).rotation[:, 1] == pytest.approx(0.08, abs=1e-6)

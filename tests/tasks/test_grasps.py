@@ -39,7 +39,7 @@ def test_a_block_alone_is_gripped_in_its_middle_across_its_narrow_side() -> None
     np.testing.assert_allclose(grasp.position, block.position, atol=1e-9)
     assert grasp.cost == pytest.approx(0.03)
     assert grasp.angle == 0.0
-    np.testing.assert_allclose(grasp.tip_pose(), [0.02, 0.01, 0.02, 1.0, 0.0, 0.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(grasp.tip_pose(), [0.02, 0.01, 0.02, 0.0, 1.0, 0.0, 0.0], atol=1e-9)
     assert grasp.tip_pose(0.3)[2] == 0.3
 
 

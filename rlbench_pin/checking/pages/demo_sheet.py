@@ -79,6 +79,6 @@ def moments(task: TaskEnvironment, demo: Demo, config: ObservationConfig, count:
             config.set_all_high_dim(False)
         frame += 1
 
-    assert demo.random_seed is not None
-    task.try_demo(seed=demo.random_seed, variation=demo.variation_number, attempt=demo.attempt, on_frame=look)
+    assert demo.seed is not None
+    task.try_demo(seed=demo.seed, variation=demo.variation_number, attempt=demo.attempt, on_frame=look)
     return seen

@@ -9,10 +9,9 @@ from rlbench_pin.compat.things.names import camera_of
 from rlbench_pin.compat.things.placed import CameraSettings
 from rlbench_pin.compat.things.thing import Thing
 from rlbench_pin.environment import CameraConfig, ObservationConfig
-from rlbench_pin.environment.observations.cameras import camera_view
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.sim import CameraView
-from rlbench_pin.spatial import FloatArray, relative
+from rlbench_pin.spatial import FloatArray
 
 COLOR_CODED = "OPENGL_COLOR_CODED"
 """Render mode of cameras that show handles as colours."""
@@ -34,17 +33,13 @@ class Cameras:
         config: CameraConfig = getattr(self.config, f"{name}_camera")
         return config
 
-    def nominal(self, name: str) -> CameraView:
-        """Return the view of a camera that nobody has moved."""
-        return camera_view(name, self.settings_of(name), self._runtime.world, self._runtime.description)
-
     def view(self, name: str) -> CameraView:
         """Return what a camera sees now."""
-        return self._runtime.observer.look.moved(name, self.nominal(name))
+        return self._runtime.observer.look.moved(name, self._runtime.cameras[name].view())
 
     def place(self, name: str, pose: FloatArray) -> None:
         """Put a camera at a pose (7,) in the world; the one on the hand keeps its place there. Observations follow."""
-        self._runtime.observer.look.offsets[name] = relative(pose, self.nominal(name).pose)
+        self._runtime.cameras[name].set_pose(pose)
 
 
 class CameraThing(Thing):

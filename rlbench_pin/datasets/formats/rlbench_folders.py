@@ -125,5 +125,7 @@ def _pickled(demo: Demo) -> PickledDemo:
 def _pickled_observation(obs: Observation) -> PickledObservation:
     result = PickledObservation()
     values = {name: None if name in _PICTURES else getattr(obs, name) for name in FIELDS}
+    if obs.ignore_collisions is not None:
+        values["ignore_collisions"] = obs.ignore_collisions
     result.__dict__.update({**values, "misc": dict(obs.misc)})
     return result

@@ -98,7 +98,7 @@ def _demo(pickled: Any, frames: list[Observation], variation: int, path: Path) -
     seed, attempts, attempt = (known.get(name) for name in ("random_seed", "num_reset_attempts", "attempt"))
     return Demo(
         frames,
-        random_seed=seed if isinstance(seed, int) else None,
+        random_seed=seed if isinstance(seed, int | tuple) else None,
         num_reset_attempts=attempts if isinstance(attempts, int) else None,
         attempt=attempt if isinstance(attempt, int) else 0,
         state=_arrays(known.get("state")),
@@ -140,7 +140,10 @@ def _observation(pickled: Any, path: Path) -> Observation:
         raise EpisodeFileError(path, f"'{path / LOW_DIM_FILE}' holds a {type(pickled).__name__} where an observation belongs.")
     misc = known.get("misc")
     values = {name: known.get(name) for name in FIELDS}
-    return Observation(**values, misc=dict(misc) if isinstance(misc, dict) else {})
+    observation = Observation(**values, misc=dict(misc) if isinstance(misc, dict) else {})
+    if known.get("ignore_collisions") is not None:
+        observation.ignore_collisions = bool(np.all(known["ignore_collisions"]))
+    return observation
 
 
 def _check_counts(path: Path, frames: int) -> None:

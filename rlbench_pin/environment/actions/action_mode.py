@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from rlbench_pin.environment.actions.arm_mode import ArmActionMode
 from rlbench_pin.environment.actions.gripper import GripperActionMode, GripperJointPosition
 from rlbench_pin.environment.actions.joint import JointPosition
-from rlbench_pin.environment.actions.mode import SpecifiedMode, as_action, checked, execute
+from rlbench_pin.environment.actions.mode import PartMode, SpecifiedMode, as_action, checked, execute
 from rlbench_pin.environment.actions.specification import ActionSpec
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.spatial import FloatArray
@@ -50,17 +52,23 @@ class ActionMode(SpecifiedMode):
     def split(self, runtime: Runtime, action: object) -> tuple[FloatArray, FloatArray]:
         """Check an action, so that a refused one changes nothing, and return the arm's and the gripper's numbers.
 
+        Numbers that the arm mode takes beyond its specification come last in the action and in the arm's numbers.
+
         Raises:
             InvalidActionError: The shape is wrong, a number is not finite, or the arm or gripper mode refuses its numbers.
         """
-        values = as_action(action, self.action_shape(runtime), type(self).__name__)
-        size = self.arm_action_mode.action_shape(runtime)[0]
-        arm, gripper = values[:size], values[size:]
+        size, whole = self.arm_action_mode.action_shape(runtime)[0], self.action_shape(runtime)
+        more = self.arm_action_mode.optional_values if isinstance(self.arm_action_mode, PartMode) else 0
+        values = as_action(action, whole, type(self).__name__, more)
+        arm, gripper = np.concatenate([values[:size], values[whole:]]), values[size:whole]
         return checked(self.arm_action_mode, runtime, arm), checked(self.gripper_action_mode, runtime, gripper)
 
 
 class MoveArmThenGripper(ActionMode):
-    """The arm action runs to its end, then the gripper action."""
+    """The arm action runs to its end, then the gripper action.
+
+    With `EndEffectorPoseViaPlanning` a ninth number may follow the gripper's: 1 plans without collision checks, 0 with them.
+    """
 
     def action(self, runtime: Runtime, action: object) -> None:
         """Move the arm, then the gripper."""
@@ -86,8 +94,8 @@ class JointPositionActionMode(ActionMode):
     def action(self, runtime: Runtime, action: object) -> None:
         """Command both, step once, hold both."""
         arm, gripper = self.split(runtime, action)
-        self._arm.command(runtime, arm)
-        move = self._gripper.command(runtime, gripper)
+        self._arm.action_pre_step(runtime, arm)
+        self._gripper.action_pre_step(runtime, gripper)
         runtime.step()
-        self._arm.after(runtime)
-        self._gripper.after(runtime, move)
+        self._arm.action_post_step(runtime, arm)
+        self._gripper.action_post_step(runtime, gripper)

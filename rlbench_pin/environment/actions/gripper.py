@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
 
-from rlbench_pin.environment.actions.mode import ActionPart, PartMode
+from rlbench_pin.environment.actions.mode import ActionPart, BoundMode, PartMode
 from rlbench_pin.environment.actions.specification import ActionSpec
 from rlbench_pin.environment.motion import hold_or_release, move_gripper
 from rlbench_pin.environment.runtime import Runtime
@@ -74,6 +74,14 @@ class FingerMove:
     """Whether that is farther open than they were."""
 
 
+@dataclass
+class BoundFingers(BoundMode):
+    """A finger position mode in one runtime."""
+
+    move: FingerMove | None = field(default=None, init=False)
+    """The motion of the present tick, from `action_pre_step` to `action_post_step`."""
+
+
 class GripperJointPosition(GripperMode):
     """One number: the position of both fingers [m], or its change, for one tick; then the fingers hold.
 
@@ -94,27 +102,37 @@ class GripperJointPosition(GripperMode):
         high = np.array([runtime.description.gripper_open])
         return ActionSpec(("finger",), ("m",), np.zeros(1) if self.absolute_mode else -high, high, "joint", 1)
 
-    def command(self, runtime: Runtime, values: FloatArray) -> FingerMove:
+    def bind(self, runtime: Runtime) -> BoundFingers:
+        """Keep the motion between the hooks of an action."""
+        return BoundFingers()
+
+    def action_pre_step(self, runtime: Runtime, action: FloatArray) -> None:
         """Command the finger motors, without stepping; opening lets go."""
         here, reach = runtime.robot.fingers, runtime.description.gripper_open
-        target = float(np.clip(values[0] if self.absolute_mode else here.mean() + values[0], 0.0, reach))
+        target = float(np.clip(action[0] if self.absolute_mode else here.mean() + action[0], 0.0, reach))
         opens = bool(target > here.mean() + 1e-4)
         if opens and self.detach_before_open:
             runtime.gripper.release()
         if not runtime.gripper.grasped or opens:
             runtime.gripper.set_target(target / reach, runtime.description.finger_speed)
-        return FingerMove(target, opens)
+        runtime.bound(self).move = FingerMove(target, opens)
 
-    def after(self, runtime: Runtime, move: FingerMove) -> None:
-        """Attach what stopped the fingers, or let go; then hold."""
-        stalled = runtime.robot.fingers.mean() > move.target + 1e-3 and not runtime.gripper.moving
-        hold_or_release(runtime, release=move.opens, attach=self.attaches(runtime) and stalled)
-        runtime.gripper.hold()
-
-    def execute(self, runtime: Runtime, values: FloatArray) -> None:
-        """Command, step once, hold."""
-        move = self.command(runtime, values)
+    def action_step(self, runtime: Runtime, action: FloatArray) -> None:
+        """One tick, in which the arm holds still."""
         if runtime.robot.mode == "torque":
             runtime.hold()
         runtime.step()
-        self.after(runtime, move)
+
+    def action_post_step(self, runtime: Runtime, action: FloatArray) -> None:
+        """Attach what stopped the fingers, or let go; then hold.
+
+        Raises:
+            InvalidActionError: No `action_pre_step` came before.
+        """
+        bound = runtime.bound(self)
+        move, bound.move = bound.move, None
+        if move is None:
+            raise InvalidActionError("`action_post_step` of the fingers was called without `action_pre_step`. Call that first.")
+        stalled = runtime.robot.fingers.mean() > move.target + 1e-3 and not runtime.gripper.moving
+        hold_or_release(runtime, release=move.opens, attach=self.attaches(runtime) and stalled)
+        runtime.gripper.hold()

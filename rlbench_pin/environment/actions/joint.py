@@ -26,24 +26,11 @@ class JointMode(PartMode):
         """Return lowest and highest values."""
         raise NotImplementedError
 
-    def command(self, runtime: Runtime, values: FloatArray) -> None:
-        """Command the motors, without stepping."""
-        raise NotImplementedError
-
-    def after(self, runtime: Runtime) -> None:
-        """Leave the arm at rest after the tick."""
-
     def make_spec(self, runtime: Runtime) -> ActionSpec:
         """One number per arm joint."""
         names = runtime.description.arm_joints
         low, high = self.bounds(runtime)
         return ActionSpec(names, (self.unit,) * len(names), low, high, "joint", 1)
-
-    def execute(self, runtime: Runtime, values: FloatArray) -> None:
-        """Command, step once, come to rest."""
-        self.command(runtime, values)
-        runtime.step()
-        self.after(runtime)
 
 
 class JointVelocity(JointMode):
@@ -56,11 +43,11 @@ class JointVelocity(JointMode):
         limit = runtime.model.limits.velocity
         return -limit, limit
 
-    def command(self, runtime: Runtime, values: FloatArray) -> None:
+    def action_pre_step(self, runtime: Runtime, action: FloatArray) -> None:
         """Set velocity targets."""
-        runtime.robot.set_velocity_targets(values if self.absolute_mode else runtime.robot.joint_velocities + values)
+        runtime.robot.set_velocity_targets(action if self.absolute_mode else runtime.robot.joint_velocities + action)
 
-    def after(self, runtime: Runtime) -> None:
+    def action_post_step(self, runtime: Runtime, action: FloatArray) -> None:
         """Command zero velocity."""
         runtime.robot.set_velocity_targets(np.zeros(runtime.model.size))
 
@@ -78,17 +65,20 @@ class JointPosition(JointMode):
         step = limits.velocity * runtime.world.control_dt
         return -step, step
 
-    def command(self, runtime: Runtime, values: FloatArray) -> None:
+    def action_pre_step(self, runtime: Runtime, action: FloatArray) -> None:
         """Set position targets."""
-        runtime.robot.set_position_targets(values if self.absolute_mode else runtime.robot.joint_positions + values)
+        runtime.robot.set_position_targets(action if self.absolute_mode else runtime.robot.joint_positions + action)
 
-    def after(self, runtime: Runtime) -> None:
+    def action_post_step(self, runtime: Runtime, action: FloatArray) -> None:
         """Hold what is measured."""
         runtime.hold()
 
 
 class JointTorque(JointMode):
-    """Joint torques [N m] for one tick, gravity included, or changes of the motors' last torques; then the arm stops."""
+    """Joint torques [N m] for one tick, gravity included, or changes of the motors' last torques; then the arm stops.
+
+    Between two torque actions nothing stops: the arm brakes in ticks that no torque action commands, as while the hand moves.
+    """
 
     unit = "N m"
 
@@ -97,9 +87,10 @@ class JointTorque(JointMode):
         limit = runtime.model.limits.effort
         return -limit, limit
 
-    def command(self, runtime: Runtime, values: FloatArray) -> None:
+    def action_pre_step(self, runtime: Runtime, action: FloatArray) -> None:
         """Set torques."""
-        runtime.robot.set_torques(values if self.absolute_mode else runtime.robot.joint_torques + values)
+        runtime.robot.set_torques(action if self.absolute_mode else runtime.robot.joint_torques + action)
 
-    def after(self, runtime: Runtime) -> None:
-        """Nothing: the last torques act until the next action, or until the hand is to move."""
+    def action_post_step(self, runtime: Runtime, action: FloatArray) -> None:
+        """Command zero velocity, so that no torque acts on unwatched; the next action finds the arm as fast as it is."""
+        runtime.robot.set_velocity_targets(np.zeros(runtime.model.size))

@@ -14,14 +14,15 @@ from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.spatial import FloatArray
 
 
-def as_action(action: object, size: int, what: str) -> FloatArray:
-    """Return `action` as a finite float64 vector of `size` numbers, or raise InvalidActionError."""
+def as_action(action: object, size: int, what: str, more: int = 0) -> FloatArray:
+    """Return `action` as a finite float64 vector of `size` numbers, or with `more` after them, or raise InvalidActionError."""
     try:
         array = np.array(action, dtype=float)
     except (TypeError, ValueError) as error:
         raise InvalidActionError(f"{what} takes {size} numbers, not {action!r}.") from error
-    if array.shape != (size,):
-        raise InvalidActionError(f"{what} takes an array of shape ({size},), not {array.shape}.")
+    if array.shape not in ((size,), (size + more,)):
+        shapes = f"({size},)" if more == 0 else f"({size},) or ({size + more},)"
+        raise InvalidActionError(f"{what} takes an array of shape {shapes}, not {array.shape}.")
     if not np.isfinite(array).all():
         bad = ", ".join(str(i) for i in np.flatnonzero(~np.isfinite(array)))
         raise InvalidActionError(f"{what} got NaN or infinity at index {bad}. Check the policy's output.")
@@ -92,11 +93,43 @@ class SpecifiedMode:
 
 
 class PartMode(SpecifiedMode):
-    """An arm mode or a gripper mode. Subclasses say what the numbers mean (`make_spec`) and do (`execute`)."""
+    """An arm mode or a gripper mode. Subclasses say what the numbers mean (`make_spec`) and what they do.
+
+    A mode whose action takes one control tick says what comes before and after the tick: `action_pre_step` and
+    `action_post_step`. Then other modes can share the tick: all pre-steps, one `runtime.step()`, all post-steps. A mode that
+    takes as many ticks as its motion needs overrides `execute`, and `action_step` is the whole motion.
+
+    An action may have `optional_values` further numbers, which the specification leaves out.
+    """
+
+    @property
+    def optional_values(self) -> int:
+        """How many numbers may follow those of the specification, all or none."""
+        return 0
+
+    @property
+    def takes_one_tick(self) -> bool:
+        """Whether an action takes one control tick, so that its pre-step and post-step are all there is to it."""
+        return type(self).execute is PartMode.execute and type(self).action is PartMode.action
+
+    def action_pre_step(self, runtime: Runtime, action: FloatArray) -> None:
+        """Do what comes before the tick of an action (n,), such as commanding the motors, without stepping. Here nothing."""
+
+    def action_step(self, runtime: Runtime, action: FloatArray) -> None:
+        """Run the ticks of an action (n,): one tick, or the whole motion of a mode that has its own `execute`."""
+        if type(self).execute is PartMode.execute:
+            runtime.step()
+        else:
+            self.execute(runtime, action)
+
+    def action_post_step(self, runtime: Runtime, action: FloatArray) -> None:
+        """Do what comes after the tick of an action (n,), such as holding still, without stepping. Here nothing."""
 
     def execute(self, runtime: Runtime, values: FloatArray) -> None:
         """Run one action to its end; `values`, shape (n,), are checked."""
-        raise NotImplementedError
+        self.action_pre_step(runtime, values)
+        self.action_step(runtime, values)
+        self.action_post_step(runtime, values)
 
     def action(self, runtime: Runtime, action: object) -> None:
         """Check one action, then run it to its end.
@@ -104,7 +137,7 @@ class PartMode(SpecifiedMode):
         Raises:
             InvalidActionError: The action is refused; nothing has moved.
         """
-        values = as_action(action, self.action_shape(runtime)[0], type(self).__name__)
+        values = as_action(action, self.action_shape(runtime)[0], type(self).__name__, self.optional_values)
         self.execute(runtime, checked(self, runtime, values))
 
     def check(self, runtime: Runtime, values: FloatArray) -> FloatArray | None:

@@ -13,13 +13,14 @@ from rlbench_pin.environment.actions.arm_mode import (
     assert_unit_quaternion,
     calculate_delta_pose,
 )
-from rlbench_pin.environment.actions.mode import PartMode
+from rlbench_pin.environment.actions.mode import PartMode, as_action, checked
 from rlbench_pin.environment.actions.specification import POSE_NAMES, POSE_UNITS, ActionSpec
 from rlbench_pin.environment.motion import follow
 from rlbench_pin.environment.runtime import TIP_WORKSPACE, Runtime
 from rlbench_pin.errors import InvalidActionError, PlanningError
 from rlbench_pin.planning.kinematics.ik import solve_ik
 from rlbench_pin.planning.kinematics.pinned_ik import solve_pinned_ik
+from rlbench_pin.planning.plan import Plan
 from rlbench_pin.spatial import FloatArray
 
 IK_DONE = 0.01
@@ -64,24 +65,78 @@ class PoseMode(PartMode):
 
 
 class EndEffectorPoseViaPlanning(PoseMode):
-    """Plan a timed, smooth motion to the pose and run it to its end, or until the task is done."""
+    """Plan a timed, smooth motion to the pose and run it to its end, or until the task is done.
+
+    An eighth number may follow the pose: above 0.5 collisions are ignored, otherwise they are avoided; without it the setting
+    counts.
+
+    Args:
+        absolute_mode: World pose; otherwise a delta to the present tip pose.
+        frame: Frame of the delta; the end-effector frame makes the pose relative whatever `absolute_mode` says.
+        collision_checking: Avoid collisions.
+        retry_without_checks: When no motion without collisions is found, plan one that ignores them, instead of refusing.
+    """
+
+    def __init__(
+        self,
+        absolute_mode: bool = True,
+        frame: FrameChoice = RelativeFrame.WORLD,
+        collision_checking: bool = False,
+        *,
+        retry_without_checks: bool = False,
+    ) -> None:
+        super().__init__(absolute_mode, frame, collision_checking)
+        self.retry_without_checks = retry_without_checks
+
+    @property
+    def optional_values(self) -> int:
+        """One: whether collisions are ignored."""
+        return 1
+
+    def action(self, runtime: Runtime, action: object, ignore_collisions: bool | None = None) -> None:
+        """Check one action, then plan and run it.
+
+        Args:
+            runtime: What moves.
+            action: A pose (7,), perhaps with the eighth number.
+            ignore_collisions: Counts instead of the eighth number and the setting, when given.
+
+        Raises:
+            InvalidActionError: The action is refused; nothing has moved.
+        """
+        values = as_action(action, 7, type(self).__name__, self.optional_values)
+        if ignore_collisions is not None:
+            values = np.append(values[:7], float(ignore_collisions))
+        self.execute(runtime, checked(self, runtime, values))
+
+    def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
+        """Return the numbers, or raise InvalidActionError when the eighth does not lie between 0 and 1."""
+        if len(values) > 7 and not 0.0 <= values[7] <= 1.0:
+            raise InvalidActionError(
+                f"The number that says whether collisions are ignored is {values[7]}; it must be 0 or 1 (ignored)."
+            )
+        return values
 
     def execute(self, runtime: Runtime, values: FloatArray) -> None:
         """Plan and execute."""
-        target = self.target(runtime, values)
+        target = self.target(runtime, values[:7])
         runtime.check_target_in_workspace(target[:3])
         runtime.refresh_planner()
+        ignore = bool(values[7] > 0.5) if len(values) > 7 else not self.collision_checking
         try:
-            plan = runtime.planner.plan_to_pose(
-                runtime.robot.joint_positions,
-                target,
-                ignore_collisions=not self.collision_checking,
-                allowed=runtime.touching(),
-                rng=runtime.planning_rng,
-            )
+            plan = self._plan(runtime, target, ignore)
         except PlanningError as error:
             raise InvalidActionError(f"No motion to the target pose: {error}") from error
         follow(runtime, plan.trajectory, until=lambda: runtime.task.success()[0])
+
+    def _plan(self, runtime: Runtime, target: FloatArray, ignore_collisions: bool) -> Plan:
+        q, allowed, rng = runtime.robot.joint_positions, runtime.touching(), runtime.planning_rng
+        try:
+            return runtime.planner.plan_to_pose(q, target, ignore_collisions=ignore_collisions, allowed=allowed, rng=rng)
+        except PlanningError:
+            if ignore_collisions or not self.retry_without_checks:
+                raise
+        return runtime.planner.plan_to_pose(q, target, ignore_collisions=True, allowed=allowed, rng=rng)
 
 
 class EndEffectorPoseViaIK(PoseMode):

@@ -63,6 +63,11 @@ class SafeArm(PartMode):
         config = replace(self.config, dt=runtime.world.control_dt, hold="any")
         return Guard(filter=SafetyFilter(runtime.model, config, limits=reduced, counts=self.counts))
 
+    @property
+    def optional_values(self) -> int:
+        """How many numbers may follow in an action of the inner mode."""
+        return self.mode.optional_values if isinstance(self.mode, PartMode) else 0
+
     def action_shape(self, runtime: Runtime) -> tuple[int]:
         """Return the shape of an action of the inner mode."""
         return self.mode.action_shape(runtime)
@@ -84,6 +89,31 @@ class SafeArm(PartMode):
         runtime.bound(self).look_at(runtime.world.snapshot())
         with runtime.filtering(self._command):
             execute(self.mode, runtime, values)
+
+    @property
+    def takes_one_tick(self) -> bool:
+        """Whether an action of the inner mode takes one control tick."""
+        return isinstance(self.mode, PartMode) and self.mode.takes_one_tick
+
+    def action_pre_step(self, runtime: Runtime, action: FloatArray) -> None:
+        """Command the motors as the inner mode does and filter that, so that the coming tick is safe whoever steps."""
+        runtime.bound(self).look_at(runtime.world.snapshot())
+        if isinstance(self.mode, PartMode) and self.takes_one_tick:
+            self.mode.action_pre_step(runtime, action)
+            self._command(runtime)
+
+    def action_step(self, runtime: Runtime, action: FloatArray) -> None:
+        """Run the ticks of the inner action; those of a motion are filtered one by one."""
+        if self.takes_one_tick:
+            runtime.step()
+            return
+        with runtime.filtering(self._command):
+            execute(self.mode, runtime, action)
+
+    def action_post_step(self, runtime: Runtime, action: FloatArray) -> None:
+        """Do what the inner mode does after its tick."""
+        if isinstance(self.mode, PartMode) and self.takes_one_tick:
+            self.mode.action_post_step(runtime, action)
 
     def _command(self, runtime: Runtime) -> None:
         """Replace the motors' command of the coming tick by a safe one where needed."""

@@ -42,12 +42,14 @@ class EndEffectorVelocity(PartMode):
         high = np.repeat([runtime.description.linear_speed, runtime.description.angular_speed], 3)
         return ActionSpec(TWIST_NAMES, TWIST_UNITS, -high, high, "end effector" if self.frame is RelativeFrame.EE else "world", 1)
 
-    def execute(self, runtime: Runtime, values: FloatArray) -> None:
-        """Solve for joint velocities and move for one tick."""
+    def action_pre_step(self, runtime: Runtime, action: FloatArray) -> None:
+        """Solve for joint velocities and command them."""
         axes: Literal["tip", "world"] = "tip" if self.frame is RelativeFrame.EE else "world"
         q, v = runtime.robot.joint_positions, runtime.robot.joint_velocities
         if not self.absolute_mode:
-            values = values + runtime.model.jacobian(q, axes) @ v
-        runtime.robot.set_velocity_targets(runtime.bound(self).solver.velocity_for_twist(q, v, values, axes))
-        runtime.step()
+            action = action + runtime.model.jacobian(q, axes) @ v
+        runtime.robot.set_velocity_targets(runtime.bound(self).solver.velocity_for_twist(q, v, action, axes))
+
+    def action_post_step(self, runtime: Runtime, action: FloatArray) -> None:
+        """Command zero velocity."""
         runtime.robot.set_velocity_targets(np.zeros(runtime.model.size))

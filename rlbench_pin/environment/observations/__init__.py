@@ -8,9 +8,13 @@ from rlbench_pin.environment.observations.masks import rgb_handles_to_mask
 from rlbench_pin.environment.observations.model_based import ModelObservationConfig
 from rlbench_pin.environment.observations.noise import GaussianNoise, Identity, NoiseModel
 from rlbench_pin.environment.observations.observe import Observer
+from rlbench_pin.environment.observations.placing import Camera, CameraPlaces, Cameras
 
 __all__ = [
+    "Camera",
     "CameraConfig",
+    "CameraPlaces",
+    "Cameras",
     "ExtraCamera",
     "GaussianNoise",
     "Identity",

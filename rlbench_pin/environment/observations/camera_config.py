@@ -8,6 +8,9 @@ from typing import Literal
 from rlbench_pin.environment.observations.noise import Identity, NoiseModel
 from rlbench_pin.errors import CameraError, UnknownName
 
+RenderMode = Literal["opengl", "opengl3"]
+"""With shadows, `opengl3`, or without."""
+
 
 @dataclass(kw_only=True)
 class CameraConfig:
@@ -27,7 +30,7 @@ class CameraConfig:
     """Id of the thing seen by every pixel, int32 (h, w)."""
     image_size: tuple[int, int] = (128, 128)
     """Width and height [px]."""
-    render_mode: Literal["opengl", "opengl3"] = "opengl3"
+    render_mode: RenderMode = "opengl3"
     """`opengl3` draws shadows, `opengl` is faster without."""
     masks_as_one_channel: bool = True
     """Masks as one integer per pixel; otherwise (h, w, 3) float32 in 0..1 with the id spread over the channels."""

@@ -115,6 +115,10 @@ class ObservationConfig:
     wrist_camera_matrix: bool = False
     record_gripper_closing: bool = False
     task_low_dim_state: bool = False
+    record_ignore_collisions: bool = True
+    """Put `ignore_collisions` on the frames of demonstrations."""
+    joint_poses: bool = True
+    """Poses (7,) of the arm's joints in the world, put into `misc` as a list; `set_all` leaves it alone."""
     model: ModelObservationConfig = field(default_factory=ModelObservationConfig)
     """Jacobians, dynamics and distances, put into `misc`; all off."""
     lighting: Lighting = field(default_factory=Lighting)
@@ -131,13 +135,17 @@ class ObservationConfig:
         """Return the five camera settings by name."""
         return {name: getattr(self, f"{name}_camera") for name in CAMERAS}
 
+    def all_cameras(self) -> dict[str, CameraConfig]:
+        """Return the settings of the five cameras and of the extra ones by name."""
+        return {**self.cameras(), **{name: extra.config for name, extra in self.extra_cameras.items()}}
+
     def camera(self, name: str) -> CameraConfig:
         """Return the settings of a camera, one of the five or an extra one.
 
         Raises:
             UnknownName: There is no such camera; names the nearest.
         """
-        known = {**self.cameras(), **{extra: camera.config for extra, camera in self.extra_cameras.items()}}
+        known = self.all_cameras()
         if name not in known:
             raise UnknownName("camera", name, tuple(known))
         return known[name]
@@ -165,7 +173,7 @@ class ObservationConfig:
         del self.extra_cameras[name]
 
     def set_all(self, value: bool) -> None:
-        """Switch everything but `record_gripper_closing`."""
+        """Switch everything but `record_gripper_closing` and `joint_poses`."""
         self.set_all_high_dim(value)
         self.set_all_low_dim(value)
 

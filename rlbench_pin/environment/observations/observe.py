@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from rlbench_pin.environment.observations.cameras import camera_view
 from rlbench_pin.environment.observations.config import LOW_DIM_FIELDS, CameraConfig, Instant, ObservationConfig
 from rlbench_pin.environment.observations.masks import spread_mask
 from rlbench_pin.environment.observations.model_based import ModelObserver
 from rlbench_pin.environment.observations.noise import Identity
-from rlbench_pin.observation import CAMERAS, Observation
+from rlbench_pin.environment.observations.placing import CameraPlaces, Cameras
+from rlbench_pin.observation import Observation
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.sim import CameraView, Lighting, ShadowMap, World
 from rlbench_pin.spatial import FloatArray, compose
@@ -45,39 +45,47 @@ class Observer:
         world: The world to look at.
         model: Analytic model of its robot.
         config: What to deliver; read at each call, so changes take effect at once.
+        places: Where cameras stand that were put elsewhere; nowhere when None.
+
+    Attributes:
+        config: The settings.
+        look: How pictures differ from them.
     """
 
-    def __init__(self, world: World, model: RobotModel, config: ObservationConfig) -> None:
-        self._world, self._arm, self._robot, self._config = world, model, model.description, config
+    def __init__(self, world: World, model: RobotModel, config: ObservationConfig, places: CameraPlaces | None = None) -> None:
+        self._world, self._arm, self.config = world, model, config
+        self.cameras = Cameras(world, model.description, config, places or CameraPlaces())
         self._model = ModelObserver(world, model)
         self._shadows: ShadowMap | None = None
         self.look = Look()
 
-    def observe(self, task: Task, variation: int, rng: np.random.Generator) -> Observation:
+    def observe(self, task: Task, variation: int, rng: np.random.Generator, instructions: Sequence[str] = ()) -> Observation:
         """Return what is seen and felt now; every array is the caller's own."""
-        observation = Observation(misc={"variation_index": variation})
+        observation = Observation(misc={"variation_index": variation, "descriptions": list(instructions)})
         instant = Instant(self._world, self._arm, task)
         for name, part in LOW_DIM_FIELDS.items():
-            if getattr(self._config, name):
-                value, noise = part.read(instant), self._config.noise_of(name)
+            if getattr(self.config, name):
+                value, noise = part.read(instant), self.config.noise_of(name)
                 setattr(observation, name, value if noise is None else noise.apply(np.asarray(value), rng))
-        if self._config.model.is_used:
-            observation.misc.update(self._model.observe(self._config.model))
+        if self.config.model.is_used:
+            observation.misc.update(self._model.observe(self.config.model))
+        if self.config.joint_poses:
+            observation.misc["joint_poses"] = self._arm.joint_poses(self._world.robot.joint_positions)
         self._shadows = None
-        self._world.renderer.lighting = self.look.lighting or self._config.lighting
-        for name in CAMERAS:
-            config = getattr(self._config, f"{name}_camera")
+        self._world.renderer.lighting = self.look.lighting or self.config.lighting
+        cameras = self.config.all_cameras()
+        if any(config.mask for config in cameras.values()):
+            observation.misc["mask_names"] = dict(self._world.masks)
+        for name, config in cameras.items():
             if config.is_used:
-                view = camera_view(name, config, self._world, self._robot)
-                self._add_camera(observation, name, config, self.look.moved(name, view), rng)
-        for name, extra in self._config.extra_cameras.items():
-            if extra.config.is_used:
-                view = self.look.moved(name, extra.view(self._world, self._robot))
-                self._add_camera(observation, name, extra.config, view, rng)
-        if self._config.wrist_camera_matrix:
-            view = camera_view("wrist", self._config.wrist_camera, self._world, self._robot)
-            observation.misc["wrist_camera_matrix"] = view.extrinsics()
+                self._add_camera(observation, name, config, self._view(name), rng)
+        if self.config.wrist_camera_matrix:
+            observation.misc["wrist_camera_matrix"] = self._view("wrist").extrinsics()
         return task.decorate_observation(observation)
+
+    def _view(self, name: str) -> CameraView:
+        """Return what a camera sees now, wherever it was put and however randomization moved it."""
+        return self.look.moved(name, self.cameras.view(name))
 
     def _add_camera(
         self, observation: Observation, name: str, config: CameraConfig, view: CameraView, rng: np.random.Generator

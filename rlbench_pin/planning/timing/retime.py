@@ -11,6 +11,7 @@ import toppra.constraint
 
 from rlbench_pin.errors import RetimingError
 from rlbench_pin.planning.path import JointPath, through
+from rlbench_pin.planning.timing.arc import ArcLimits
 from rlbench_pin.planning.timing.torque import TorqueLimits
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.trajectory import Trajectory
@@ -58,7 +59,7 @@ def retime(
     path: JointPath | FloatArray,
     limits: JointLimits,
     *,
-    max_speed: float | None = None,
+    arc: ArcLimits | None = None,
     torque: TorqueLimits | None = None,
     jerk_time: float = 0.0,
 ) -> Trajectory:
@@ -67,7 +68,7 @@ def retime(
     Args:
         path: Smooth path, or way configurations (m, n), [rad], which are interpolated.
         limits: Velocity [rad/s] and acceleration [rad/s^2] bounds of each joint.
-        max_speed: Bound of the norm of the joint velocity [rad/s]; None for none.
+        arc: Limits along the joint-space arc, beside those of the joints; None for none.
         torque: Dynamics and torque limits [N m]; None for no such limits.
         jerk_time: How long a change of acceleration takes at least [s]; 0 lets it jump. The motion takes that much longer.
 
@@ -77,23 +78,31 @@ def retime(
     smooth = path if isinstance(path, JointPath) else through(np.asarray(path, dtype=float))
     length = smooth.length()
     if length < SHORT:
-        return _short_motion(smooth.start, smooth.end, limits)
-    constraints = _constraints(smooth, limits, max_speed)
-    trajectory = _timed(smooth, constraints, limits, jerk_time)
+        return _short_motion(smooth.start, smooth.end, limits, arc)
+    constraints = _constraints(limits, arc)
+    trajectory = _timed(smooth, constraints, limits, arc, jerk_time)
     if torque is None or torque.surely_kept(trajectory, limits.acceleration) or torque.worst(trajectory) <= 1.0:
         return trajectory
     try:
-        trajectory = _timed(smooth, [*constraints, torque.constraint()], limits, jerk_time)
+        trajectory = _timed(smooth, [*constraints, torque.constraint()], limits, arc, jerk_time)
     except RetimingError:
         logging.getLogger(__name__).debug("no timing keeps the torque limits; the motion is slowed down as a whole")
     return torque.slowed(trajectory)
 
 
-def _timed(path: JointPath, constraints: list[toppra.constraint.Constraint], limits: JointLimits, jerk_time: float) -> Trajectory:
+def _timed(
+    path: JointPath,
+    constraints: list[toppra.constraint.Constraint],
+    limits: JointLimits,
+    arc: ArcLimits | None,
+    jerk_time: float,
+) -> Trajectory:
     """Solve and sample."""
     grid, speeds = _solve_without_halt(path, constraints)
     profile = _sample(grid, speeds) if jerk_time <= 0.0 else _eased(grid, speeds, jerk_time)
-    return _slowed(_along(path, profile), limits)
+    samples = _along(path, profile)
+    excess = 0.0 if arc is None else arc.excess(path(profile[1], 1), *samples[2:])
+    return _slowed(samples, limits, excess)
 
 
 def _solve_without_halt(path: JointPath, constraints: list[toppra.constraint.Constraint]) -> tuple[FloatArray, FloatArray]:
@@ -131,24 +140,15 @@ def _grid(path: JointPath, finer: int = 1) -> FloatArray:
     return grid
 
 
-def _constraints(path: JointPath, limits: JointLimits, max_speed: float | None) -> list[toppra.constraint.Constraint]:
-    bound = _RESERVE * np.stack([-limits.acceleration, limits.acceleration], axis=1)
+def _constraints(limits: JointLimits, arc: ArcLimits | None) -> list[toppra.constraint.Constraint]:
+    acceleration = _RESERVE * np.stack([-limits.acceleration, limits.acceleration], axis=1)
     scheme = toppra.constraint.DiscretizationType.Interpolation
-    constraints = [toppra.constraint.JointAccelerationConstraint(bound, discretization_scheme=scheme)]
-    velocity = _RESERVE * limits.velocity
-    if max_speed is None:
-        constraints.append(toppra.constraint.JointVelocityConstraint(np.stack([-velocity, velocity], axis=1)))
-        return constraints
-
-    def bound_at(s: float) -> FloatArray:
-        """Return the velocity bounds (n, 2) at which the joint velocity has the norm `max_speed` too."""
-        tangent = np.abs(path(s, 1))
-        share = np.minimum(velocity, _RESERVE * max_speed * tangent / max(float(np.linalg.norm(tangent)), 1e-12))
-        share = np.maximum(share, 1e-9)
-        return np.stack([-share, share], axis=1)
-
-    constraints.append(toppra.constraint.JointVelocityConstraintVarying(bound_at))
-    return constraints
+    velocity = _RESERVE * np.stack([-limits.velocity, limits.velocity], axis=1)
+    joints = [
+        toppra.constraint.JointAccelerationConstraint(acceleration, discretization_scheme=scheme),
+        toppra.constraint.JointVelocityConstraint(velocity),
+    ]
+    return joints if arc is None else [*joints, arc.constraint(_RESERVE)]
 
 
 def _solve(path: JointPath, grid: FloatArray, constraints: list[toppra.constraint.Constraint]) -> FloatArray:
@@ -213,21 +213,22 @@ def _along(path: JointPath, profile: tuple[FloatArray, ...]) -> tuple[FloatArray
     return times, path(s), tangent * s_dot[:, None], bend + tangent * before[:, None], bend + tangent * after[:, None]
 
 
-def _slowed(samples: tuple[FloatArray, ...], limits: JointLimits) -> Trajectory:
-    """Build the trajectory, uniformly slower where a limit would be passed between grid points."""
+def _slowed(samples: tuple[FloatArray, ...], limits: JointLimits, excess: float) -> Trajectory:
+    """Build the trajectory, uniformly slower where a limit would be passed between grid points, or `excess` asks for it."""
     times, q, v, before, after = samples
     most = np.maximum(np.abs(before), np.abs(after))
-    excess = max(float((np.abs(v) / limits.velocity).max()), float(np.sqrt((most / limits.acceleration).max())))
+    excess = max(excess, float((np.abs(v) / limits.velocity).max()), float(np.sqrt((most / limits.acceleration).max())))
     factor = max(1.0, excess * 1.001)
     return Trajectory(times * factor, q, v / factor, after / factor**2)
 
 
-def _short_motion(start: FloatArray, end: FloatArray, limits: JointLimits) -> Trajectory:
+def _short_motion(start: FloatArray, end: FloatArray, limits: JointLimits, arc: ArcLimits | None) -> Trajectory:
     """Time a motion too short for TOPPRA: q = start + (3 x^2 - 2 x^3) (end - start), x = t / T."""
     way = end - start
     slowest = max(
         float((1.5 * np.abs(way) / limits.velocity).max()), float(np.sqrt((6.0 * np.abs(way) / limits.acceleration).max()))
     )
+    slowest = slowest if arc is None else max(slowest, arc.shortest(way))
     if slowest < 1e-6:
         rest = np.zeros((1, len(end)))
         return Trajectory(np.zeros(1), end[None].copy(), rest, rest.copy())

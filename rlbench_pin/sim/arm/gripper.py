@@ -141,7 +141,7 @@ class SimGripper:
         width, height = self._robot.description.pad_size
         box = geometry.volume("box", (width, max(left + right - 0.002, 0.001), height))
         T_world_tip = pose_to_se3(self._robot.tip_pose())
-        return volume_meets(box, T_world_tip * pin.SE3(np.eye(3), np.array([0.0, 0.5 * (left - right), 0.0])), body)
+        return volume_meets(box, T_world_tip * pin.SE3(np.eye(3), np.array([0.0, 0.5 * (right - left), 0.0])), body)
 
     def grasp(self, name: str) -> bool:
         """Fix a body to the hand where it is, and hold the fingers; False when it is held already or cannot move."""

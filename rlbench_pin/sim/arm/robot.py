@@ -3,37 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import replace
 
 import numpy as np
 
 from rlbench_pin.robot.description import RobotDescription
+from rlbench_pin.sim.arm.control import ArmControl, DriveMode
 from rlbench_pin.sim.bodies.model import LoadedModel
 from rlbench_pin.sim.checks import action_vector, finite_vector
 from rlbench_pin.sim.client import bullet
 from rlbench_pin.sim.contacts import ContactReader
 from rlbench_pin.spatial import FloatArray, pose_to_se3
 
-DriveMode = Literal["position", "velocity", "torque"]
-"""What the arm's motors follow."""
 POSITION_GAIN = 0.2
 """Share of the position error that a motor removes in one physics step."""
 _CATCH_UP = 0.1
 """Share of the velocity limits that a lagging joint may add to full speed."""
 _FAST_CHANGE = 0.5
 """Change of speed in a tick, as a share of the velocity limits, above which the motors are watched in every physics step."""
-
-
-@dataclass(frozen=True, eq=False)
-class ArmControl:
-    """Command of the arm's motors: enough to continue exactly."""
-
-    mode: DriveMode
-    target: FloatArray
-    """Positions [rad], velocities [rad/s] or torques [N m], shape (n,)."""
-    reference: FloatArray
-    """How far the interpolation towards a position target has come [rad], shape (n,)."""
 
 
 class SimRobot:
@@ -111,8 +98,9 @@ class SimRobot:
     @property
     def joint_torques(self) -> FloatArray:
         """Torques (n,) that the motors applied in the last physics step [N m]."""
-        if self._control.mode == "torque":
-            return self._control.target.copy()
+        commanded = self._commanded_torques()
+        if commanded is not None:
+            return commanded.copy()
         return self._measured()[2, : len(self._arm)].copy()
 
     @property
@@ -152,6 +140,10 @@ class SimRobot:
         """Names of the bodies that arm or hand touch, sorted."""
         return self._contacts.touching(self.model.uid)
 
+    def _commanded_torques(self) -> FloatArray | None:
+        """Torques of the last tick, where they were commanded."""
+        return self._control.target if self._control.mode == "torque" else self._control.torques
+
     # Commanding ------------------------------------------------------------------------------------------------------
 
     @property
@@ -166,12 +158,13 @@ class SimRobot:
         """
         target = np.clip(action_vector(q, len(self._arm), "joint position target"), self.lower, self.upper)
         reference = self._control.reference if self.mode == "position" else self.joint_positions
-        self._control = ArmControl("position", target, reference)
+        self._control = ArmControl("position", target, reference, self._commanded_torques())
 
     def set_velocity_targets(self, v: Sequence[float] | FloatArray) -> None:
         """Turn the joints at velocities (n,) [rad/s] until the next command; capped at the joints' velocity limits."""
         target = action_vector(v, len(self._arm), "joint velocity target")
-        self._control = ArmControl("velocity", np.clip(target, -self.velocity_limits, self.velocity_limits), self.joint_positions)
+        velocity = np.clip(target, -self.velocity_limits, self.velocity_limits)
+        self._control = ArmControl("velocity", velocity, self.joint_positions, self._commanded_torques())
 
     def set_torques(self, tau: Sequence[float] | FloatArray) -> None:
         """Apply torques (n,) [N m] in every physics step until the next command; capped at the joints' effort limits."""
@@ -221,6 +214,8 @@ class SimRobot:
 
     def begin_tick(self) -> None:
         """Compute what the motors do in this tick."""
+        if self._control.torques is not None:  # the motors report those of this tick
+            self._control = replace(self._control, torques=None)
         control = self._control
         if control.mode == "position":
             self._begin_position_tick()

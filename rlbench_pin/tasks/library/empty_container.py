@@ -88,4 +88,4 @@ class EmptyContainer(Task):
     def _aim_at_tray(self, waypoint: Waypoint | None = None) -> None:
         """Let things go beside those that lie in the tray already, not onto them."""
         along = PLACES[len(OBJECTS) - max(len(self.left), 1)]
-        self.world.frame("waypoint3").set_local([along, self.goal_y, 0.17, 1.0, 0.0, 0.0, 0.0])
+        self.world.frame("waypoint3").set_local([along, self.goal_y, 0.17, 0.0, 1.0, 0.0, 0.0])

@@ -12,7 +12,7 @@ FLOOR, CEILING = 0.10, 0.345
 """Height of the floor and of the ceiling inside [m]."""
 DOOR = (0.02, 0.36, 0.26)
 HINGE = (-DEPTH / 2.0 - 0.0015, 0.0, 0.09)
-HANDLE = (-DOOR[0] - 0.052, 0.0, 0.235)
+HANDLE = (-DOOR[0] - 0.068, 0.0, 0.235)
 """Centre of the handle bar in the door frame [m]."""
 BAR_RADIUS, BAR_LENGTH = 0.006, 0.24
 RACK = (0.32, 0.32)

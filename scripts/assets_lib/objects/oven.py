@@ -12,7 +12,7 @@ DOOR = (0.02, 0.40, 0.26)
 GAP = 0.0015
 HINGE = (-DEPTH / 2.0 - GAP, 0.0, 0.09)
 """Middle of the inner lower edge of the door [m]."""
-HANDLE = (-DOOR[0] - 0.052, 0.0, 0.235)
+HANDLE = (-DOOR[0] - 0.068, 0.0, 0.235)
 """Centre of the handle bar in the door frame [m]."""
 BAR_RADIUS, BAR_LENGTH = 0.006, 0.28
 GRID = 0.16

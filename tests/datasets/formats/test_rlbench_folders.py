@@ -178,3 +178,15 @@ def test_paths_instead_of_pictures(root: Path, tmp_path: Path) -> None:
     assert str(demo[2].front_rgb).endswith(os.path.join("episode0", "front_rgb", "2.png"))
     with Image.open(str(demo[2].front_rgb)) as picture:
         assert picture.size == (16, 12)
+
+
+def test_the_state_of_a_generator_is_read_in_the_place_of_a_seed(tmp_path: Path) -> None:
+    """As the upstream generator writes it; numpy takes it back."""
+    demo = make_demo(1)
+    demo.random_seed = np.random.RandomState(3).get_state()
+    DatasetWriter(tmp_path / "data").add(demo)
+    folders = export_rlbench(tmp_path / "data", tmp_path / "folders")
+    read = folder_demos(folders, TASK, 1, 0, random_selection=False)[0]
+    assert isinstance(read.random_seed, tuple)
+    read.restore_state()
+    assert np.random.random() == np.random.RandomState(3).random()  # noqa: NPY002

@@ -21,7 +21,7 @@ from rlbench_pin.environment.runtime import TIP_WORKSPACE
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.spatial import above_table, pose_at, rotation_distance
 
-DOWN = np.array([0.3, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+DOWN = np.array([0.3, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0])
 
 
 def episode(arm: ArmActionMode, task: str = "reach_target") -> TaskEnvironment:

@@ -26,7 +26,7 @@ from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.spatial import compose, pose_at, relative, rotation_distance
 
-READY = np.array([0.3, 0.1, 1.0, 1.0, 0.0, 0.0, 0.0])
+READY = np.array([0.3, 0.1, 1.0, 0.0, 1.0, 0.0, 0.0])
 IDENTITY = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
 TEN = [
     JointVelocity(),
@@ -136,6 +136,51 @@ def test_torque_beyond_gravity_accelerates_in_its_direction() -> None:
     obs, _, _ = task.step(np.append(torque, 1.0))
     assert obs.joint_velocities[0] == pytest.approx(expected, rel=0.3)
     assert obs.joint_positions[0] > q[0]
+
+
+def test_after_a_torque_action_the_arm_brakes_and_reports_what_acted() -> None:
+    """Ticks that nobody commands stop the arm; until then the torques are those of the action, also after going back to it."""
+    task = episode(JointTorque())
+    torque = task.runtime.model.gravity(task.get_observation().joint_positions)
+    torque[0] += 3.0
+    for _ in range(5):
+        obs, _, _ = task.step(np.append(torque, 1.0))
+    assert obs.joint_velocities[0] > 0.2
+    np.testing.assert_array_equal(obs.joint_forces, torque)
+    state = task.get_state()
+    for _ in range(3):
+        task.runtime.step()
+    assert np.abs(task.get_observation().joint_velocities).max() < 0.01
+    assert np.abs(task.get_observation().joint_forces - torque).max() > 1.0
+    back = task.set_state(state)
+    np.testing.assert_array_equal(back.joint_forces, torque)
+    arrays = task.world.arrays()
+    task.runtime.step()
+    task.world.set_arrays(arrays)
+    np.testing.assert_array_equal(task.get_observation().joint_forces, torque)
+
+
+def test_torque_actions_in_a_row_do_not_brake() -> None:
+    """Five actions move the arm as five ticks of the same torques do, to the last bit."""
+    actions, ticks = episode(JointTorque()), episode(JointTorque())
+    torque = actions.runtime.model.gravity(actions.get_observation().joint_positions)
+    torque[0] += 3.0
+    for _ in range(5):
+        obs, _, _ = actions.step(np.append(torque, 1.0))
+        ticks.runtime.robot.set_torques(torque)
+        ticks.runtime.step()
+    np.testing.assert_array_equal(obs.joint_positions, ticks.get_observation().joint_positions)
+    np.testing.assert_array_equal(obs.joint_velocities, ticks.get_observation().joint_velocities)
+
+
+def test_torque_differences_add_to_the_torques_of_the_last_action() -> None:
+    """A difference of zero repeats them."""
+    task = episode(JointTorque(absolute_mode=False))
+    gravity = task.runtime.model.gravity(task.get_observation().joint_positions)
+    obs, _, _ = task.step(np.append(gravity - task.runtime.robot.joint_torques, 1.0))
+    np.testing.assert_allclose(obs.joint_forces, gravity, atol=1e-9)
+    obs, _, _ = task.step(np.zeros(8) + np.eye(8)[7])
+    np.testing.assert_allclose(obs.joint_forces, gravity, atol=1e-9)
 
 
 def test_elbow_control_pins_the_named_joint() -> None:

@@ -46,7 +46,7 @@ def task_env() -> Iterator[TaskEnvironment]:
 
 def test_extra_cameras_come_move_and_go(task_env):
     """A camera that is added delivers its products and matrices, follows its pose and its parent, and is gone when removed."""
-    config = task_env.runtime.observer._config
+    config = task_env.runtime.observer.config
     camera = config.add_camera("side", ExtraCamera(pose=SIDE_VIEW, config=CameraConfig(image_size=(40, 30))))
     first = task_env.get_observation()
     assert first.side_rgb.shape == (30, 40, 3) and first.side_point_cloud.shape == (30, 40, 3)
@@ -96,7 +96,7 @@ def test_noise_is_seeded_and_depth_noise_reaches_the_point_cloud():
 
 def test_only_what_is_enabled_is_delivered(task_env):
     """Switched-off products are None, switched-off cameras have no misc."""
-    config = task_env.runtime.observer._config
+    config = task_env.runtime.observer.config
     config.front_camera.set_all(False)
     config.front_camera.mask = True
     observation = task_env.get_observation()

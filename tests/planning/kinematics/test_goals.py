@@ -10,7 +10,7 @@ from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import pose_at, rotation_distance
 from tests.worlds_for_tests import HOME, TABLE_TOP, Boxes
 
-DOWN = pose_at((0.35, 0.2, TABLE_TOP + 0.2), np.pi)
+DOWN = pose_at((0.35, 0.2, TABLE_TOP + 0.2), np.pi, 0.0, np.pi)
 
 
 def test_symmetric_poses_turn_about_the_tip() -> None:

@@ -37,7 +37,7 @@ def test_the_seed_is_returned_when_it_is_there_already(model: RobotModel, rng: n
 
 def test_several_solutions_are_different_and_sorted(model: RobotModel, rng: np.random.Generator) -> None:
     """Branches come nearest first."""
-    solutions = solve_ik(model, pose_at((0.3, 0.1, 0.95), np.pi), model.home, rng, max_solutions=5)
+    solutions = solve_ik(model, pose_at((0.3, 0.1, 0.95), np.pi, 0.0, np.pi), model.home, rng, max_solutions=5)
     assert len(solutions) == 5
     costs = [cost(model, model.home, q) for q in solutions]
     assert costs == sorted(costs)
@@ -56,7 +56,7 @@ def test_solutions_near_a_joint_limit_come_last(model: RobotModel) -> None:
 
 def test_out_of_reach_says_how_far(model: RobotModel, rng: np.random.Generator) -> None:
     """The error carries the pose and the distance that remains."""
-    pose = pose_at((1.5, 0.0, 1.0), np.pi)
+    pose = pose_at((1.5, 0.0, 1.0), np.pi, 0.0, np.pi)
     with pytest.raises(NoIkSolution) as caught:
         solve_ik(model, pose, model.home, rng, starts=10)
     np.testing.assert_array_equal(caught.value.pose, pose)
@@ -69,8 +69,8 @@ def test_colliding_solutions_are_dropped(model: RobotModel, boxes: Boxes, rng: n
     collision = CollisionModel(model)
     collision.update(boxes.snapshot(boxes.box("rock", (0.2, 0.2, 0.3), (0.3, 0.0, TABLE_TOP + 0.15))))
     with pytest.raises(GoalInCollision, match="rock"):
-        solve_ik(model, pose_at((0.3, 0.0, TABLE_TOP + 0.2), np.pi), model.home, rng, collision=collision)
-    (found,) = solve_ik(model, pose_at((0.3, 0.3, TABLE_TOP + 0.2), np.pi), model.home, rng, collision=collision)
+        solve_ik(model, pose_at((0.3, 0.0, TABLE_TOP + 0.2), np.pi, 0.0, np.pi), model.home, rng, collision=collision)
+    (found,) = solve_ik(model, pose_at((0.3, 0.3, TABLE_TOP + 0.2), np.pi, 0.0, np.pi), model.home, rng, collision=collision)
     assert not collision.in_collision(found)
 
 

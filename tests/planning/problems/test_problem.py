@@ -64,7 +64,7 @@ def test_a_world_survives_its_file(model: RobotModel, boxes: Boxes, tmp_path: Pa
         "pot", [Shape("cylinder", (0.1, 0.2)), Shape("sphere", (0.1,)), Shape("capsule", (0.05, 0.4))], pose_at((0.4, 0.2, 1.0))
     )
     world = boxes.snapshot(cube, pot, boxes.screen(), opening=0.025, attached=("cube",))
-    problem = PlanningProblem("test", world, poses=np.array([pose_at((0.35, 0.25, TABLE_TOP + 0.1), np.pi)]))
+    problem = PlanningProblem("test", world, poses=np.array([pose_at((0.35, 0.25, TABLE_TOP + 0.1), np.pi, 0.0, np.pi)]))
     write_problem(problem, tmp_path / "a.json")
     back = read_problem(tmp_path / "a.json")
     write_problem(back, tmp_path / "b.json")

@@ -7,7 +7,7 @@ import pytest
 
 from rlbench_pin.planning.path import along
 from rlbench_pin.planning.straight import straight_spline
-from rlbench_pin.planning.timing.retime import retime
+from rlbench_pin.planning.timing import ArcLimits, retime
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.robot.trajectory import Trajectory
@@ -35,7 +35,7 @@ def test_limits_hold_at_every_millisecond(limits: JointLimits, seed: int) -> Non
 
 def test_limits_hold_on_a_line_of_the_tip(model: RobotModel, limits: JointLimits) -> None:
     """The same is true where joint velocities change along the way."""
-    _, v, a = every_millisecond(retime(straight_spline(model, model.home, pose_at((0.35, 0.3, 0.85), np.pi)), limits))
+    _, v, a = every_millisecond(retime(straight_spline(model, model.home, pose_at((0.35, 0.3, 0.85), np.pi, 0.0, np.pi)), limits))
     assert (np.abs(v) <= limits.velocity).all()
     assert (np.abs(a) <= limits.acceleration).all()
 
@@ -62,12 +62,35 @@ def test_the_slowest_joint_decides() -> None:
     assert retime(np.array([[0.0, 0.0], [0.5, 0.5]]), limits).duration > 5.0
 
 
-def test_the_speed_of_the_whole_arm_can_be_bound(limits: JointLimits) -> None:
-    """With `max_speed` the norm of the joint velocity stays below it."""
-    trajectory = retime(along(np.array([np.zeros(7), np.full(7, 0.5), np.linspace(0.0, 1.0, 7)]), 0.2), limits, max_speed=0.7)
-    speed = np.linalg.norm(trajectory.v, axis=1)
-    assert speed.max() < 0.71
-    assert speed.max() > 0.65
+@pytest.mark.parametrize("seed", range(8))
+def test_limits_along_the_arc_hold_at_every_millisecond(limits: JointLimits, seed: int) -> None:
+    """The norm of the joint velocity and its change stay within their limits, beside those of the joints, and are used."""
+    rng = np.random.default_rng(seed)
+    vertices = np.cumsum(rng.uniform(-0.6, 0.6, (rng.integers(2, 7), 7)), axis=0)
+    arc = ArcLimits(0.7, 1.5)
+    for jerk_time in (0.0, 0.1):
+        _, v, a = every_millisecond(retime(along(vertices, 0.2), limits, arc=arc, jerk_time=jerk_time))
+        speed = np.linalg.norm(v, axis=1)
+        assert 0.6 < speed.max() <= arc.velocity + 1e-9
+        assert np.abs(np.diff(speed)).max() / 1e-3 <= 1.01 * arc.acceleration
+        assert (np.abs(v) <= limits.velocity).all() and (np.abs(a) <= limits.acceleration).all()
+
+
+def test_a_line_is_as_long_as_the_arc_says(limits: JointLimits) -> None:
+    """A trapezoid of the speed along the arc, within a few per cent of the fastest; a joint limit slows it further."""
+    line = np.array([np.zeros(7), np.full(7, 1.0)])
+    fastest = np.sqrt(7.0) / 1.0 + 1.0 / 4.0
+    assert fastest <= retime(line, limits, arc=ArcLimits(1.0, 4.0)).duration < 1.03 * fastest
+    slow = limits.capped(0.2, 4.0)
+    assert retime(line, slow, arc=ArcLimits(1.0, 4.0)).duration > 5.0
+
+
+def test_short_motions_keep_the_limits_along_the_arc(limits: JointLimits) -> None:
+    """Those that are timed by a polynomial, too."""
+    arc = ArcLimits(0.01, 0.05)
+    _, v, a = every_millisecond(retime(np.array([np.zeros(7), np.full(7, 1e-3)]), limits, arc=arc))
+    assert 0.5 * arc.velocity < np.linalg.norm(v, axis=1).max() <= arc.velocity
+    assert np.linalg.norm(a, axis=1).max() <= arc.acceleration
 
 
 def test_standing_still_takes_no_time(limits: JointLimits) -> None:

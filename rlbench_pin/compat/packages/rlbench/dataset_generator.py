@@ -109,12 +109,9 @@ def run(args: argparse.Namespace) -> RecordReport:
         variations=args.variations,
         draw_variations=False,
         seed=_seed(root, args),
-        pictures=PictureConfig(
-            image_size=(args.image_size[0], args.image_size[1]),
-            shadows=args.renderer == "opengl3",
-            arm_max_velocity=args.arm_max_velocity,
-            arm_max_acceleration=args.arm_max_acceleration,
-        ),
+        max_velocity=args.arm_max_velocity,
+        max_acceleration=args.arm_max_acceleration,
+        pictures=PictureConfig(image_size=(args.image_size[0], args.image_size[1]), render_mode=args.renderer),
     )
     engine = SerialEngine() if args.processes <= 1 else ProcessEngine(args.processes)
     report = record(config, root / _RECORDING, engine=engine, resume=args.resume, on_progress=_say)

@@ -79,7 +79,7 @@ class Scene(SceneParts):
     def _build(self, native: type[NativeTask]) -> SceneRuntime:
         runtime = Simulator.current().load(native, self._obs_config, kind=SceneRuntime)
         runtime.serve(self)
-        runtime.register_step_callback(self._after_step)
+        runtime.call_each_tick(self._after_step)
         return runtime
 
     def _set_camera_properties(self) -> None:
