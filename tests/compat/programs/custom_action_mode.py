@@ -1,9 +1,10 @@
 """Someone with a controller of their own: parts of an action mode written anew, and one that moves arm and hand at once."""
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from rlbench.action_modes.action_mode import ActionMode, MoveArmThenGripper
-from rlbench.action_modes.arm_action_modes import ArmActionMode, JointVelocity
+from rlbench.action_modes.arm_action_modes import ArmActionMode, EndEffectorPoseViaIK, JointVelocity
 from rlbench.action_modes.gripper_action_modes import Discrete, GripperActionMode, GripperJointPosition
 from rlbench.backend.exceptions import InvalidActionError
 from rlbench.backend.scene import Scene
@@ -85,6 +86,20 @@ class Together(ActionMode):
         return np.array([-1.0] * 7 + [0.0]), np.array([1.0] * 7 + [0.04])
 
 
+class EulerDelta(MoveArmThenGripper):
+    """Seven numbers instead of eight: the rotation of the tip as three angles."""
+
+    def __init__(self):
+        super().__init__(EndEffectorPoseViaIK(absolute_mode=False), Discrete())
+
+    def action(self, scene, action):
+        rotation = Rotation.from_euler("xyz", action[3:6]).as_quat()
+        super().action(scene, np.concatenate([action[:3], rotation, action[6:]]))
+
+    def action_shape(self, scene):
+        return 7
+
+
 def low_dim():
     obs_config = ObservationConfig(gripper_joint_positions=True)
     obs_config.set_all_high_dim(False)
@@ -143,12 +158,26 @@ def with_a_whole_mode():
     env.shutdown()
 
 
+def with_angles():
+    env = Environment(EulerDelta(), obs_config=low_dim(), headless=True)
+    env.launch()
+    assert env.action_shape == (7,)
+    task = env.get_task(ReachTarget)
+    _, obs = task.reset()
+    start = Rotation.from_quat(obs.gripper_pose[3:])
+    obs, _, _ = task.step(np.array([-0.02, 0.0, -0.02, 0.0, 0.0, 0.2, 1.0]))
+    turned = (Rotation.from_quat(obs.gripper_pose[3:]) * start.inv()).as_rotvec()
+    env.shutdown()
+    assert np.allclose(turned, [0.0, 0.0, 0.2], atol=0.02), turned
+
+
 def main():
     np.random.seed(9)
     moved = with_own_parts()
     travelled = with_tip_velocity()
     assert np.allclose(travelled, [0.05, 0.025, 0.0], atol=0.02), travelled
     with_a_whole_mode()
+    with_angles()
     print("joints by", moved.round(2), "tip by", travelled.round(3))
 
 
