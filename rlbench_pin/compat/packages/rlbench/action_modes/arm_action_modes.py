@@ -92,7 +92,7 @@ class JointPart(ScenePart, joint.JointMode):
 
     def action_pre_step(self, scene: SceneLike, action: object) -> None:
         """Command the joints."""
-        self.command(runtime_of(scene), self.values(scene, action))
+        super(ScenePart, self).action_pre_step(runtime_of(scene), self.values(scene, action))  # of the native mode
 
     def action_step(self, scene: SceneLike, action: object) -> None:
         """Step the simulation once."""
@@ -100,7 +100,7 @@ class JointPart(ScenePart, joint.JointMode):
 
     def action_post_step(self, scene: SceneLike, action: object) -> None:
         """Come to rest."""
-        self.after(runtime_of(scene))
+        super(ScenePart, self).action_post_step(runtime_of(scene), self.values(scene, action))
 
 
 class JointVelocity(JointPart, joint.JointVelocity, ArmActionMode):
@@ -125,7 +125,7 @@ class JointPosition(JointPart, joint.JointPosition, ArmActionMode):
 
 
 class JointTorque(JointPart, joint.JointTorque, ArmActionMode):
-    """Joint torques [N m], gravity included, until the next action; a positive torque turns a joint the positive way."""
+    """Joint torques [N m], with gravity, for one step; a positive torque turns a joint the positive way. Then the arm stops."""
 
     def set_control_mode(self, robot: Robot) -> None:
         """Drive the arm without position control."""

@@ -110,16 +110,10 @@ class GripperJointPosition(HandPart, native.GripperJointPosition, GripperActionM
         absolute_mode: A position; otherwise a difference to the measured one.
     """
 
-    def __init__(
-        self, attach_grasped_objects: bool | None = None, detach_before_open: bool = True, absolute_mode: bool = True
-    ) -> None:
-        super().__init__(attach_grasped_objects, detach_before_open, absolute_mode)
-        self._move: native.FingerMove | None = None
-
     def action_pre_step(self, scene: SceneLike, action: object) -> None:
         """Command the fingers."""
         runtime = runtime_of(scene)
-        self._move = self.command(runtime, self.values(scene, action))
+        super(ScenePart, self).action_pre_step(runtime, self.values(scene, action))  # of the native mode
         if runtime.robot.mode == "torque":
             runtime.hold()
 
@@ -129,9 +123,7 @@ class GripperJointPosition(HandPart, native.GripperJointPosition, GripperActionM
 
     def action_post_step(self, scene: SceneLike, action: object) -> None:
         """Attach what stopped the fingers, or let go; then hold."""
-        if self._move is not None:
-            self.after(runtime_of(scene), self._move)
-            self._move = None
+        super(ScenePart, self).action_post_step(runtime_of(scene), self.values(scene, action))
 
     def action_shape(self, scene: SceneLike | None = None) -> tuple[int]:
         """Return the shape of an action, (1,)."""

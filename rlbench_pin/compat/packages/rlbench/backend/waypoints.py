@@ -84,7 +84,7 @@ class Waypoint:
             turns = planner.rank(run)
             if ignore_collisions and not self._ignore_collisions and native.path != "curve":
                 return self._asked_path(True, turns[0])
-            plan = planner.plan(native, run[1] if len(run) > 1 else None, turns)
+            plan = planner.plan(native, run[1:], turns)
         except (PlanningError, WaypointError) as error:
             raise ConfigurationPathError(f"There is no path to {self.name}: {error}") from error
         return ArmConfigurationPath(self._robot.arm, plan.path.flatten())
