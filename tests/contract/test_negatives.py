@@ -12,8 +12,8 @@ NO_GRASP = Omission(grasps=True)
 OMISSIONS = {
     "beat_the_buzz": NO_GRASP,
     "close_microwave": Omission(waypoints=(1,)),
-    "open_door": Omission(waypoints=(3,)),  # the swing alone also turns the lever, as the hand slides along it
-    "open_oven": Omission(waypoints=(2,)),
+    "open_door": Omission(waypoints=(3, 4)),  # the swing alone also turns the lever, as the hand slides along it
+    "open_oven": Omission(waypoints=(2, 3, 4)),
     "push_button": Omission(waypoints=(1,)),
     "push_buttons": Omission(waypoints=(1,)),
     "reach_target": Omission(waypoints=(0,)),
