@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import InitVar, dataclass, field, fields
 from types import MappingProxyType
 from typing import Any, overload
 
@@ -74,6 +74,12 @@ class Observation(OptionalFields):
     gripper_touch_forces: Array | None = None
     task_low_dim_state: Array | None = None
     misc: dict[str, Any] = field(default_factory=dict)
+    ignore_collisions: InitVar[bool | None] = None
+
+    def __post_init__(self, ignore_collisions: bool | None) -> None:
+        """Set what belongs to `OptionalFields`, so that `Observation(**vars(observation))` makes a copy."""
+        if ignore_collisions is not None:
+            self.ignore_collisions = ignore_collisions
 
     def get_low_dim_data(self) -> Array:
         """Concatenate the low-dimensional fields that are present, in the order of `LOW_DIM`, to one vector."""

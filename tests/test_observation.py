@@ -59,3 +59,12 @@ def test_what_is_no_seed_restores_nothing(seed: object) -> None:
     with pytest.raises(TaskEnvironmentError, match=r"random_seed=.*whole number >= 0"):
         Demo([], random_seed=seed).restore_state()  # type: ignore[arg-type]
     np.testing.assert_array_equal(np.random.get_state()[1], before)
+
+
+def test_an_observation_is_copied_from_its_vars() -> None:
+    """Also where a demonstration set what observations have only then; thirty values in a row are enough otherwise."""
+    plain = Observation(*[None] * 29, misc={})
+    assert "ignore_collisions" not in vars(plain) and plain.ignore_collisions is None
+    assert "ignore_collisions" not in vars(Observation(**vars(plain)))
+    plain.ignore_collisions = True
+    assert Observation(**vars(plain)).ignore_collisions is True
