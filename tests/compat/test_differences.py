@@ -1,4 +1,4 @@
-"""What differs under the known names: programs, environments, actions, observations; rows of `docs/compatibility.md`."""
+"""What differs under the known names: programs, environments, actions; rows of `docs/compatibility.md`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ from rlbench.action_modes.gripper_action_modes import Discrete, GripperJointPosi
 from rlbench.backend.const import TTT_FILE
 from rlbench.backend.exceptions import InvalidActionError
 from rlbench.environment import DIR_PATH
-from rlbench.noise_model import GaussianNoise
 from rlbench.task_environment import TaskEnvironment
 from rlbench.tasks import ReachTarget
 from rlbench_pin.errors import TaskError
@@ -254,49 +253,6 @@ def test_the_tip_at_the_known_start_joints(scene: Any) -> None:
     assert 1.472 - position[2] == pytest.approx(0.019, abs=1.5e-3)
     between = 2.0 * np.arccos(abs(float(quaternion @ published / np.linalg.norm(published))))
     assert np.rad2deg(between) == pytest.approx(4.0, abs=0.6)
-
-
-# Observations -----------------------------------------------------------------------------------------------------------
-
-
-def test_forces_do_not_depend_on_the_direction_of_motion(scene: Any) -> None:
-    """The shoulder holds the arm against gravity with a negative torque, moving up or down."""
-    forces = []
-    for velocity in (0.05, -0.05):
-        JointVelocity().action(scene, [0, velocity, 0, 0, 0, 0, 0])
-        forces.append(scene.get_observation().joint_forces[1])
-    assert max(forces) < -10.0
-
-
-def test_noise_leaves_its_argument() -> None:
-    """A program that keeps the array keeps the true values."""
-    true = np.zeros(4)
-    assert GaussianNoise(0.1).apply(true).std() > 0.0 and not true.any()
-
-
-def test_a_camera_matrix_is_in_misc(scene: Any) -> None:
-    """Where the flag asks for it."""
-    assert scene.get_observation().misc["wrist_camera_matrix"].shape == (4, 4)
-    scene._obs_config.wrist_camera_matrix = False
-    assert "wrist_camera_matrix" not in scene.get_observation().misc
-    scene._obs_config.wrist_camera_matrix = True
-
-
-def test_the_first_frame_is_the_start(task: TaskEnvironment) -> None:
-    """No step is taken before it."""
-    np.random.seed(4)
-    _, start = task.reset()
-    demo = task._scene.get_demo()
-    assert np.array_equal(demo[0].joint_positions, start.joint_positions)  # type: ignore[arg-type]
-    assert np.array_equal(demo[0].task_low_dim_state, start.task_low_dim_state)  # type: ignore[arg-type]
-
-
-def test_a_flag_for_collisions_can_be_left_out(task: TaskEnvironment) -> None:
-    """It is on every frame otherwise."""
-    assert {frame.ignore_collisions for frame in task.get_demos(1, live_demos=True)[0]} <= {True, False}
-    task._obs_config.record_ignore_collisions = False
-    assert {frame.ignore_collisions for frame in task.get_demos(1, live_demos=True)[0]} == {None}
-    task._obs_config.record_ignore_collisions = True
 
 
 def test_poses_by_planning_take_a_fallback_only_from_the_ninth_value(scene: Any) -> None:

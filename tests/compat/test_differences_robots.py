@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from pyrep import PyRep
-from pyrep.const import ConfigurationPathAlgorithms, PrimitiveShape
+from pyrep.const import ConfigurationPathAlgorithms as Algorithms
+from pyrep.const import PrimitiveShape
 from pyrep.errors import UnsupportedCall
 from pyrep.objects import Shape
 from pyrep.robots.arms.panda import Panda
@@ -55,23 +56,15 @@ def test_arguments_of_planning_have_no_effect(pyrep: PyRep) -> None:
 
 
 def test_six_names_of_algorithms_are_searches(pyrep: PyRep) -> None:
-    """The others mean RRT-Connect: the same path as without a name."""
-    known = {algorithm.name for algorithm in ConfigurationPathAlgorithms}
+    """Around a screen: the others take the path of our RRT-Connect, those six take their own."""
+    known = {algorithm.name for algorithm in Algorithms}
     assert set(arm_planning.ALGORITHMS) < known and len(arm_planning.ALGORITHMS) == 6
-    arm = Panda()
-    tip = arm.get_tip().get_pose()
-    screen = Shape.create(PrimitiveShape.CUBOID, [0.02, 0.02, 1.0], static=True, position=[0.35, 0.15, 1.3])
-    goal = tip[:3] + [0.05, 0.3, -0.3]
-    paths = [
-        arm.get_nonlinear_path(goal, quaternion=tip[3:], algorithm=algorithm)[:]
-        for algorithm in (
-            ConfigurationPathAlgorithms.SBL,
-            ConfigurationPathAlgorithms.EST,
-            ConfigurationPathAlgorithms.RRTConnect,
-        )
-    ]
-    assert np.array_equal(paths[0], paths[1]) and np.array_equal(paths[0], paths[2])
-    screen.remove()
+    arm, down = Panda(), [0.0, 1.0, 0.0, 0.0]
+    Shape.create(PrimitiveShape.CUBOID, [0.4, 0.04, 0.5], static=True, position=[0.35, 0.0, 1.0])
+    arm.set_joint_positions(arm.solve_ik_via_sampling([0.35, -0.2, 1.0], quaternion=down)[0])
+    names = (Algorithms.SBL, Algorithms.EST, Algorithms.KPIECE1)
+    sbl, est, kpiece = (arm.get_nonlinear_path([0.4, 0.2, 0.9], quaternion=down, algorithm=name)[:] for name in names)
+    assert np.array_equal(sbl, est) and not np.array_equal(sbl, kpiece)
 
 
 def test_joint_intervals_cannot_be_set(pyrep: PyRep) -> None:
