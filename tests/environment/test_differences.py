@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import rlbench_pin
 from rlbench_pin import (
     Discrete,
     EndEffectorPoseViaPlanning,
@@ -17,17 +19,18 @@ from rlbench_pin import (
     ObservationConfig,
     TaskEnvironment,
 )
-from rlbench_pin.environment import ERJointViaIK, GripperJointPosition, RelativeFrame
+from rlbench_pin.environment import ERJointViaIK, GaussianNoise, GripperJointPosition, RelativeFrame
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.environment.randomization import RandomizeEvery, VisualRandomizationConfig
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import InvalidActionError
-from rlbench_pin.tasks import ReachTarget
+from rlbench_pin.scene.reader import read_scene
+from rlbench_pin.tasks import ReachTarget, task_class, task_names
 
 LID = "take_lid_off_saucepan"
 
 
-def make(config: ObservationConfig | None = None, **settings: bool) -> Environment:
+def make(config: ObservationConfig | None = None, **settings: float) -> Environment:
     """An environment of joint velocities."""
     mode = MoveArmThenGripper(JointVelocity(), Discrete())
     return Environment(mode, obs_config=config or low_dim_config(), seed=0, **settings)  # type: ignore[arg-type]
@@ -191,3 +194,37 @@ def test_actions_of_frames_do_not_stay_behind(lid: TaskEnvironment) -> None:
     demo = lid.get_demos(1, live_demos=True, seed=1)[0]
     assert [i for i, frame in enumerate(demo) if "joint_position_action" not in frame.misc] == [0]
     assert "joint_position_action" not in lid.get_observation().misc
+
+
+def test_planned_motions_keep_their_speed_along_the_path() -> None:
+    """The norm of the joint velocity reaches `arm_max_velocity` and stays below; accelerations may jump."""
+    with make(arm_max_velocity=0.5) as environment:
+        task = environment.get_task("reach_target")
+        task.reset(seed=1)
+        runtime = task.runtime
+        target = runtime.robot.tip_pose() + np.array([0.1, 0.2, -0.2, 0.0, 0.0, 0.0, 0.0])
+        trajectory = runtime.planner.plan_to_pose(runtime.robot.joint_positions, target, rng=runtime.planning_rng).trajectory
+        times = np.linspace(0.0, trajectory.duration, 400)
+        speeds = [np.linalg.norm(trajectory.sample(float(t))[1]) for t in times]
+    assert 0.49 < max(speeds) <= 0.5 + 1e-6
+
+
+def test_joint_poses_are_without_noise() -> None:
+    """Positions of joints have it where it is asked for."""
+    config = low_dim_config()
+    config.joint_poses, config.joint_positions_noise = True, GaussianNoise(0.2)
+    with make(config) as environment:
+        task = environment.get_task("reach_target")
+        _, seen = task.reset(seed=1)
+        q = task.runtime.robot.joint_positions
+        assert seen.joint_positions is not None and np.abs(seen.joint_positions - q).max() > 0.02
+        assert np.array_equal(seen.misc["joint_poses"], task.runtime.model.joint_poses(q))
+
+
+def test_scenes_are_toml_and_objects_urdf() -> None:
+    """Every task has a scene file, whose bodies are URDF; no model or scene of another simulator is in the package."""
+    package = Path(rlbench_pin.__file__).parent
+    assert [file for pattern in ("*.ttm", "*.ttt") for file in package.rglob(pattern)] == []
+    specs = [task_class(name).scene_file() for name in task_names()]
+    assert {file.suffix for file in specs} == {".toml"} and all(file.is_file() for file in specs)
+    assert {Path(body.asset).suffix for file in specs for body in read_scene(file).body} == {".urdf"}
