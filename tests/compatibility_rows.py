@@ -62,6 +62,10 @@ ROWS: dict[str, str] = {
     "Action modes of the first releases": "compat/test_install.py::test_programs_of_the_first_releases_are_told_what_changed",
     "Several environments in one process": "compat/test_environment_several.py::test_they_take_turns",
     # Environment
+    "Import names, natively": "test_front_door.py::test_every_public_name_resolves "
+    "test_front_door.py::test_parts_have_public_names",
+    "Tools of RLBench's repository": "cli/test_new.py::test_a_new_task_passes_check_and_can_be_drawn "
+    "cli/test_video_and_doctor.py::test_video_writes_a_film_that_moves",
     "`Scene`": f"{NATIVE}::test_there_is_a_runtime_and_no_scene",
     "`register_step_callback`": "environment/test_step_callbacks.py::"
     "test_a_callback_is_called_once_a_tick_however_often_it_is_registered "
@@ -121,6 +125,7 @@ ROWS: dict[str, str] = {
     f"{KNOWN_TASKS}::test_forces_do_not_depend_on_the_direction_of_motion",
     "Masks": "sim/render/test_renderer.py::test_ids_are_integers_of_the_table_and_stable "
     "environment/observations/test_seeing.py::test_ids_stay_over_twenty_resets",
+    "Cameras that deliver masks alone": f"{NATIVE}::test_a_camera_may_deliver_masks_alone",
     "`misc['mask_names']`": "environment/observations/test_misc.py::test_names_of_masks_come_with_masks_only",
     "`misc['joint_poses']`": f"{NATIVE}::test_joint_poses_are_without_noise "
     "environment/observations/test_misc.py::test_joint_poses_are_those_of_the_simulated_links "
@@ -135,6 +140,8 @@ ROWS: dict[str, str] = {
     "Noise": "environment/observations/test_config.py::test_noise_is_seeded_and_changes_no_argument "
     f"{KNOWN_TASKS}::test_noise_leaves_its_argument "
     "compat/test_environment_looks.py::test_noise_of_programs_and_of_the_package",
+    "Noise models, natively": "environment/observations/test_config.py::test_noise_is_seeded_and_changes_no_argument",
+    "`CameraConfig`, natively": f"{NATIVE}::test_settings_of_a_camera_go_by_name",
     "Frames of demonstrations": f"{NATIVE}::test_every_frame_has_a_tick_of_its_own "
     f"{KNOWN_TASKS}::test_the_first_frame_is_the_start",
     "`ignore_collisions` of frames": "environment/test_key_frames.py::test_every_frame_says_how_its_leg_was_planned "
@@ -157,10 +164,12 @@ ROWS: dict[str, str] = {
     "Made shapes in the low-dimensional state": f"{KNOWN_TASKS}::test_made_shapes_are_not_in_the_default_state",
     "How long made shapes and colours last": "compat/test_objects_shapes.py::test_how_long_shapes_stay "
     f"{KNOWN_TASKS}::test_switches_and_masses_stay",
+    "`Scene.init_episode(place_demo=True)`": f"{KNOWN_TASKS}::test_placing_a_demo_has_no_effect",
     "Mass, friction and switches": f"{KNOWN_TASKS}::test_switches_and_masses_stay",
     "`FollowCondition`": f"{KNOWN_TASKS}::test_points_are_visited_within_half_of_the_limit",
     "`sample_procedural_objects`": f"{KNOWN_TASKS}::test_procedural_objects_are_solids_of_this_package",
     "Frames of waypoints": f"{KNOWN_TASKS}::test_waypoints_stay",
+    "Task files, natively": "tasks/test_library.py::test_an_episode_depends_on_its_generator_alone",
     "Partly open hands": f"{KNOWN_TASKS}::test_a_waypoint_that_closes_a_little_says_so",
     # pyrep objects
     "Handles": "compat/test_objects.py::test_handles_are_the_numbers_in_masks",
@@ -216,13 +225,17 @@ ROWS: dict[str, str] = {
     "compat/test_data.py::test_stored_demos_without_a_simulator",
     "Pictures of another size than stored": "environment/test_stored.py::test_pictures_are_scaled_with_their_intrinsics",
     "Demos with made shapes": f"{KNOWN_TASKS}::test_made_shapes_come_back_where_their_files_are",
+    "Demos pickled by a program": f"{KNOWN_TASKS}::test_a_pickled_demo_names_our_classes",
     "Generating into a used folder": "compat/test_data.py::test_generator_refusals "
     "compat/test_data.py::test_the_generator_goes_on",
     # Gymnasium
+    "`rlbench-generate-dataset`": f"{KNOWN}::test_the_generator_is_no_command",
     "Native ids": "gym/test_ids.py::test_every_task_has_both_ids "
     "gym/test_environment.py::test_the_seed_is_that_of_the_task_environment",
     "Refused actions in gymnasium": "gym/test_refusals.py::test_a_refused_pose_is_reported_and_changes_nothing "
     f"{KNOWN_TASKS}::test_the_same_seed_gives_the_same_episode_in_gymnasium",
+    "Quaternions in gymnasium": "gym/test_refusals.py::test_quaternions_are_brought_to_unit_length",
+    "Length of episodes": "gym/test_environment.py::test_a_time_limit_truncates gym/test_ids.py::test_every_task_has_both_ids",
     "`info`": f"{KNOWN_TASKS}::test_the_same_seed_gives_the_same_episode_in_gymnasium "
     "gym/test_spaces.py::test_observations_carry_what_the_interface_promises",
     "`options['reset_to_demo']`": "gym/test_environment.py::test_reset_to_demo_starts_as_the_demo_and_its_actions_succeed "

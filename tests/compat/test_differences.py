@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ import rlbench
 import rlbench_pin
 from pyrep import PyRep
 from pyrep.errors import UnsupportedCall
-from rlbench import Environment, ObservationConfig, RandomizeEvery, VisualRandomizationConfig
+from rlbench import Environment, ObservationConfig, RandomizeEvery, VisualRandomizationConfig, dataset_generator
 from rlbench.action_modes.action_mode import MoveArmThenGripper
 from rlbench.action_modes.arm_action_modes import EndEffectorPoseViaPlanning, ERJointViaIK, JointTorque, JointVelocity
 from rlbench.action_modes.gripper_action_modes import Discrete, GripperJointPosition
@@ -99,6 +100,13 @@ def test_versions_and_lists() -> None:
     """The version is that of this package, and the list has its tasks only."""
     assert rlbench.__version__ == rlbench_pin.__version__
     assert [f"{name}.py" for name in sorted(rlbench_pin.task_names())] == rlbench.TASKS and "close_jar.py" not in rlbench.TASKS
+
+
+def test_the_generator_is_no_command() -> None:
+    """The package installs one command of its own; variations are kept apart unless asked for."""
+    settings = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
+    assert list(settings["project"]["scripts"]) == ["rlbench-pin"]
+    assert callable(dataset_generator.main) and not dataset_generator.parse_args([]).all_variations
 
 
 # Environment ------------------------------------------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,10 @@ from rlbench.action_modes.arm_action_modes import EndEffectorPoseViaPlanning, Jo
 from rlbench.action_modes.gripper_action_modes import Discrete
 from rlbench.backend.conditions import ColorCondition, FollowCondition
 from rlbench.backend.exceptions import InvalidActionError
+from rlbench.backend.observation import Observation
 from rlbench.backend.task_utils import sample_procedural_objects
+from rlbench.dataset_generator import save_demo
+from rlbench.demo import Demo
 from rlbench.gym import RLBenchEnv
 from rlbench.noise_model import GaussianNoise
 from rlbench.task_environment import TaskEnvironment
@@ -230,6 +234,17 @@ def test_a_waypoint_that_closes_a_little_says_so(environment: Environment, tmp_p
     assert "close_gripper(0.7)" in words and not any("open_gripper" in word for word in words)
 
 
+def test_placing_a_demo_has_no_effect(task: TaskEnvironment) -> None:
+    """The same seed gives the same episode with the flag and without."""
+    states = []
+    for flag in (False, True):
+        np.random.seed(6)
+        task._scene.reset()
+        task._scene.init_episode(0, max_attempts=10, place_demo=flag)
+        states.append(task._task.get_low_dim_state())
+    assert np.array_equal(*states)
+
+
 # Data and gymnasium -----------------------------------------------------------------------------------------------------
 
 
@@ -250,6 +265,15 @@ def test_made_shapes_come_back_where_their_files_are(environment: Environment) -
             world.set_arrays(snapshot)
     finally:
         moved.rename(file)
+
+
+def test_a_pickled_demo_names_our_classes(tmp_path: Path) -> None:
+    """Written by hand; what is exported names those of RLBench."""
+    demo = Demo([Observation(joint_positions=np.zeros(7))], random_seed=3)
+    assert b"rlbench_pin.observation" in pickle.dumps(demo)
+    save_demo(demo, tmp_path)
+    exported = (tmp_path / "low_dim_obs.pkl").read_bytes()
+    assert b"rlbench.demo" in exported and b"rlbench_pin" not in exported
 
 
 def test_the_same_seed_gives_the_same_episode_in_gymnasium() -> None:

@@ -19,7 +19,7 @@ from rlbench_pin import (
     ObservationConfig,
     TaskEnvironment,
 )
-from rlbench_pin.environment import ERJointViaIK, GaussianNoise, GripperJointPosition, RelativeFrame
+from rlbench_pin.environment import CameraConfig, ERJointViaIK, GaussianNoise, GripperJointPosition, RelativeFrame
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.environment.randomization import RandomizeEvery, VisualRandomizationConfig
 from rlbench_pin.environment.runtime import Runtime
@@ -55,7 +55,7 @@ def test_there_is_a_runtime_and_no_scene(lid: TaskEnvironment) -> None:
     """It holds world, task, model and planner, and action modes take it."""
     runtime = lid.runtime
     assert isinstance(runtime, Runtime) and runtime.world is lid.world and runtime.task is lid.task
-    assert runtime.planner.model is runtime.model and not hasattr(lid, "_scene")
+    assert runtime.planner.model is runtime.model and not [n for n in ("_scene", "_task", "_robot") if hasattr(lid, n)]
     Discrete().action(runtime, [1.0])
 
 
@@ -228,3 +228,20 @@ def test_scenes_are_toml_and_objects_urdf() -> None:
     specs = [task_class(name).scene_file() for name in task_names()]
     assert {file.suffix for file in specs} == {".toml"} and all(file.is_file() for file in specs)
     assert {Path(body.asset).suffix for file in specs for body in read_scene(file).body} == {".urdf"}
+
+
+def test_settings_of_a_camera_go_by_name() -> None:
+    """A render mode is a word."""
+    with pytest.raises(TypeError):
+        CameraConfig(True, None)  # type: ignore[misc]
+    assert CameraConfig(render_mode="opengl3").draws_shadows and not CameraConfig(render_mode="opengl").draws_shadows
+
+
+def test_a_camera_may_deliver_masks_alone() -> None:
+    """It is described in `misc` as those with pictures are."""
+    config = low_dim_config()
+    config.front_camera.mask, config.front_camera.image_size = True, (16, 12)
+    with make(config) as environment:
+        _, seen = environment.get_task("reach_target").reset()
+    assert seen.front_mask is not None and seen.front_mask.shape == (12, 16) and seen.front_rgb is None
+    assert "front_camera_extrinsics" in seen.misc
