@@ -171,6 +171,8 @@ ROWS: dict[str, str] = {
     "Frames of waypoints": f"{KNOWN_TASKS}::test_waypoints_stay",
     "Task files, natively": "tasks/test_library.py::test_an_episode_depends_on_its_generator_alone",
     "Partly open hands": f"{KNOWN_TASKS}::test_a_waypoint_that_closes_a_little_says_so",
+    "Hands that arrive turned": f"{KNOWN}::test_the_hand_may_arrive_turned",
+    "Start functions of waypoints": "environment/test_looking_ahead.py::test_a_reset_looks_at_every_round",
     # pyrep objects
     "Handles": "compat/test_objects.py::test_handles_are_the_numbers_in_masks",
     "Parents that physics moves": f"{OBJECTS}::test_parents_that_physics_moves",

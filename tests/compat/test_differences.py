@@ -23,7 +23,7 @@ from rlbench.backend.const import TTT_FILE
 from rlbench.backend.exceptions import InvalidActionError
 from rlbench.environment import DIR_PATH
 from rlbench.task_environment import TaskEnvironment
-from rlbench.tasks import ReachTarget
+from rlbench.tasks import ReachTarget, TakeLidOffSaucepan
 from rlbench_pin.errors import TaskError
 
 DOWN = [0.0, 1.0, 0.0, 0.0]
@@ -262,6 +262,23 @@ def test_the_tip_at_the_known_start_joints(scene: Any) -> None:
     assert 1.472 - position[2] == pytest.approx(0.019, abs=1.5e-3)
     between = 2.0 * np.arccos(abs(float(quaternion @ published / np.linalg.norm(published))))
     assert np.rad2deg(between) == pytest.approx(4.0, abs=0.6)
+
+
+def test_the_hand_may_arrive_turned(task: TaskEnvironment) -> None:
+    """At the knob of the lid, which looks the same from four sides, in some episodes; the place is that of the waypoint."""
+    lid: Any = TaskEnvironment(task._pyrep, task._robot, task._scene, TakeLidOffSaucepan(task._pyrep, task._robot),
+                               task._action_mode, "", task._obs_config)  # fmt: skip
+    turns = []
+    for seed in range(3):
+        np.random.seed(seed)
+        lid.reset()
+        waypoint = lid._task.get_waypoints()[0]
+        tip, wanted = lid.runtime.model.tip_pose(waypoint.get_path()[-1]), waypoint.get_waypoint_object().get_pose()
+        assert tip[:3] == pytest.approx(wanted[:3], abs=1e-3)
+        turns.append(round(np.rad2deg(2.0 * np.arccos(min(1.0, abs(float(tip[3:] @ wanted[3:])))))))
+    assert set(turns) <= {0, 90, 180} and max(turns) > 0
+    task._scene.unload()
+    task._scene.load(task._task)
 
 
 def test_poses_by_planning_take_a_fallback_only_from_the_ninth_value(scene: Any) -> None:
