@@ -36,6 +36,7 @@ lint: $(STAMP)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+	$(BIN)/mypy --explicit-package-bases $$(find rlbench_pin/compat/packages -name '*.py')
 
 check: lint
 	$(BIN)/pytest -m "not slow and not simulation" -n $(JOBS) --dist worksteal $(TESTS)

@@ -105,7 +105,7 @@ def test_a_missing_field_is_named() -> None:
 
 @pytest.mark.simulation
 def test_a_live_demonstration() -> None:
-    """Key frames are where the legs to the lid end, where the hand has closed, and the end."""
+    """Key frames are where the leg above the lid ends, where the hand has closed on it, and the end."""
     with Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=low_dim_config()) as environment:
         outcome = environment.get_task("take_lid_off_saucepan").try_demo(seed=0)
     assert outcome.demo is not None
@@ -114,6 +114,6 @@ def test_a_live_demonstration() -> None:
     at_lid = above + round(legs[1].duration / 0.05)
     (closed,) = (i for i in range(1, len(demo)) if demo[i].gripper_open != demo[i - 1].gripper_open)
     keys = key_frames(demo)
-    assert np.allclose(keys, [above, at_lid, closed, len(demo) - 1], atol=1)
-    assert keys[2:] == [closed, len(demo) - 1]
-    assert closed > at_lid
+    assert keys[1:] == [closed, len(demo) - 1]
+    assert abs(keys[0] - above) <= 1
+    assert 0 <= closed - at_lid <= 3

@@ -86,9 +86,9 @@ def test_the_first_variations() -> None:
 
 def test_shadows_and_speed() -> None:
     """Settings of the pictures and of the arm reach the environment that records."""
-    slow = PictureConfig(products=("rgb",), shadows=False, arm_max_velocity=0.5)
-    assert not slow.obs_config().front_camera.draws_shadows
+    plain = PictureConfig(products=("rgb",), render_mode="opengl")
+    assert not plain.obs_config().front_camera.draws_shadows
     assert PictureConfig().obs_config().front_camera.draws_shadows
-    with slow.environment() as environment:
+    with plain.environment(max_velocity=0.5) as environment:
         planner = environment.get_task(TASK).runtime.planner
     assert planner.config.max_velocity == 0.5

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from pyrep.robots.arms.arm import Arm
 from pyrep.robots.arms.jaco import Jaco
 from pyrep.robots.arms.mico import Mico
@@ -19,7 +21,7 @@ from rlbench_pin.tasks.palette import COLORS
 colors: list[tuple[str, tuple[float, float, float]]] = [(name, rgb) for name, rgb in COLORS]
 """The 20 colours, name and RGB from 0 to 1; the place in the list is the variation of tasks that are about a colour."""
 
-SUPPORTED_ROBOTS: dict[str, tuple[type[Arm], type[Gripper], int]] = {
+SUPPORTED_ROBOTS: dict[str, tuple[Callable[..., Arm], Callable[..., Gripper], int]] = {
     "panda": (Panda, PandaGripper, 7),
     "jaco": (Jaco, JacoGripper, 6),
     "mico": (Mico, MicoGripper, 6),

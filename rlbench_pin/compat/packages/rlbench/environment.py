@@ -133,7 +133,7 @@ class Environment:
         simulator = Simulator.current()
         simulator.planning = PlannerConfig(max_velocity=self._arm_max_velocity, max_acceleration=self._arm_max_acceleration)
         arm_class, gripper_class, _ = SUPPORTED_ROBOTS[self._robot_setup]
-        arm = arm_class(max_velocity=self._arm_max_velocity, max_acceleration=self._arm_max_acceleration)
+        arm = arm_class(0, self._arm_max_velocity, self._arm_max_acceleration)
         self._robot = Robot(arm, gripper_class())
         if self._randomize_every is None:
             self._scene = Scene(pyrep, self._robot, self._obs_config, self._robot_setup)

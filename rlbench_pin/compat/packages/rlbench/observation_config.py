@@ -130,11 +130,11 @@ class ObservationConfig(NativeObservationConfig):
         noises: list[Any] = [joint_velocities_noise, joint_positions_noise, joint_forces_noise]
         noises = [Identity() if noise is None else noise for noise in noises]
         super().__init__(
-            *cameras, joint_velocities, noises[0], joint_positions, noises[1], joint_forces, noises[2], gripper_open,
-            gripper_pose, gripper_matrix, gripper_joint_positions, gripper_touch_forces, wrist_camera_matrix,
-            record_gripper_closing, task_low_dim_state,
+            cameras[0], cameras[1], cameras[2], cameras[3], cameras[4],
+            joint_velocities, noises[0], joint_positions, noises[1], joint_forces, noises[2],
+            gripper_open, gripper_pose, gripper_matrix, gripper_joint_positions, gripper_touch_forces, wrist_camera_matrix,
+            record_gripper_closing, task_low_dim_state, record_ignore_collisions,
         )  # fmt: skip
-        self.record_ignore_collisions = record_ignore_collisions
 
     def noise_of(self, name: str) -> NativeNoiseModel | None:
         """Return the noise of a low-dimensional field, None where it has no setting."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
@@ -17,8 +17,10 @@ from rlbench.backend.scene import Scene
 from rlbench.const import SUPPORTED_ROBOTS
 from rlbench_pin.compat import actions
 from rlbench_pin.compat.actions import (
+    Action,
     RelativeFrame,
     ScenePart,
+    UserMode,
     assert_action_shape,
     calculate_delta_pose,
     pose_in_end_effector_frame,
@@ -52,35 +54,9 @@ __all__ = [
     "takes_ignore_collisions",
 ]
 
-Action = Sequence[float] | FloatArray
 
-
-class ArmActionMode:
+class ArmActionMode(UserMode):
     """Turns numbers into motion of the arm. Derive from it, or from one of the classes below."""
-
-    def action(self, scene: SceneLike, action: Action) -> None:
-        """Run one action to its end."""
-        raise NotImplementedError(f"{type(self).__name__} needs a method `action(scene, action)`.")
-
-    def action_pre_step(self, scene: SceneLike, action: Action) -> None:
-        """Command the arm, before the simulation is stepped."""
-        raise NotImplementedError(f"{type(self).__name__} has no method `action_pre_step`.")
-
-    def action_step(self, scene: SceneLike, action: Action) -> None:
-        """Step the simulation."""
-        raise NotImplementedError(f"{type(self).__name__} has no method `action_step`.")
-
-    def action_post_step(self, scene: SceneLike, action: Action) -> None:
-        """Bring the arm to rest, after the simulation was stepped."""
-        raise NotImplementedError(f"{type(self).__name__} has no method `action_post_step`.")
-
-    def action_shape(self, scene: SceneLike | None = None) -> tuple[int, ...]:
-        """Return the shape of an action."""
-        raise NotImplementedError(f"{type(self).__name__} needs a method `action_shape(scene)` that returns a tuple.")
-
-    def action_bounds(self, scene: SceneLike | None = None) -> tuple[FloatArray, FloatArray]:
-        """Return lowest and highest values of an action, each of shape (n,)."""
-        raise NotImplementedError(f"{type(self).__name__} needs a method `action_bounds()` for this use, such as gymnasium.")
 
     def set_control_mode(self, robot: Robot) -> None:
         """Drive the arm as the mode needs it: here by positions."""

@@ -2,48 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from rlbench.backend.exceptions import InvalidActionError
-from rlbench_pin.compat.actions import ScenePart, assert_action_shape
+from rlbench_pin.compat.actions import ScenePart, UserMode, assert_action_shape
 from rlbench_pin.compat.unwrap import SceneLike, runtime_of
 from rlbench_pin.environment.actions import gripper as native
 from rlbench_pin.environment.motion import hold_or_release
-from rlbench_pin.spatial import FloatArray
 
 __all__ = ["Discrete", "GripperActionMode", "GripperJointPosition", "InvalidActionError", "assert_action_shape"]
 
-Action = Sequence[float] | FloatArray
 
-
-class GripperActionMode:
+class GripperActionMode(UserMode):
     """Turns numbers into motion of the hand. Derive from it, or from one of the classes below."""
-
-    def action(self, scene: SceneLike, action: Action) -> None:
-        """Run one action to its end."""
-        raise NotImplementedError(f"{type(self).__name__} needs a method `action(scene, action)`.")
-
-    def action_pre_step(self, scene: SceneLike, action: Action) -> None:
-        """Command the hand, before the simulation is stepped."""
-        raise NotImplementedError(f"{type(self).__name__} has no method `action_pre_step`.")
-
-    def action_step(self, scene: SceneLike, action: Action) -> None:
-        """Step the simulation."""
-        raise NotImplementedError(f"{type(self).__name__} has no method `action_step`.")
-
-    def action_post_step(self, scene: SceneLike, action: Action) -> None:
-        """Bring the hand to rest, after the simulation was stepped."""
-        raise NotImplementedError(f"{type(self).__name__} has no method `action_post_step`.")
-
-    def action_shape(self, scene: SceneLike | None = None) -> tuple[int, ...]:
-        """Return the shape of an action."""
-        raise NotImplementedError(f"{type(self).__name__} needs a method `action_shape(scene)` that returns a tuple.")
-
-    def action_bounds(self, scene: SceneLike | None = None) -> tuple[FloatArray, FloatArray]:
-        """Return lowest and highest values of an action, each of shape (n,)."""
-        raise NotImplementedError(f"{type(self).__name__} needs a method `action_bounds()` for this use, such as gymnasium.")
 
 
 class HandPart(ScenePart, native.GripperMode):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import numpy as np
 
@@ -65,7 +65,7 @@ class Task:
     @classmethod
     def native_class(cls) -> type[NativeTask]:
         """Return the native class that runs this one."""
-        return cls.native_origin() if "library_name" in vars(cls) else adapter_of(cls, cls.step is not Task.step)
+        return cls.native_origin() if "library_name" in vars(cls) else adapter_of(cast("Any", cls), cls.step is not Task.step)
 
     def bind(self, native: NativeTask) -> None:
         """Take the native task of the world that was built; a task in the paper's style looks its objects up now."""

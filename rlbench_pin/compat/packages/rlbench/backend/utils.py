@@ -71,7 +71,7 @@ def float_array_to_grayscale_image(
     if kind is None:
         raise CameraError(f"A picture of one channel holds uint8, uint16 or int32, not {image_dtype}.")
     scale = DEFAULT_GRAY_SCALE_FACTOR[kind] if scale_factor is None else scale_factor
-    highest = np.iinfo(kind).max
+    highest = float(np.iinfo(str(np.dtype(kind))).max)
     steps = np.rint(ClipFloatValues(_plane(float_array).astype(np.float64) * scale, 0.0, highest))
     return Image.fromarray(steps.astype(kind))
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from pyrep.errors import ConfigurationPathError
+from pyrep.objects.cartesian_path import CartesianPath
 from pyrep.objects.object import Object
 from pyrep.robots.configuration_paths.arm_configuration_path import ArmConfigurationPath
 from rlbench_pin.compat.simulator import Simulator
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     from rlbench.backend.robot import Robot
 
 WaypointFunction = Callable[["Waypoint"], Any]
-SAMPLED = {"trials": 100, "max_configs": 10, "trials_per_goal": 10}
-"""Settings of the search for a path."""
 
 
 class Waypoint:
@@ -127,14 +126,14 @@ class Point(Waypoint):
         arm, pose = self._robot.arm, turned(np.asarray(self._waypoint.get_pose(), dtype=float), turn)
         if self._linear_only:
             return arm.get_linear_path(pose[:3], quaternion=pose[3:], ignore_collisions=ignore_collisions)
-        return arm.get_path(pose[:3], quaternion=pose[3:], ignore_collisions=ignore_collisions, **SAMPLED)
+        return arm.get_path(pose[:3], quaternion=pose[3:], ignore_collisions=ignore_collisions)
 
 
 class PredefinedPath(Waypoint):
     """A curve that the tip follows; it never looks at collisions."""
 
     def _asked_path(self, ignore_collisions: bool, turn: float = 0.0) -> ArmConfigurationPath:
-        return self._robot.arm.get_path_from_cartesian_path(self._waypoint)
+        return self._robot.arm.get_path_from_cartesian_path(cast("CartesianPath", self._waypoint))
 
 
 def waypoint_of(native: NativeWaypoint, robot: Robot) -> Waypoint:

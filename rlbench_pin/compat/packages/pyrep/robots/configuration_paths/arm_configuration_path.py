@@ -69,7 +69,9 @@ class ArmConfigurationPath(ConfigurationPath):
                 f"A path has {self._num_joints} numbers per configuration, in one list, not {len(self._path_points)} numbers."
             )
         self._trajectory, self._timed_points = trajectory, self._path_points
-        self._begin_again()
+        self._tracker: TrajectoryTracker | None = None
+        self._joint_position_action: FloatArray | None = None
+        self._path_done, self._settling = False, 0
 
     def __len__(self) -> int:
         """Return the number of configurations."""
@@ -97,6 +99,7 @@ class ArmConfigurationPath(ConfigurationPath):
             self._settling += 1
         else:
             self._joint_position_action = next(self._tracker)
+        assert self._joint_position_action is not None  # a tracker has at least one command
         self._arm.set_joint_target_positions(self._joint_position_action)
         self._path_done = self._tracker.done and (self._settling >= SETTLING or self._arrives())
         return self._path_done
@@ -121,9 +124,8 @@ class ArmConfigurationPath(ConfigurationPath):
         """Nothing, as nothing is drawn."""
 
     def _begin_again(self) -> None:
-        self._tracker: TrajectoryTracker | None = None
+        self._tracker = self._joint_position_action = None
         self._path_done, self._settling = False, 0
-        self._joint_position_action: FloatArray | None = None
 
     def _configurations(self) -> FloatArray:
         return np.reshape(np.asarray(self._path_points, dtype=float), (-1, self._num_joints))
