@@ -12,7 +12,7 @@ from pyrep.const import ObjectType
 from pyrep.objects.dummy import Dummy
 from pyrep.objects.shape import Shape
 from pyrep.objects.vision_sensor import VisionSensor
-from rlbench.backend.spawn_boundary import SpawnBoundary
+from rlbench_pin.compat.scenes.workspace import Workspace
 from rlbench_pin.environment.runtime import TIP_WORKSPACE
 
 
@@ -52,8 +52,8 @@ class SceneParts:
         return Shape("workspace")
 
     @cached_property
-    def _workspace_boundary(self) -> SpawnBoundary:
-        return SpawnBoundary([self._workspace])
+    def _workspace_boundary(self) -> Workspace:
+        return Workspace(self._workspace)
 
     @cached_property
     def target_workspace_check(self) -> Dummy:

@@ -58,7 +58,6 @@ class Scene(SceneParts):
         self._obs_config = ObservationConfig() if obs_config is None else obs_config
         self._observed: dict[str, Any] | None = None
         self._frame: Observation | None = None
-        self._placement: np.random.Generator | None = None
         self._next_demo: Demo | None = None
         self._starts = Starts()
         self._forget_task()
@@ -100,7 +99,7 @@ class Scene(SceneParts):
         self.task = task
         task.bind(self._runtime.task)
         self._runtime.world.end_building()
-        self._initial_task_pose = self._runtime.world.root.pose
+        self._initial_task_pose = task.boundary_root().get_orientation()
 
     def unload(self) -> None:
         """Go back to the empty table; without a task nothing happens."""
@@ -191,16 +190,17 @@ class Scene(SceneParts):
 
     def _place_task(self) -> None:
         """Put the task at a random place on the table. Every placement of an episode comes here, unless it is static."""
-        rng = np.random.default_rng(int(np.random.randint(2**31))) if self._placement is None else self._placement
-        self._runtime.task.place(rng)
+        root, world = self.task.boundary_root(), self._runtime.world
+        if root == self.task.get_base() and not np.array_equal(world.root.pose, world.spec.placement.pose):
+            world.place_root(world.spec.placement.pose)
+        low, high = self.task.base_rotation_bounds()
+        self._workspace_boundary.clear()
+        self._workspace_boundary.sample(root, min_rotation=low, max_rotation=high)
 
     def place(self, rng: np.random.Generator) -> None:
         """Put the task at a random place on the table, drawn from `rng`."""
-        self._placement = rng
-        try:
+        with self._workspace_boundary.drawing_from(rng):
             self._place_task()
-        finally:
-            self._placement = None
 
     def _loaded(self, call: str) -> Any:
         if self.task is None:
