@@ -23,12 +23,18 @@ class SceneParts:
     """
 
     robot: Any
+    _start_arm_joint_pos: Sequence[float] | np.ndarray
 
     def __init__(self) -> None:
         self._step_callback: Callable[[], None] | None = None
         low, high = TIP_WORKSPACE.tolist()
         self._workspace_minx, self._workspace_miny, self._workspace_minz = low
         self._workspace_maxx, self._workspace_maxy, self._workspace_maxz = high
+
+    def prepare(self) -> None:
+        """Put the arm where `_start_arm_joint_pos` says, when a program says another posture than that of the robot file."""
+        if not np.array_equal(self._start_arm_joint_pos, self.robot.arm.get_joint_positions()):
+            self.robot.arm.set_joint_positions(self._start_arm_joint_pos, disable_dynamics=True)
 
     def check_target_in_workspace(self, pos: Sequence[float] | np.ndarray) -> bool:
         """Whether a target (3,) [m] is strictly inside the workspace."""

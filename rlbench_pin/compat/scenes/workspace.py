@@ -30,14 +30,15 @@ class WorkspaceArea(BoundaryObject):
         low, high = patch_of(Simulator.current().runtime.world, obj.element)
         return BoundingBox(float(low[0]), float(high[0]), float(low[1]), float(high[1]), 0.0, 0.0)
 
-    def _draw(self, low: FloatArray, high: FloatArray) -> FloatArray:
-        return super()._draw(low, high) if self.rng is None else self.rng.uniform(low, high)
+    def draw(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Return numbers (n,), each drawn between its bounds from `rng`."""
+        return super().draw(low, high) if self.rng is None else self.rng.uniform(low, high)
 
     def _get_position_within_boundary(self, obj: Object, obj_bbox: BoundingBox) -> list[float]:
         """Draw a place for an object, [x, y, z] in the frame of the plane [m]; the middle when it does not fit."""
         low = (self._boundary_bbox.corners[0] - obj_bbox.corners[0])[:2]
         high = (self._boundary_bbox.corners[1] - obj_bbox.corners[1])[:2]
-        x, y = self._draw(low, high) if np.all(low <= high) else (low + high) / 2.0
+        x, y = self.draw(low, high) if np.all(low <= high) else (low + high) / 2.0
         return [float(x), float(y), float(obj.get_position(relative_to=self._boundary)[2])]
 
 

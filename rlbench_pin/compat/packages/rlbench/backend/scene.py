@@ -14,7 +14,7 @@ from rlbench.backend.robot import Robot
 from rlbench.backend.task import Task
 from rlbench.demo import Demo
 from rlbench.observation_config import ObservationConfig
-from rlbench_pin.compat.scenes.frames import with_frames
+from rlbench_pin.compat.scenes import frames as made_frames
 from rlbench_pin.compat.scenes.parts import SceneParts
 from rlbench_pin.compat.scenes.runtime import SceneRuntime
 from rlbench_pin.compat.scenes.starts import Starts
@@ -175,6 +175,12 @@ class Scene(SceneParts):
             raise NotReset("get_task_descriptions")
         return list(self._origin.instructions)
 
+    def sign(self, demo: Demo) -> None:
+        """Tell a demonstration that a program made of bare observations how its episode began."""
+        if self._origin is not None and demo.random_seed is None:
+            made_frames.sign(demo, self._origin, self.task.get_name(), self._variation_index)
+            self.remember_start(demo)
+
     def _before_episode(self) -> None:
         """Called before an episode is laid out."""
 
@@ -271,7 +277,7 @@ class Scene(SceneParts):
         if outcome.demo is None:
             raise DemoError(f"Task '{task.get_name()}' was not demonstrated: {outcome.cause}", task)
         self.remember_start(outcome.demo)
-        return with_frames(outcome.demo, frames)
+        return made_frames.with_frames(outcome.demo, frames)
 
     def _keep_frame(
         self, frame: Observation, frames: list[Observation], record: bool, func: Callable[[Observation], None] | None

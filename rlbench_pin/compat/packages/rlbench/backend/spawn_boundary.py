@@ -105,7 +105,7 @@ class BoundaryObject:
             1 when placed, -1 when it did not fit, -2 when it would touch something, -3 when it would be too near to something.
         """
         start = np.asarray(obj.get_pose(relative_to=self._boundary), dtype=float)
-        turn = self._draw(np.asarray(min_rotation, dtype=float), np.asarray(max_rotation, dtype=float))
+        turn = self.draw(np.asarray(min_rotation, dtype=float), np.asarray(max_rotation, dtype=float))
         quaternion = rotated(turn, start[3:])
         own = self._box(obj)
         box = own.rotate(quaternion)
@@ -135,7 +135,8 @@ class BoundaryObject:
     def _box(self, obj: Object) -> BoundingBox:
         return bounding_box(obj)
 
-    def _draw(self, low: FloatArray, high: FloatArray) -> FloatArray:
+    def draw(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Return numbers (n,), each drawn between its bounds."""
         return np.random.uniform(low, high)
 
     def _get_position_within_boundary(self, obj: Object, obj_bbox: BoundingBox) -> list[float]:
@@ -147,7 +148,7 @@ class BoundaryObject:
         """
         low = self._boundary_bbox.corners[0] - obj_bbox.corners[0]
         high = self._boundary_bbox.corners[1] - obj_bbox.corners[1]
-        place = self._draw(np.minimum(low, high), np.maximum(low, high))
+        place = self.draw(np.minimum(low, high), np.maximum(low, high))
         if self._is_plane:
             place[2] = obj.get_position(relative_to=self._boundary)[2]
         return [float(x) for x in place]
