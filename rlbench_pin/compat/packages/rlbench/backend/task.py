@@ -13,6 +13,7 @@ from pyrep.objects.shape import Shape
 from rlbench.backend.conditions import Condition, NativeCondition
 from rlbench.backend.waypoints import Waypoint, waypoint_of
 from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.compat.tasks.belongings import belonging
 from rlbench_pin.compat.tasks.library import check_present, library_task
 from rlbench_pin.compat.tasks.paper import PaperTask, adapter_of
 from rlbench_pin.compat.tasks.tree import TreeState, restore_tree, save_tree, thing_name
@@ -54,6 +55,17 @@ class Task:
         self.pyrep, self.robot = pyrep, robot
         self.name = snake_case(type(self).__name__) if name is None else name
         self._native: NativeTask | None = None
+
+    def __getattr__(self, name: str) -> Any:
+        """Return a thing that a loaded task of the library keeps, such as `target` of `reach_target`, as an object.
+
+        Raises:
+            AttributeError: The task keeps nothing of that name.
+        """
+        try:
+            return belonging(vars(self).get("_native"), name)
+        except AttributeError:
+            raise AttributeError(f"'{type(self).__name__}' object has no attribute '{name}'", name=name, obj=self) from None
 
     # The task behind it -----------------------------------------------------------------------------------------------
 
