@@ -191,8 +191,21 @@ def test_library_tasks_show_what_they_keep(env: Environment) -> None:
     distance = np.linalg.norm(np.subtract(task._task.target.get_position(), tip))
     assert task._task.reward() == pytest.approx(-distance, abs=1e-6)
     assert [ball.get_name() for ball in task._task.distractors] == ["distractor0", "distractor1"]
-    for name in ("nonsense", "boundary", "_graspable"):
+    for name in ("nonsense", "boundary", "_nonsense"):
         assert not hasattr(task._task, name)
+
+
+def test_conditions_can_be_asked_one_by_one(env: Environment) -> None:
+    """`_success_conditions` says what of the goal is reached, for rewards of a program's own; a task may be got by its name."""
+    task = env.get_task("pick_and_lift")
+    task.reset()
+    assert not any(condition.condition_met()[0] for condition in task._task._success_conditions)
+    (demo,) = task.get_demos(1, live_demos=True)
+    assert len(demo) > 10 and task._task._success_conditions
+    assert all(condition.condition_met() == (True, False) for condition in task._task._success_conditions)
+    assert task._task._graspable_objects == task._task.get_graspable_objects()
+    with pytest.raises(RuntimeError, match="No task is called"):
+        env.get_task("nonsense")
 
 
 def test_a_path_knows_its_timing(env: Environment) -> None:

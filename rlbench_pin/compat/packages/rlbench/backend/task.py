@@ -10,7 +10,7 @@ import numpy as np
 from pyrep.objects.dummy import Dummy
 from pyrep.objects.object import Object
 from pyrep.objects.shape import Shape
-from rlbench.backend.conditions import Condition, NativeCondition
+from rlbench.backend.conditions import Condition, NativeCondition, condition_of
 from rlbench.backend.waypoints import Waypoint, waypoint_of
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.compat.tasks.belongings import belonging
@@ -59,11 +59,18 @@ class Task:
     def __getattr__(self, name: str) -> Any:
         """Return a thing that a loaded task of the library keeps, such as `target` of `reach_target`, as an object.
 
+        A task of a program's own may keep what it likes under the same names.
+
         Raises:
             AttributeError: The task keeps nothing of that name.
         """
+        native = vars(self).get("_native")
+        if native is not None and name == "_success_conditions":
+            return [condition_of(condition) for condition in native.get_success_conditions()]
+        if native is not None and name == "_graspable_objects":
+            return self.get_graspable_objects()
         try:
-            return belonging(vars(self).get("_native"), name)
+            return belonging(native, name)
         except AttributeError:
             raise AttributeError(f"'{type(self).__name__}' object has no attribute '{name}'", name=name, obj=self) from None
 
