@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, ClassVar, cast
 import numpy as np
 
 from rlbench_pin.compat.tasks.memory import GlobalDraws, Remembered
-from rlbench_pin.compat.tasks.tree import place_thing, thing_name
 from rlbench_pin.errors import TaskError
 from rlbench_pin.observation import Observation
 from rlbench_pin.sim import World
@@ -119,14 +118,6 @@ class PaperTask(Task):
         if rng is None:
             rng = np.random.default_rng(np.random.randint(2**31 - 1))  # noqa: NPY002
         return self.user_class.native_origin().init_episode(self, variation, rng)
-
-    def place(self, rng: np.random.Generator) -> None:
-        """Put the whole task, or what the user's task names as its root, somewhere on the table."""
-        root = self.user.boundary_root()
-        if root == self.user.get_base():
-            super().place(rng)
-        else:
-            place_thing(self.world, thing_name(root), rng, self.base_rotation_bounds())
 
     def variation_count(self) -> int:
         """Return how many variations the user's task has."""

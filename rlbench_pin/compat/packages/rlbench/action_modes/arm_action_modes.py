@@ -155,7 +155,7 @@ class EndEffectorPoseViaPlanning(PosePart, pose.EndEffectorPoseViaPlanning, ArmA
         """
         target = self.target(runtime_of(scene), self.values(scene, action))
         ignore = not self.collision_checking if ignore_collisions is None else bool(ignore_collisions)
-        plan = actions.plan_motion(target, ignore, second_try=ignore_collisions is not None)
+        plan = actions.plan_motion(scene, target, ignore, second_try=ignore_collisions is not None)
         actions.run(scene, plan, self._callable_each_step)
 
     def set_callable_each_step(self, callable_each_step: Callable[[Observation], object] | None) -> None:
