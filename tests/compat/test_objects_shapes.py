@@ -133,6 +133,9 @@ def test_respondable_and_collidable(pyrep: PyRep) -> None:
     steps(pyrep, 15)
     assert ghost.get_position()[2] < 0.7 and not ghost.is_respondable()
     assert shape.get_position()[2] > TABLE + 0.02
+    assert not shape.is_model()
+    shape.set_model(True)
+    assert shape.is_model()
 
 
 def test_distance_and_velocity(pyrep: PyRep) -> None:

@@ -67,12 +67,12 @@ class KinematicArm(RobotComponent):
         """Return the joint positions [rad] that a descent from the present posture finds for a pose.
 
         Raises:
-            IKError: The descent does not reach the pose.
+            IKError: The descent does not reach the pose, or it is no pose.
         """
-        pose = arm_planning.world_pose(position, euler, quaternion, relative_to)
         try:
+            pose = arm_planning.world_pose(position, euler, quaternion, relative_to)
             return arm_planning.nearest_configuration(Simulator.current().runtime, pose).tolist()
-        except PlanningError as error:
+        except (PlanningError, ValueError) as error:
             raise IKError(f"No joint positions near the present ones reach the pose: {error}") from error
 
     def solve_ik(
@@ -111,14 +111,14 @@ class KinematicArm(RobotComponent):
             relative_to: See the class.
 
         Raises:
-            ConfigurationError: No configuration was found, or all collide.
+            ConfigurationError: No configuration was found, all collide, or it is no pose.
         """
-        pose = arm_planning.world_pose(position, euler, quaternion, relative_to)
         try:
+            pose = arm_planning.world_pose(position, euler, quaternion, relative_to)
             found = arm_planning.configurations(
                 Simulator.current(), pose, ignore_collisions=ignore_collisions, starts=trials, most=max_configs
             )
-        except PlanningError as error:
+        except (PlanningError, ValueError) as error:
             raise ConfigurationError(f"No configuration was found for the pose: {error}") from error
         return np.array(found)
 
