@@ -13,6 +13,7 @@ from pyrep.robots.robot_component import RobotComponent
 from rlbench_pin.compat import arm_planning
 from rlbench_pin.compat.motors import ArmMotors
 from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.compat.things import Element
 from rlbench_pin.errors import PlanningError
 from rlbench_pin.spatial import FloatArray
 
@@ -45,7 +46,7 @@ class KinematicArm(RobotComponent):
 
     def get_tip(self) -> Dummy:
         """Return the tip: the frame between the fingers, z out of the hand."""
-        return Dummy(self._tip_name)
+        return Dummy(Element("tip", self._tip_name))  # not looked up by name: programs ask in every step
 
     def get_jacobian(self) -> FloatArray:
         """Return the Jacobian (n, 6) at the present posture: row i is the tip's `[linear, angular]` velocity per unit of joint i.
