@@ -27,7 +27,7 @@ from rlbench_pin.compat.actions import (
 )
 from rlbench_pin.compat.unwrap import SceneLike, runtime_of
 from rlbench_pin.environment.actions import joint, pose
-from rlbench_pin.environment.actions.arm_mode import assert_unit_quaternion
+from rlbench_pin.environment.actions.arm_mode import as_frame, assert_unit_quaternion
 from rlbench_pin.observation import Observation
 from rlbench_pin.spatial import FloatArray, compose
 
@@ -99,6 +99,10 @@ class JointPosition(JointPart, joint.JointPosition, ArmActionMode):
     def _absolute_mode(self) -> bool:
         return self.absolute_mode
 
+    @_absolute_mode.setter
+    def _absolute_mode(self, value: bool) -> None:
+        self.absolute_mode = value
+
 
 class JointTorque(JointPart, joint.JointTorque, ArmActionMode):
     """Joint torques [N m], with gravity, for one step; a positive torque turns a joint the positive way. Then the arm stops."""
@@ -115,13 +119,25 @@ class PosePart(ScenePart, pose.PoseMode):
     def _absolute_mode(self) -> bool:
         return self.absolute_mode
 
+    @_absolute_mode.setter
+    def _absolute_mode(self, value: bool) -> None:
+        self.absolute_mode = value
+
     @property
     def _frame(self) -> RelativeFrame:
         return RelativeFrame(int(self.frame))
 
+    @_frame.setter
+    def _frame(self, value: RelativeFrame | str) -> None:
+        self.frame = as_frame(value)
+
     @property
     def _collision_checking(self) -> bool:
         return self.collision_checking
+
+    @_collision_checking.setter
+    def _collision_checking(self, value: bool) -> None:
+        self.collision_checking = value
 
     def _pose_in_end_effector_frame(self, robot: Robot, action: Action) -> FloatArray:
         """Return the world pose (7,) of a pose that is given in the frame of the tip."""

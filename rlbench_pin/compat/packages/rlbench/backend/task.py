@@ -128,8 +128,9 @@ class Task:
         return origin.variation_count(object.__new__(origin) if self._native is None else self._native)
 
     def get_low_dim_state(self) -> FloatArray:
-        """Return the state of the objects, shape (n,): poses of all bodies by name, then all joint values."""
-        return type(self).native_origin().get_low_dim_state(self.native)
+        """Return poses of bodies by name, joint values, poses of shapes that `init_task` hung in the task, shape (n,)."""
+        state, native = type(self).native_origin().get_low_dim_state(self.native), self.native
+        return np.concatenate([state, native.poses_of_made()]) if isinstance(native, PaperTask) else state
 
     def step(self) -> None:
         """Run after every simulation step."""
