@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from typing import cast
 
 import numpy as np
 
@@ -27,7 +28,7 @@ from rlbench_pin.compat.actions import (
 )
 from rlbench_pin.compat.unwrap import SceneLike, runtime_of
 from rlbench_pin.environment.actions import joint, pose
-from rlbench_pin.environment.actions.arm_mode import as_frame, assert_unit_quaternion
+from rlbench_pin.environment.actions.arm_mode import FrameChoice, as_frame, assert_unit_quaternion
 from rlbench_pin.observation import Observation
 from rlbench_pin.spatial import FloatArray, compose
 
@@ -129,7 +130,7 @@ class PosePart(ScenePart, pose.PoseMode):
 
     @_frame.setter
     def _frame(self, value: RelativeFrame | str) -> None:
-        self.frame = as_frame(value)
+        self.frame = as_frame(cast(FrameChoice, value))
 
     @property
     def _collision_checking(self) -> bool:
