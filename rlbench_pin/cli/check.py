@@ -19,7 +19,7 @@ from rlbench_pin.cli.list_tasks import named_tasks
 from rlbench_pin.cli.progress import CheckBar
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.errors import TaskEnvironmentError
-from rlbench_pin.tasks import find_task, task_class, task_names
+from rlbench_pin.tasks import find_task, task_names, task_reference
 
 FORMAT = 2
 REPEATS = 4
@@ -32,7 +32,7 @@ class Check:
     """Judge tasks: demonstrations succeed and replay, resets repeat and rest, doing nothing and random actions solve nothing."""
 
     tasks: tyro.conf.Positional[tuple[str, ...]] = ()
-    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them; all when none is given."""
+    """Task names, as `rlbench-pin list` prints them, or task files, with spaces or commas between; all when none is given."""
     task_file: tuple[Path, ...] = ()
     """Task files outside the package, each with its scene file beside it."""
     episodes: int = 30
@@ -92,7 +92,7 @@ class Check:
         if missing:
             raise TaskEnvironmentError(f"There is no task file '{missing[0]}'. `rlbench-pin new NAME` makes a pair of files.")
         asked = named_tasks(self.tasks) or (() if self.task_file else task_names())
-        named = {task_class(name).get_name(): task_class(name).get_name() for name in asked}
+        named = {task.get_name(): task_reference(task) for task in map(find_task, asked)}
         return named | {find_task(str(path)).get_name(): str(path.resolve()) for path in self.task_file}
 
     def _journal(self, wanted: Mapping[str, str]) -> TrialJournal:

@@ -20,6 +20,7 @@ from rlbench_pin.observation import CAMERAS
 from rlbench_pin.recording.config import PictureConfig
 from rlbench_pin.recording.export import ExportFormat, export_dataset
 from rlbench_pin.recording.rerender import rerender, seeds_of, write_seeds
+from rlbench_pin.tasks import own_tasks
 
 Root = tyro.conf.Positional[Path]
 
@@ -98,6 +99,10 @@ class Rerender:
     """Worker processes; with 0 this process does the work."""
     engine: EngineName = "processes"
     """What does the work: processes of this machine, or a Ray cluster."""
+    task_file: tuple[Path, ...] = ()
+    """Your own files of tasks that are not installed; they are used instead of those that the dataset keeps."""
+    trust_task_files: bool = False
+    """Run the task files that the dataset keeps, where tasks are not installed. Read them first."""
 
     def run(self) -> int:
         """Rerender; 1 when episodes are missing at the end."""
@@ -105,7 +110,15 @@ class Rerender:
         engine = make_engine(self.engine, self.workers)
         with stopping_gently() as stop, closing(RecordBar("rerender")) as bar:
             report = rerender(
-                self.source, self.out, pictures, tasks=split_names(self.tasks), engine=engine, on_progress=bar, stop=stop
+                self.source,
+                self.out,
+                pictures,
+                tasks=split_names(self.tasks),
+                engine=engine,
+                on_progress=bar,
+                stop=stop,
+                own=own_tasks(self.task_file),
+                trust_task_files=self.trust_task_files,
             )
         return print_report(report, self.out, "the same command", as_json=False)
 

@@ -18,7 +18,7 @@ from rlbench_pin.environment.presets import make_environment, picture_config
 from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import CAMERAS, Demo, Observation
 from rlbench_pin.recording.film import Film
-from rlbench_pin.tasks import find_task
+from rlbench_pin.tasks import find_task, keep_task
 
 
 @dataclass(frozen=True)
@@ -90,6 +90,7 @@ class RecordDemos:
                 film = stack.enter_context(Film(task, self.out)) if self.video else None
                 outcome = task.try_demo(seed=seed, attempt=attempt, on_frame=_counter(bar, seed))
                 if outcome.demo is not None:
+                    keep_task(self.out, type(task.task))
                     return self._keep(outcome.demo, outcome.duration, film)
                 causes.append(outcome.cause)
         raise DemoError(f"Seed {seed} of '{self.task}' failed {self.max_attempts} times: {'; '.join(causes)}. Try another seed.")

@@ -17,7 +17,7 @@ from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.planning.problems.problem import PlanningProblem, write_problem
 from rlbench_pin.scene.snapshot import WorldSnapshot
-from rlbench_pin.tasks import task_class
+from rlbench_pin.tasks import find_task, task_reference
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Problems:
     action: tyro.conf.Positional[str]
     """What to do: `export`."""
     tasks: tyro.conf.Positional[tuple[str, ...]]
-    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, or `all`."""
+    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, `all`, or task files."""
     episodes: int = 5
     """Demonstrations of each task."""
     seed: int = 0
@@ -41,7 +41,7 @@ class Problems:
         if self.action != "export" or not names:
             print("rlbench-pin: use `rlbench-pin problems export TASK...`", file=sys.stderr)
             return 2
-        for name in [task_class(name).get_name() for name in names]:
+        for name in [task_reference(find_task(name)) for name in names]:
             count = self._export(name)
             print(f"{name}: {count} problems in {self.out}")
         return 0
@@ -49,6 +49,7 @@ class Problems:
     def _export(self, name: str) -> int:
         with make_environment(low_dim_config()) as environment:
             task = environment.get_task(name)
+            name = task.get_name()
             recorder = ProblemRecorder()
             with task.runtime.listening(recorder):
                 for episode in range(self.episodes):

@@ -73,6 +73,8 @@ class Record:
     """What does the work: processes of this machine, or a Ray cluster."""
     resume: bool = False
     """Go on with what the folder holds."""
+    trust_task_files: bool = False
+    """Run the task files that the folder keeps, where tasks are not installed and their files not named. Read them first."""
     image_size: tuple[int, int] = (128, 128)
     """Width and height of the pictures [px]."""
     cameras: tuple[str, ...] = CAMERAS
@@ -103,7 +105,15 @@ class Record:
         config = read_recording(self.out) if self.resume and not self.tasks else self._config()
         engine = make_engine(self.engine, self.workers)
         with stopping_gently() as stop, closing(RecordBar("record")) as bar:
-            report = record(config, self.out, engine=engine, resume=self.resume, on_progress=bar, stop=stop)
+            report = record(
+                config,
+                self.out,
+                engine=engine,
+                resume=self.resume,
+                on_progress=bar,
+                stop=stop,
+                trust_task_files=self.trust_task_files,
+            )
         return print_report(report, self.out, self._resume_command(), as_json=self.json)
 
     def _in_our_names(self) -> Record:
@@ -146,7 +156,10 @@ class Record:
 
     def _resume_command(self) -> str:
         engine = [] if self.engine == "processes" else ["--engine", self.engine]
-        return shlex.join(["rlbench-pin", "record", "--resume", "--out", str(self.out), "--workers", str(self.workers), *engine])
+        own_files = any(word.endswith(".py") for word in self.tasks)  # the folder has kept what was named here
+        trust = ["--trust-task-files"] if own_files or self.trust_task_files else []
+        words = ["rlbench-pin", "record", "--resume", "--out", str(self.out), "--workers", str(self.workers)]
+        return shlex.join([*words, *engine, *trust])
 
 
 def make_engine(name: EngineName, workers: int) -> Engine:

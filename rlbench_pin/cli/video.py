@@ -27,6 +27,7 @@ from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import DemoError
 from rlbench_pin.recording.grid import Reel, grid_frames, grid_size
 from rlbench_pin.recording.orbit import Orbit
+from rlbench_pin.tasks import find_task
 
 _CELL = (320, 240)
 
@@ -36,7 +37,7 @@ class Video:
     """Film demonstrations of one or more tasks: one film per task, or one film of all of them in a grid."""
 
     tasks: tyro.conf.Positional[tuple[str, ...]]
-    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, or `all`."""
+    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, `all`, or task files."""
     grid: bool = False
     """All tasks side by side in one film instead of a film each."""
     variation: int = 0
@@ -67,19 +68,21 @@ class Video:
             print(self._film_grid(names))
             return 0
         for name in names:
-            path = self.out / f"{name}.mp4"
+            task = find_task(name)
+            path = self.out / f"{task.get_name()}.mp4"
             with self._environment() as environment, VideoWriter(path, self.size, self.fps) as video:
-                self._play(environment.get_task(name), Orbit(size=self.size, step=self.speed), video.add)
+                self._play(environment.get_task(task), Orbit(size=self.size, step=self.speed), video.add)
             print(path)
         return 0
 
     def _film_grid(self, names: tuple[str, ...]) -> Path:
         reels = {}
         for name in names:
-            reels[name] = Reel()
+            task = find_task(name)
+            reel = reels[task.get_name()] = Reel()
             with self._environment() as environment:
                 orbit = Orbit(size=_CELL, step=self.speed, fov=0.95)
-                self._play(environment.get_task(name), orbit, reels[name].add)
+                self._play(environment.get_task(task), orbit, reel.add)
         path = self.out / "grid.mp4"
         with VideoWriter(path, grid_size(len(names), _CELL), self.fps) as video:
             for picture in grid_frames(reels, _CELL):

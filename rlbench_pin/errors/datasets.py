@@ -40,5 +40,24 @@ _STORAGE_ADVICE = {
 }
 
 
+class UntrustedTaskFile(DatasetError):
+    """The task of stored demonstrations is code that came with them; it is run only when the user says so.
+
+    Attributes:
+        task: Task name.
+        path: The file.
+    """
+
+    def __init__(self, task: str, path: Path | str, remark: str = "") -> None:
+        self.task, self.path, self.remark = task, Path(path), remark
+        super().__init__(
+            f"The task '{task}' is code that came with its episodes: '{path}'.{remark} It is not run unless you say so. Read it; "
+            "then pass `--trust-task-files` (`trust_task_files=True` in Python), or name your own file of it."
+        )
+
+    def __reduce__(self) -> tuple[type[UntrustedTaskFile], tuple[str, Path, str]]:
+        return type(self), (self.task, self.path, self.remark)
+
+
 class DatasetConflict(DatasetError):
     """Two sets of demonstrations, or a recording and what is stored, do not go together."""
