@@ -17,7 +17,7 @@ from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.planning.problems.problem import PlanningProblem, write_problem
 from rlbench_pin.scene.snapshot import WorldSnapshot
-from rlbench_pin.tasks import find_task, task_reference
+from rlbench_pin.tasks import Task, find_task
 
 
 @dataclass(frozen=True)
@@ -41,15 +41,15 @@ class Problems:
         if self.action != "export" or not names:
             print("rlbench-pin: use `rlbench-pin problems export TASK...`", file=sys.stderr)
             return 2
-        for name in [task_reference(find_task(name)) for name in names]:
-            count = self._export(name)
-            print(f"{name}: {count} problems in {self.out}")
+        for task in [find_task(name) for name in names]:
+            count = self._export(task)
+            print(f"{task.get_name()}: {count} problems in {self.out}")
         return 0
 
-    def _export(self, name: str) -> int:
+    def _export(self, chosen: type[Task]) -> int:
+        name = chosen.get_name()
         with make_environment(low_dim_config()) as environment:
-            task = environment.get_task(name)
-            name = task.get_name()
+            task = environment.get_task(chosen)
             recorder = ProblemRecorder()
             with task.runtime.listening(recorder):
                 for episode in range(self.episodes):

@@ -66,6 +66,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
 
     Raises:
         UnknownName: No such task, mode, camera or choice.
+        TaskError: The task file cannot be loaded.
         WindowMissing: `human` without a screen or without pygame.
     """
 
@@ -109,6 +110,8 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
 
     def _load(self, task: str | PathLike[str] | type[Task], variation: int, seen: tuple[str, ...], size: tuple[int, int]) -> None:
         """Load the task and span the spaces."""
+        if task == "":
+            raise TaskEnvironmentError("Say which task: `task=` takes a name, a task file or a class.")
         self._task = self._environment.get_task(task)
         self._task.set_variation(variation)
         self._variation = variation

@@ -27,7 +27,7 @@ def gym_id(task: str, mode: str) -> str:
 
 def register_ids() -> None:
     """Register every task of the library with gymnasium, and `ANY_TASK`; ids that are there already are left alone."""
-    register(ANY_TASK, {})
+    register(ANY_TASK, {"task": ""})
     for file in sorted(_LIBRARY.glob("*.toml")):
         if file.with_suffix(".py").is_file():
             for mode in MODES:

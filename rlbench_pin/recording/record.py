@@ -174,7 +174,10 @@ def write_recording(root: Path, config: RecordConfig) -> None:
 
 def _stored_name(task: str) -> str:
     """Return the name of a task in a recording; a path to code, as older ones have it, is not followed."""
-    return task if task.isidentifier() else checked_task_name(Path(task).stem)
+    name = Path(task).stem
+    if not name.isidentifier():
+        raise ValueError(f"{task!r} names no task")
+    return name
 
 
 def _as_tuple(value: Any) -> Any:

@@ -96,10 +96,9 @@ def rerender(
     own: OwnTasks | None = None,
     trust_task_files: bool = False,
 ) -> RecordReport:
-    """Record the demonstrations of a dataset again, with other pictures. Goes on with what `out` holds already.
-
-    Each is made again from its seed. Where the old file is there, the joints must move as they did, bit for bit; otherwise
-    its start is restored and its actions repeated, and the joints must stay within 1 mrad of the old ones.
+    """Record the demonstrations of a dataset again, with other pictures; go on with what `out` holds. Each is made again
+    from its seed. Where the old file is there, the joints must move as they did, bit for bit; otherwise its start is restored and
+    its actions repeated, and the joints must stay within 1 mrad of the old ones.
 
     Args:
         source: Folder of the dataset (its manifests are enough), or a file with a list of seeds.
@@ -120,8 +119,6 @@ def rerender(
     if source.is_dir() and source.resolve() == out.resolve():
         raise DatasetConflict(f"'{out}' is the dataset to be rerendered. Choose another folder for the result.")
     items = _items(source, tasks)
-    if not items:
-        raise DatasetError(f"'{source}' lists no episodes to rerender.")
     classes = _classes(source, sorted({item.task for item in items}), own or {}, trust_task_files)
     with hold(out):
         remove_leftovers(out)
@@ -150,12 +147,18 @@ def _items(source: Path, tasks: Sequence[str]) -> list[WorkItem]:
     if source.is_file():
         seeds = read_seeds(source)
         chosen = chosen_tasks(source, sorted({seed.task for seed in seeds}), tasks)
-        return [_item(seed) for seed in seeds if seed.task in chosen]
+        return _at_least_one(source, [_item(seed) for seed in seeds if seed.task in chosen])
     items = []
     for task, entry in _entries(source, tasks):
         path = episode_path(source, task, entry.variation, entry.episode)
         held = path.is_file()
         items.append(_item(_seed(task, entry), str(path) if held else "", entry.sha256 if held else ""))
+    return _at_least_one(source, items)
+
+
+def _at_least_one(source: Path, items: list[WorkItem]) -> list[WorkItem]:
+    if not items:
+        raise DatasetError(f"'{source}' lists no episodes to rerender.")
     return items
 
 

@@ -115,10 +115,8 @@ def chosen_tasks_of(root: Path, words: Iterable[str], trust_task_files: bool = F
     """
     chosen: dict[str, type[Task]] = {}
     for word in words:
-        is_name = not word.endswith(".py") and "/" not in word
-        task = (
-            stored_task(root, snake_case(word), None, trust_task_files) if is_name and _is_kept(root, word) else find_task(word)
-        )
+        name = snake_case(word)
+        task = stored_task(root, name, None, trust_task_files) if _is_kept(root, name) else find_task(word)
         same = [known for known in chosen.values() if known.get_name() == task.get_name()]
         if not same:
             chosen[word] = task
