@@ -15,11 +15,11 @@ from rlbench_pin.checking import Item, Part, TaskReport, Trial, TrialJournal, ex
 from rlbench_pin.checking.pages.page import page
 from rlbench_pin.checking.pages.pictures import draw_pictures
 from rlbench_pin.checking.pages.table import table
-from rlbench_pin.cli.list_tasks import named_tasks
+from rlbench_pin.cli.list_tasks import ALL, named_tasks
 from rlbench_pin.cli.progress import CheckBar
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.errors import TaskEnvironmentError
-from rlbench_pin.tasks import find_task, task_names, task_reference
+from rlbench_pin.tasks import find_task, task_reference
 
 FORMAT = 2
 REPEATS = 4
@@ -91,7 +91,7 @@ class Check:
         missing = [str(path) for path in self.task_file if not path.is_file()]
         if missing:
             raise TaskEnvironmentError(f"There is no task file '{missing[0]}'. `rlbench-pin new NAME` makes a pair of files.")
-        asked = named_tasks(self.tasks) or (() if self.task_file else task_names())
+        asked = named_tasks(self.tasks) or (() if self.task_file else named_tasks((ALL,)))
         named = {task.get_name(): task_reference(task) for task in map(find_task, asked)}
         return named | {find_task(str(path)).get_name(): str(path.resolve()) for path in self.task_file}
 

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from rlbench_pin.tasks import plugin_faults, task_class, task_names, task_origin
+from rlbench_pin.tasks import plugin_faults, task_class, task_origin, usable_task_names
 
 ALL = "all"
 """Stands for all tasks on a command line."""
@@ -29,10 +29,9 @@ def named_tasks(words: Iterable[str]) -> tuple[str, ...]:
 
 def usable_names() -> tuple[str, ...]:
     """Return the names of all tasks but those of broken packages, each of which is reported on stderr."""
-    faults = plugin_faults()
-    for fault in faults.values():
+    for fault in plugin_faults().values():
         print(f"rlbench-pin: {fault}", file=sys.stderr)
-    return tuple(name for name in task_names() if name not in faults or not task_origin(name))
+    return usable_task_names()
 
 
 @dataclass(frozen=True)

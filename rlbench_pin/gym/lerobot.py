@@ -26,7 +26,7 @@ from rlbench_pin.gym.ids import MAX_EPISODE_STEPS
 from rlbench_pin.gym.spaces import VISION_CAMERAS, GymObservation
 from rlbench_pin.gym.vector import LazyAsyncVectorEnv
 from rlbench_pin.sim import RendererName
-from rlbench_pin.tasks import find_task, task_names, task_reference
+from rlbench_pin.tasks import find_task, task_names, task_reference, usable_task_names
 
 SUITE = "rlbench_pin"
 TASKS_VARIABLE = "RLBENCH_PIN_TASKS"
@@ -202,4 +202,4 @@ def make_env(
 
 def _wanted_tasks(cfg: Any) -> tuple[str, ...]:
     asked = (cfg.task if isinstance(cfg, NamesTasks) else None) or os.environ.get(TASKS_VARIABLE, "")
-    return tuple(name.strip() for name in str(asked).split(",") if name.strip()) or task_names()
+    return tuple(name.strip() for name in str(asked).split(",") if name.strip()) or usable_task_names()

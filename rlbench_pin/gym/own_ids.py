@@ -8,7 +8,7 @@ import gymnasium
 
 from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.gym.ids import MODES, register
-from rlbench_pin.tasks import Task, find_task, is_task_file, plugin_faults, task_names, task_origin, task_reference
+from rlbench_pin.tasks import Task, find_task, is_task_file, task_names, task_origin, task_reference, usable_task_names
 
 
 def register_task(task: type[Task] | str | PathLike[str], namespace: str = "rlbench_pin") -> tuple[str, ...]:
@@ -40,8 +40,7 @@ def register_task(task: type[Task] | str | PathLike[str], namespace: str = "rlbe
 
 def register_plugin_tasks() -> tuple[str, ...]:
     """Register the tasks that installed packages bring, and return their ids; broken ones are left out."""
-    faults = plugin_faults()
-    names = [name for name in task_names() if task_origin(name) and name not in faults]
+    names = [name for name in usable_task_names() if task_origin(name)]
     return tuple(name for task in names for name in register_task(task))
 
 

@@ -34,6 +34,7 @@ from rlbench_pin.tasks.registry import (
     task_names,
     task_origin,
     task_scene,
+    usable_task_names,
 )
 from rlbench_pin.tasks.settling import settle
 from rlbench_pin.tasks.spawn_boundary import NO_ROTATION, SpawnBoundary, clearance
@@ -104,6 +105,7 @@ __all__ = [
     "task_origin",
     "task_reference",
     "task_scene",
+    "usable_task_names",
 ]
 
 

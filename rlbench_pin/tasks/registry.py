@@ -80,6 +80,12 @@ def plugin_faults() -> dict[str, str]:
     return faults
 
 
+def usable_task_names() -> tuple[str, ...]:
+    """Return the names of all tasks but those that broken packages bring; these are loaded for it."""
+    faults = plugin_faults()
+    return tuple(name for name in task_names() if name not in faults or not task_origin(name))
+
+
 def task_scene(task: type[Task]) -> SceneSpec:
     """Return the scene of a task; read once, and again only when the file has changed.
 
@@ -133,4 +139,5 @@ __all__ = [
     "task_names",
     "task_origin",
     "task_scene",
+    "usable_task_names",
 ]

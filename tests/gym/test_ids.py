@@ -12,9 +12,9 @@ from gymnasium.utils.env_checker import check_env
 
 import rlbench_pin.gym
 from rlbench_pin.gym.ids import ANY_TASK, MAX_EPISODE_STEPS, MODES, gym_id
-from rlbench_pin.tasks import task_names
+from rlbench_pin.tasks import library_names
 
-IDS = [gym_id(task, mode) for task in task_names() for mode in MODES]
+IDS = [gym_id(task, mode) for task in library_names() for mode in MODES]
 FEW = ("reach_target", "open_drawer", "stack_blocks")
 
 

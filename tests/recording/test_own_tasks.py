@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from rlbench_pin.assets import ASSETS
 from rlbench_pin.cli.new import New
 from rlbench_pin.datasets import episode_files, kept_task, verify_task
 from rlbench_pin.environment.actions.action_mode import JointPositionActionMode
@@ -175,3 +176,17 @@ def test_a_file_that_changes_while_it_is_recorded_costs_its_episodes(mine: Path,
     report = record(config, tmp_path / "out", engine=ChangesTheFile())
     assert report.missing == 1
     assert "changed while it was recorded" in report.failed[0].failures[0]
+
+
+def test_models_of_its_own_go_with_a_task(tmp_path: Path) -> None:
+    """The copy in the dataset is complete: it replays where nothing else of the task is left."""
+    folder = tmp_path / "mine"
+    New("touch_it", folder).run()
+    shutil.copytree(ASSETS / "objects" / "ball_marker", folder / "ball")
+    scene = folder / "touch_it.toml"
+    scene.write_text(scene.read_text().replace('"objects/ball_marker/ball_marker.urdf"', '"./ball/ball_marker.urdf"'))
+    config = RecordConfig(tasks=(str(folder / "touch_it.py"),), episodes=1, pictures=PICTURES)
+    record(config, tmp_path / "data", engine=SerialEngine())
+    shutil.rmtree(folder)
+    assert (tmp_path / "data" / "touch_it" / "task_file" / "ball" / "ball_marker.urdf").is_file()
+    assert [result.reached for result in replay_stored([tmp_path / "data"], trust_task_files=True)] == [True]
