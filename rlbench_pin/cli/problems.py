@@ -22,7 +22,7 @@ from rlbench_pin.tasks import task_class
 
 @dataclass(frozen=True)
 class Problems:
-    """Write the legs of demonstrations as planning problems: arm, obstacles, held bodies, start and goal, as JSON."""
+    """Write motions of demonstrations as planning problems: arm, obstacles, held bodies, start and goal, as JSON."""
 
     action: tyro.conf.Positional[str]
     """What to do: `export`."""
