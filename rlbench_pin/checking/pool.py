@@ -103,7 +103,7 @@ def _end_with_connection(connection: Connection) -> None:
 
 @contextmanager
 def _deaf_to_interrupts() -> Iterator[None]:
-    """Let processes that start in this block be deaf to Ctrl-C from their first moment; it reaches this process after the block."""
+    """Let processes that start in this block be deaf to Ctrl-C from their first moment; this one hears it after the block."""
     resource_tracker.ensure_running()  # it would end the block of signals when it starts
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:

@@ -205,7 +205,7 @@ def _work(connection: Connection, config: PictureConfig) -> None:
 
 @contextmanager
 def deaf_to_interrupts() -> Iterator[None]:
-    """Let processes that start in this block be deaf to Ctrl-C from their first moment; it reaches this process after the block."""
+    """Let processes that start in this block be deaf to Ctrl-C from their first moment; this one hears it after the block."""
     resource_tracker.ensure_running()  # it would end the block of signals when it starts
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:

@@ -1,4 +1,4 @@
-"""Ctrl-C: quiet and at once while a command is loaded, as KeyboardInterrupt while it runs, silent when all is said."""
+"""Ctrl-C: quiet and at once while a command is loaded, as KeyboardInterrupt while it runs, without effect when all is said."""
 
 from __future__ import annotations
 
@@ -49,8 +49,8 @@ def _raise_again(lost: sys.UnraisableHookArgs) -> None:
 def loading() -> Iterator[Callable[[], None]]:
     """Answer Ctrl-C in this block by ending the process, or by KeyboardInterrupt once what is yielded was called.
 
-    After the block the process dies of it silently. A program that calls a command, or a shell that lets a process ignore
-    Ctrl-C, keeps its own handling.
+    After the block all is said, and Ctrl-C changes nothing any more. A program that calls a command, or a shell that lets a
+    process ignore Ctrl-C, keeps its own handling.
     """
     if not is_whole_process():
         yield lambda: None
@@ -59,7 +59,7 @@ def loading() -> Iterator[Callable[[], None]]:
     try:
         yield _interruptible
     finally:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _interruptible() -> None:
