@@ -7,20 +7,26 @@ import sys
 from collections.abc import Callable, Sequence
 
 from rlbench_pin.cli.process.commands import COMMANDS
-from rlbench_pin.cli.process.interrupts import loading
+from rlbench_pin.cli.process.interrupts import is_whole_process, loading
 from rlbench_pin.cli.process.output import print_any_name
 
-__all__ = ["COMMANDS", "main"]
+__all__ = ["COMMANDS", "main", "program"]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit code: 0 done, 1 failed, 2 misused, 130 interrupted, 141 nobody reads the output.
 
     Args:
-        arguments: The words after `rlbench-pin`; None for those of this process, which then answers Ctrl-C by ending.
+        arguments: The words after `rlbench-pin`; None for those of this process. Then Ctrl-C ends it, unless somebody else
+            handles it, as a shell does that lets a process in the background ignore it.
     """
-    if arguments is not None:
-        return _run(list(arguments), lambda: None)
+    if arguments is None and is_whole_process():
+        return program()
+    return _run(list(sys.argv[1:] if arguments is None else arguments), lambda: None)
+
+
+def program() -> int:
+    """Run the command line of this process, which has no other purpose, and return its exit code."""
     with loading() as begin:
         print_any_name()
         return _run(sys.argv[1:], begin)

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import tyro
 
 from rlbench_pin.cli.process.running import parse
 from rlbench_pin.datasets import DatasetWriter, episode_files, read_demo, read_manifest

@@ -49,12 +49,8 @@ def _raise_again(lost: sys.UnraisableHookArgs) -> None:
 def loading() -> Iterator[Callable[[], None]]:
     """Answer Ctrl-C in this block by ending the process, or by KeyboardInterrupt once what is yielded was called.
 
-    After the block all is said, and Ctrl-C changes nothing any more. A program that calls a command, or a shell that lets a
-    process ignore Ctrl-C, keeps its own handling.
+    After the block all is said, and Ctrl-C changes nothing any more.
     """
-    if not is_whole_process():
-        yield lambda: None
-        return
     signal.signal(signal.SIGINT, end_at_once)
     try:
         yield _interruptible
