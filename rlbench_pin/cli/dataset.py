@@ -16,9 +16,9 @@ from rlbench_pin.cli.process.interrupts import INTERRUPTED
 from rlbench_pin.cli.process.words import Cameras, Products, Size, SomeFolders, TaskNames, check_at_least, checked_names
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
 from rlbench_pin.cli.record import EngineName, make_engine, print_report
-from rlbench_pin.datasets import TaskInfo, merge_datasets, plan_merge, stored_tasks, task_faults, task_info
+from rlbench_pin.datasets import TaskInfo, merge_datasets, plan_merge, read_manifest, stored_tasks, task_faults, task_info
 from rlbench_pin.datasets.formats import stored_episodes
-from rlbench_pin.errors import TaskEnvironmentError
+from rlbench_pin.errors import DatasetError, TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.recording.config import PictureConfig
 from rlbench_pin.recording.export import ExportFormat, export_dataset
@@ -60,6 +60,9 @@ class Verify:
             for fault in task_faults(self.root, task, structure=not self.quick):
                 bad += 1
                 print(fault)
+        episodes = 0 if bad else sum(len(read_manifest(self.root, task)) for task in tasks)
+        if not bad and not episodes:
+            raise _nothing_listed(self.root)
         print(f"{self.root}: {bad or 'no'} faults in {len(tasks)} tasks")
         return 1 if bad else 0
 
@@ -78,7 +81,8 @@ class Merge:
         if not self.roots:
             raise TaskEnvironmentError("No dataset was named. Use `rlbench-pin dataset merge FOLDER... --out FOLDER`.")
         for root in self.roots:
-            stored_tasks(root, at_least_one=True)
+            if not any(read_manifest(root, task) for task in stored_tasks(root, at_least_one=True)):
+                raise _nothing_listed(root)
         with tqdm(total=len(plan_merge(self.roots, self.out)), unit="episode", desc="merge") as bar:
             moves = merge_datasets(self.roots, self.out, lambda _: bar.update() and None)
         print(f"{len(moves)} episodes copied to {self.out}")
@@ -131,6 +135,8 @@ class Seeds:
     def run(self) -> int:
         """Write and print how many."""
         seeds = seeds_of(self.root)
+        if not seeds:
+            raise _nothing_listed(self.root)
         print(f"{len(seeds)} seeds in {write_seeds(self.file, seeds)}")
         return 0
 
@@ -184,6 +190,10 @@ class Dataset:
     def run(self) -> int:
         """Do it."""
         return self.action.run()
+
+
+def _nothing_listed(root: Path) -> DatasetError:
+    return DatasetError(f"'{root}' lists no episodes. `rlbench-pin record TASK --out {root}` makes some.")
 
 
 def _tasks(words: tuple[str, ...]) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from typing import Annotated
 
 import tyro
 
-from rlbench_pin.cli.process.files import write_whole
+from rlbench_pin.cli.process.files import storing, write_whole
 from rlbench_pin.errors import StorageError, TaskEnvironmentError
 from rlbench_pin.scene.spec import NAME_PATTERN
 from rlbench_pin.tasks import camel_case, task_names
@@ -105,7 +105,8 @@ class New:
             raise TaskEnvironmentError(f"A task '{self.name}' exists already. `rlbench-pin list` shows all; choose another name.")
         fill = {"name": self.name, "cls": camel_case(self.name), "title": self.name.replace("_", " ").capitalize()}
         pairs = [(self.out / f"{self.name}{end}", text.substitute(fill)) for end, text in ((".py", TASK), (".toml", SCENE))]
-        taken = [str(path) for path, _ in pairs if path.exists()]
+        with storing(self.out):
+            taken = [str(path) for path, _ in pairs if path.exists()]
         if taken:
             raise TaskEnvironmentError(f"{' and '.join(taken)} would be overwritten. Choose another name or folder.")
         _write_pair(pairs)
