@@ -137,7 +137,6 @@ def test_merging_what_is_not_there(tmp_path: Path, capsys: Capture) -> None:
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.simulation
 def test_legs_that_are_no_problems_are_counted(tmp_path: Path, capsys: Capture) -> None:
     """`problems export` says what it leaves out; files and counts agree."""
     assert exit_code("problems", "export", "take_lid_off_saucepan", "--episodes", "1", "--out", str(tmp_path)) == 0
@@ -148,7 +147,6 @@ def test_legs_that_are_no_problems_are_counted(tmp_path: Path, capsys: Capture) 
     assert sorted(tmp_path.iterdir()) == sorted(files)
 
 
-@pytest.mark.simulation
 def test_no_tries_is_an_error_in_programs_too() -> None:
     """Not a demonstration that failed 0 times."""
     with Environment(MoveArmThenGripper(JointVelocity(), Discrete())) as environment:

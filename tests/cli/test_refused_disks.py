@@ -126,7 +126,6 @@ def test_a_film_on_a_disk_that_fills_up(
     assert list((tmp_path / "films").iterdir()) == []
 
 
-@pytest.mark.simulation
 def test_a_demonstration_on_a_disk_that_fills_up(tmp_path: Path, capsys: Capture) -> None:
     """The film beside it is refused first; neither film nor episode is left."""
     with short_files(20_000):
@@ -136,7 +135,6 @@ def test_a_demonstration_on_a_disk_that_fills_up(tmp_path: Path, capsys: Capture
     assert demo_command.RecordDemos(TASK).episodes == 1
 
 
-@pytest.mark.simulation
 def test_a_journal_on_a_disk_that_fills_up(tmp_path: Path, capsys: Capture) -> None:
     """A check names the file; with space, the same command goes on."""
     words = ("check", TASK, "--episodes", "2", "--no-contract", "--no-pictures", "--out", str(tmp_path))

@@ -15,7 +15,6 @@ PROGRAM = [sys.executable, "-m", "rlbench_pin.cli.main"]
 COMMANDS = [("list",), ("list", "--json"), ("--help",), ("record", "--help"), ("--version",)]
 
 
-@pytest.mark.simulation
 @pytest.mark.parametrize("words", COMMANDS)
 def test_a_reader_that_is_gone_is_no_fault(words: tuple[str, ...]) -> None:
     """As with other programs: nothing is said, and the exit code is that of a closed pipe."""
@@ -26,7 +25,6 @@ def test_a_reader_that_is_gone_is_no_fault(words: tuple[str, ...]) -> None:
     assert (done.returncode, done.stderr) == (141, b"")
 
 
-@pytest.mark.simulation
 @pytest.mark.parametrize("words", COMMANDS)
 def test_output_to_a_full_disk(words: tuple[str, ...]) -> None:
     """The reason in one line."""
@@ -36,7 +34,6 @@ def test_output_to_a_full_disk(words: tuple[str, ...]) -> None:
     assert done.stderr == b"rlbench-pin: the output cannot be written: No space left on device.\n"
 
 
-@pytest.mark.simulation
 def test_errors_that_nobody_reads() -> None:
     """The exit code stays that of the misuse."""
     theirs, ours = os.pipe()
@@ -46,7 +43,6 @@ def test_errors_that_nobody_reads() -> None:
     assert (done.returncode, done.stdout) == (2, b"")
 
 
-@pytest.mark.simulation
 def test_names_that_are_no_text(tmp_path: Path) -> None:
     """They are printed as the bytes they are, under a plain locale too."""
     folder = os.fsencode(tmp_path) + b"/\xff\xfe: a"
@@ -59,7 +55,6 @@ def test_names_that_are_no_text(tmp_path: Path) -> None:
     assert len(os.listdir(folder)) == 4
 
 
-@pytest.mark.simulation
 def test_the_installed_program_starts() -> None:
     """The module that pip puts beside the package, and `python -m`."""
     command = Path(__file__).parents[3] / "rlbench_pin" / "cli" / "process" / "rlbench_pin_command.py"
