@@ -36,7 +36,10 @@ _STORAGE_ADVICE = {
     errno.EROFS: "The disk is read-only: choose another folder.",
     errno.EACCES: "You may not write there: choose another folder or change its rights.",
     errno.EPERM: "You may not write there: choose another folder or change its rights.",
+    errno.EISDIR: "There is a folder of that name: choose another name.",
+    errno.ENAMETOOLONG: "Choose a shorter name.",
     errno.ENOTDIR: "A part of the path is a file: choose another folder.",
+    errno.EEXIST: "There is a file where a folder should be: choose another folder.",
 }
 
 

@@ -159,10 +159,15 @@ def read_recording(root: Path | str) -> RecordConfig:
         config = RecordConfig(**{k: _as_tuple(v) for k, v in content.items()}, pictures=pictures)
         return replace(config, tasks=tuple(map(_stored_name, config.tasks)))
     except FileNotFoundError as error:
-        raise EpisodeFileError(path, f"'{path}' does not exist, so there is no recording to resume. Name the tasks.") from error
+        raise EpisodeFileError(
+            path,
+            f"'{path}' does not exist, so there is no recording to resume. `rlbench-pin record TASK... --out {root}` begins one.",
+        ) from error
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise EpisodeFileError(
-            path, f"'{path}' does not describe a recording: {error}. Name the tasks and what to record."
+            path,
+            f"'{path}' does not describe a recording: {error}. Delete it, and record with `--resume` again, naming the "
+            "tasks and settings: the episodes beside it are found.",
         ) from error
 
 
