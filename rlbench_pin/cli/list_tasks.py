@@ -36,7 +36,10 @@ def usable_names() -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class ListTasks:
-    """List the tasks, each with a line about it; those of other packages with the package that brings them."""
+    """List the tasks, each with a line about it.
+
+    Those of other packages come last, with the package that brings them.
+    """
 
     json: bool = False
     """Print JSON for programs."""

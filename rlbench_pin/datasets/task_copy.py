@@ -6,6 +6,7 @@ They are code. Nothing here runs them, and nobody else does unless the user says
 from __future__ import annotations
 
 import json
+import os.path
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -70,7 +71,7 @@ def kept_task(root: Path, task: str) -> KeptTask | None:
     """
     folder = Path(root) / checked_task_name(task) / FOLDER
     index = folder / _INDEX
-    if not index.is_file():
+    if not os.path.isfile(index):  # no also where nothing can be looked up: whoever writes there finds out why
         return None
     try:
         if index.stat().st_size > _MAX_INDEX:

@@ -5,6 +5,9 @@
 
 from __future__ import annotations
 
+import importlib
+from typing import TYPE_CHECKING
+
 from rlbench_pin.errors import BoundaryError
 from rlbench_pin.scene.spec import BodySpec
 from rlbench_pin.tasks.conditions import (
@@ -38,19 +41,20 @@ from rlbench_pin.tasks.registry import (
 )
 from rlbench_pin.tasks.settling import settle
 from rlbench_pin.tasks.spawn_boundary import NO_ROTATION, SpawnBoundary, clearance
-from rlbench_pin.tasks.stored import (
+from rlbench_pin.tasks.task import Task, TaskState
+from rlbench_pin.tasks.task_file import (
     OwnTasks,
-    chosen_tasks_of,
-    keep_task,
-    keep_tasks,
+    camel_case,
+    is_task_file,
+    load_task_file,
     own_tasks,
-    stored_task,
     task_digest,
     task_reference,
 )
-from rlbench_pin.tasks.task import Task, TaskState
-from rlbench_pin.tasks.task_file import camel_case, is_task_file, load_task_file
 from rlbench_pin.tasks.waypoints import Waypoint
+
+if TYPE_CHECKING:
+    from rlbench_pin.tasks.stored import chosen_tasks_of, keep_task, keep_tasks, stored_task
 
 __all__ = [
     "BUTTON_COLORS",
@@ -109,8 +113,14 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> type[Task]:
-    """Import the class of a task on first use."""
+_OF_DATASETS = ("chosen_tasks_of", "keep_task", "keep_tasks", "stored_task")
+"""What needs the libraries that read data; they are loaded when one of these names is first used."""
+
+
+def __getattr__(name: str) -> object:
+    """Import the class of a task on first use, and what deals with datasets."""
+    if name in _OF_DATASETS:
+        return getattr(importlib.import_module("rlbench_pin.tasks.stored"), name)
     if name[:1].isupper() and (name in map(camel_case, library_names()) or name in map(camel_case, task_names())):
         return task_class(name)
     raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

@@ -6,42 +6,14 @@ stranger, so they are run only when the user says so. What the user names, or ha
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from os import PathLike
+from collections.abc import Iterable
 from pathlib import Path
 
 from rlbench_pin.datasets import has_manifest, keep_files, kept_task
 from rlbench_pin.errors import DatasetConflict, TaskError, UntrustedTaskFile
 from rlbench_pin.tasks.registry import find_task, library_names, task_class, task_names
 from rlbench_pin.tasks.task import Task, snake_case
-from rlbench_pin.tasks.task_file import digests, is_task_file, load_task_file, task_files
-
-OwnTasks = Mapping[str, type[Task]]
-"""Task name -> class that the user named a file of."""
-
-
-def own_tasks(files: Iterable[str | PathLike[str]]) -> dict[str, type[Task]]:
-    """Load task files that the user names, and return their classes by task name.
-
-    Raises:
-        TaskError: A file cannot be loaded, or two are of one name.
-    """
-    found: dict[str, type[Task]] = {}
-    for file in files:
-        task = load_task_file(file)
-        if found.setdefault(task.get_name(), task) is not task:
-            raise TaskError(f"Two task files are called '{task.get_name()}'; the second is '{file}'. Name one of them.")
-    return found
-
-
-def task_reference(task: type[Task]) -> str:
-    """Return the text by which another process finds a task: its name, or the absolute path of its file."""
-    return str(task.scene_file().with_suffix(".py").resolve()) if is_task_file(task) else task.get_name()
-
-
-def task_digest(task: type[Task]) -> str:
-    """Return one text that changes with any file of a task that is not in the library; empty for those of the library."""
-    return "" if _is_of_library(task) else " ".join(f"{n}:{s}" for n, s in sorted(digests(task_files(task)).items()))
+from rlbench_pin.tasks.task_file import OwnTasks, digests, is_of_library, load_task_file, task_files
 
 
 def keep_task(root: Path, task: type[Task]) -> None:
@@ -53,7 +25,7 @@ def keep_task(root: Path, task: type[Task]) -> None:
     """
     name = task.get_name()
     kept = kept_task(root, name)
-    if _is_of_library(task):
+    if is_of_library(task):
         if kept is not None:
             raise DatasetConflict(
                 f"'{root}' holds episodes of a task '{name}' that is not the library's but that of '{kept.path}'. "
@@ -131,21 +103,13 @@ def _is_kept(root: Path, name: str) -> bool:
     return name.isidentifier() and kept_task(root, name) is not None
 
 
-def _is_of_library(task: type[Task]) -> bool:
-    return task.__module__.startswith("rlbench_pin.tasks.library.")
-
-
 def _installed_differs(installed: type[Task]) -> str:
     return f" The installed task of that name ('{installed.scene_file().with_suffix('.py')}') is not the same."
 
 
 __all__ = [
-    "OwnTasks",
     "chosen_tasks_of",
     "keep_task",
     "keep_tasks",
-    "own_tasks",
     "stored_task",
-    "task_digest",
-    "task_reference",
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from hashlib import sha256
 from os import PathLike
@@ -16,6 +17,8 @@ from rlbench_pin.scene.reader import read_scene
 from rlbench_pin.tasks.task import Task, snake_case
 from rlbench_pin.urdf import read_urdf
 
+OwnTasks = Mapping[str, type[Task]]
+"""Task name -> class that the user named a file of."""
 _PREFIX = "rlbench_pin_task_"
 """How the modules of task files are called."""
 _NAMED_IN_OBJ = re.compile(rb"^mtllib[ \t]+(\S+)", re.MULTILINE)
@@ -67,6 +70,11 @@ def is_task_file(task: type[Task]) -> bool:
     return task.__module__.startswith(_PREFIX)
 
 
+def is_of_library(task: type[Task]) -> bool:
+    """Whether a task is one of the library."""
+    return task.__module__.startswith("rlbench_pin.tasks.library.")
+
+
 def task_files(task: type[Task]) -> dict[str, Path]:
     """Return the files that make up a task: its Python file, its scene, and models and pictures of its own that the scene names.
 
@@ -90,6 +98,30 @@ def task_files(task: type[Task]) -> dict[str, Path]:
 def digests(files: dict[str, Path]) -> dict[str, str]:
     """Return the SHA-256 of each file, by the same names."""
     return {name: _digest(file.read_bytes()) for name, file in files.items()}
+
+
+def own_tasks(files: Iterable[str | PathLike[str]]) -> dict[str, type[Task]]:
+    """Load task files that the user names, and return their classes by task name.
+
+    Raises:
+        TaskError: A file cannot be loaded, or two are of one name.
+    """
+    found: dict[str, type[Task]] = {}
+    for file in files:
+        task = load_task_file(file)
+        if found.setdefault(task.get_name(), task) is not task:
+            raise TaskError(f"Two task files are called '{task.get_name()}'; the second is '{file}'. Name one of them.")
+    return found
+
+
+def task_reference(task: type[Task]) -> str:
+    """Return the text by which another process finds a task: its name, or the absolute path of its file."""
+    return str(task.scene_file().with_suffix(".py").resolve()) if is_task_file(task) else task.get_name()
+
+
+def task_digest(task: type[Task]) -> str:
+    """Return one text that changes with any file of a task that is not in the library; empty for those of the library."""
+    return "" if is_of_library(task) else " ".join(f"{n}:{s}" for n, s in sorted(digests(task_files(task)).items()))
 
 
 @lru_cache(maxsize=64)
@@ -142,4 +174,16 @@ def _digest(content: bytes) -> str:
     return sha256(content).hexdigest()
 
 
-__all__ = ["camel_case", "class_in", "digests", "is_task_file", "load_task_file", "task_files"]
+__all__ = [
+    "OwnTasks",
+    "camel_case",
+    "class_in",
+    "digests",
+    "is_of_library",
+    "is_task_file",
+    "load_task_file",
+    "own_tasks",
+    "task_digest",
+    "task_files",
+    "task_reference",
+]
