@@ -20,7 +20,7 @@ from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.planning.problems.problem import PlanningProblem, write_problem
 from rlbench_pin.scene.snapshot import WorldSnapshot
-from rlbench_pin.tasks import task_class
+from rlbench_pin.tasks import Task, find_task
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Problems:
     action: tyro.conf.Positional[Literal["export"]]
     """What to do."""
     tasks: tyro.conf.Positional[SomeTasks] = ()
-    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, or `all`."""
+    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, `all`, or task files."""
     episodes: int = 5
     """Demonstrations of each task."""
     seed: int = 0
@@ -46,19 +46,20 @@ class Problems:
         """Play demonstrations, write their legs, print how many, and how many are no problems; 1 when there is no problem."""
         check_at_least(self, episodes=1, seed=0)
         names = checked_names(self.tasks, named_tasks, "rlbench-pin problems export TASK...")
-        classes = [task_class(name) for name in names]
+        tasks = [find_task(name) for name in names]
         check_folder(self.out)
         written = 0
-        for name in [chosen.get_name() for chosen in classes]:
-            recorder = self._export(name)
+        for task in tasks:
+            name, recorder = task.get_name(), self._export(task)
             written += len(recorder.problems)
             left_out = ", ".join(f"{count} {why}" for why, count in recorder.left_out.items())
             print(f"{name}: {len(recorder.problems)} problems in {self.out}" + (f"; left out: {left_out}" if left_out else ""))
         return 0 if written else 1
 
-    def _export(self, name: str) -> ProblemRecorder:
+    def _export(self, chosen: type[Task]) -> ProblemRecorder:
+        name = chosen.get_name()
         with make_environment(low_dim_config()) as environment:
-            task = environment.get_task(name)
+            task = environment.get_task(chosen)
             recorder = ProblemRecorder()
             with task.runtime.listening(recorder):
                 for episode in range(self.episodes):
