@@ -61,6 +61,7 @@ ROWS: dict[str, str] = {
     "`__version__`": f"{KNOWN}::test_versions_and_lists",
     "Action modes of the first releases": "compat/test_install.py::test_programs_of_the_first_releases_are_told_what_changed",
     "Several environments in one process": "compat/test_environment_several.py::test_they_take_turns",
+    "Packages that RLBench brings along": "compat/test_programs.py::test_packages_that_come_along_with_rlbench",
     # Environment
     "Import names, natively": "test_front_door.py::test_every_public_name_resolves "
     "test_front_door.py::test_parts_have_public_names",
@@ -110,8 +111,7 @@ ROWS: dict[str, str] = {
     "compat/test_action_modes.py::test_a_refused_action_changes_nothing",
     "Refused actions": f"{NATIVE}::test_a_refused_hand_stops_the_arm_as_well "
     "compat/test_action_modes.py::test_a_refused_action_changes_nothing",
-    "`Discrete` outside 0 to 1": f"{NATIVE}::test_a_refused_hand_stops_the_arm_as_well "
-    "compat/test_action_modes.py::test_the_hand_opens_and_closes",
+    "`Discrete` outside 0 to 1": f"{NATIVE}::test_a_refused_hand_stops_the_arm_as_well",
     "Closing the hand": f"{ROBOTS}::test_the_hand_takes_what_stops_its_fingers",
     "Ticks of the hand": f"{NATIVE}::test_ticks_of_the_hand_are_steps_of_the_runtime "
     f"{KNOWN}::test_ticks_of_the_hand_are_steps_of_the_scene",
@@ -161,7 +161,13 @@ ROWS: dict[str, str] = {
     "Random placement of the task": "tasks/test_task.py::test_the_defaults_come_from_the_scene_file",
     "Default low-dimensional state": "tasks/test_task.py::test_the_default_low_dim_state_is_poses_then_joints_by_name "
     f"{KNOWN_TASKS}::test_the_default_state_holds_bodies_and_joints",
-    "Made shapes in the low-dimensional state": f"{KNOWN_TASKS}::test_made_shapes_are_not_in_the_default_state",
+    "Made shapes in the low-dimensional state": f"{KNOWN_TASKS}::test_shapes_made_later_are_not_in_the_default_state "
+    "compat/test_tasks_made_objects.py::test_what_init_task_makes_is_part_of_the_state",
+    "Things that a library task keeps in attributes": "compat/test_environment_changed.py"
+    "::test_library_tasks_show_what_they_keep",
+    "Replaced parts": "compat/test_environment_changed.py::test_a_replaced_sample_is_asked_for_the_base "
+    "compat/test_environment_changed.py::test_pose_actions_go_where_a_replaced_get_path_leads "
+    "compat/test_environment_changed.py::test_the_arm_starts_where_the_scene_says",
     "How long made shapes and colours last": "compat/test_objects_shapes.py::test_how_long_shapes_stay "
     f"{KNOWN_TASKS}::test_switches_and_masses_stay",
     "`Scene.init_episode(place_demo=True)`": f"{KNOWN_TASKS}::test_placing_a_demo_has_no_effect",
@@ -181,7 +187,9 @@ ROWS: dict[str, str] = {
     "Transparency": f"{OBJECTS}::test_half_transparent_things_are_drawn_opaque",
     "Planes": f"{OBJECTS}::test_planes_are_not_drawn compat/test_objects.py::test_regions_are_planes_and_sensors_sensors",
     "Textures": f"{OBJECTS}::test_textures_have_one_mapping",
-    "Joining, scaling and pushing": f"{OBJECTS}::test_what_cannot_be_is_refused",
+    "Joining and scaling": f"{OBJECTS}::test_what_cannot_be_is_refused",
+    "Forces on shapes": "compat/test_objects_shapes.py::test_forces_push_and_turn",
+    "Names of links and joints": "compat/test_objects_sensors.py::test_joints_of_objects",
     "`remove`": "compat/test_objects.py::test_the_fixed_scene "
     "compat/test_objects.py::test_names_can_be_changed_and_removed_things_are_gone",
     "`copy`": f"{OBJECTS}::test_what_cannot_be_is_refused compat/test_objects_shapes.py::test_copies",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, nullcontext
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,6 @@ from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.tasks import find_task, task_reference
 
 FORMAT = 2
-JOURNAL = "trials.jsonl"
 REPEATS = 4
 """Seeds whose reset and demonstration are done twice."""
 _SEEDS_PER_ITEM: dict[Part, int] = {"demos": 5, "repeat": 2, "idle": 10, "random": 5, "reach": 50}
@@ -73,7 +72,7 @@ class Check:
             check_file(self.json)
         if self.out is not None:
             check_folder(self.out)
-        with closing(CheckBar()) as bar, nullcontext() if self.out is None else storing(self.out / JOURNAL):
+        with closing(CheckBar()) as bar:
             trials = run_trials(list(self._items(wanted.values())), self.workers, self._journal(wanted), bar)
         of_task = {name: [t for t in trials if t.task == name] for name in wanted}
         reports = [_report(name, wanted[name], of_task[name]) for name in wanted]
@@ -105,7 +104,7 @@ class Check:
         return named | {find_task(str(path)).get_name(): str(path.resolve()) for path in self.task_file}
 
     def _journal(self, wanted: Mapping[str, str]) -> TrialJournal:
-        return TrialJournal(None if self.out is None else self.out / JOURNAL, list(wanted.values()))
+        return TrialJournal(None if self.out is None else self.out / "trials.jsonl", list(wanted.values()))
 
     def _items(self, tasks: Iterable[str]) -> Iterator[Item]:
         amounts: dict[Part, int] = {"demos": self.episodes}

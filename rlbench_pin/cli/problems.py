@@ -46,15 +46,14 @@ class Problems:
         """Play demonstrations, write their legs, print how many, and how many are no problems; 1 when there is no problem."""
         check_at_least(self, episodes=1, seed=0)
         names = checked_names(self.tasks, named_tasks, "rlbench-pin problems export TASK...")
-        classes = [find_task(name) for name in names]
+        tasks = [find_task(name) for name in names]
         check_folder(self.out)
         written = 0
-        for chosen in classes:
-            recorder = self._export(chosen)
+        for task in tasks:
+            name, recorder = task.get_name(), self._export(task)
             written += len(recorder.problems)
             left_out = ", ".join(f"{count} {why}" for why, count in recorder.left_out.items())
-            line = f"{chosen.get_name()}: {len(recorder.problems)} problems in {self.out}"
-            print(line + (f"; left out: {left_out}" if left_out else ""))
+            print(f"{name}: {len(recorder.problems)} problems in {self.out}" + (f"; left out: {left_out}" if left_out else ""))
         return 0 if written else 1
 
     def _export(self, chosen: type[Task]) -> ProblemRecorder:

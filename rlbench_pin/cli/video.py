@@ -29,7 +29,7 @@ from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import DemoError, TaskEnvironmentError
 from rlbench_pin.recording.grid import Reel, grid_frames, grid_size
 from rlbench_pin.recording.orbit import Orbit
-from rlbench_pin.tasks import find_task
+from rlbench_pin.tasks import Task, find_task
 
 _CELL = (320, 240)
 
@@ -65,41 +65,38 @@ class Video:
 
     def run(self) -> int:
         """Film, and print where the films are."""
-        names = self._checked_names()
+        tasks = self._checked_tasks()
         if self.grid:
-            print(self._film_grid(names))
+            print(self._film_grid(tasks))
             return 0
-        for name in names:
-            task = find_task(name)
+        for task in tasks:
             path = self.out / f"{task.get_name()}.mp4"
             with storing(path), self._environment() as environment, VideoWriter(path, self.size, self.fps) as video:
                 self._play(environment.get_task(task), Orbit(size=self.size, step=self.speed), video.add)
             print(path)
         return 0
 
-    def _checked_names(self) -> tuple[str, ...]:
-        """Return the names of the tasks, when everything asked for can be filmed."""
+    def _checked_tasks(self) -> tuple[type[Task], ...]:
+        """Return the tasks, when everything asked for can be filmed."""
         check_at_least(self, variation=0, seed=0, fps=1, max_attempts=1, size=2)
         if any(side % 2 for side in self.size):
             raise TaskEnvironmentError(f"--size is {self.size[0]} {self.size[1]}; a film needs an even width and height.")
         if not np.isfinite(self.speed):
             raise TaskEnvironmentError(f"--speed is {self.speed}; it must be an angle [rad].")
-        names = checked_names(self.tasks, named_tasks, "rlbench-pin video TASK...")
-        titles = [find_task(name).get_name() for name in names]
-        for title in ("grid",) if self.grid else titles:
-            check_file(self.out / f"{title}.mp4")
-        return names
+        tasks = tuple(map(find_task, checked_names(self.tasks, named_tasks, "rlbench-pin video TASK...")))
+        for name in ("grid",) if self.grid else (task.get_name() for task in tasks):
+            check_file(self.out / f"{name}.mp4")
+        return tasks
 
-    def _film_grid(self, names: tuple[str, ...]) -> Path:
+    def _film_grid(self, tasks: tuple[type[Task], ...]) -> Path:
         reels = {}
-        for name in names:
-            task = find_task(name)
+        for task in tasks:
             reel = reels[task.get_name()] = Reel()
             with self._environment() as environment:
                 orbit = Orbit(size=_CELL, step=self.speed, fov=0.95)
                 self._play(environment.get_task(task), orbit, reel.add)
         path = self.out / "grid.mp4"
-        with storing(path), VideoWriter(path, grid_size(len(names), _CELL), self.fps) as video:
+        with storing(path), VideoWriter(path, grid_size(len(reels), _CELL), self.fps) as video:
             for picture in grid_frames(reels, _CELL):
                 video.add(picture)
         return path

@@ -142,8 +142,6 @@ REFUSED: list[tuple[str, Callable[[PyRep, Shape], object]]] = [
     ("merge_objects", lambda pyrep, shape: pyrep.merge_objects([shape])),
     ("scale_object", lambda pyrep, shape: shape.scale_object(2.0, 2.0, 2.0)),
     ("save_model", lambda pyrep, shape: shape.save_model("lid.ttm")),
-    ("add_force", lambda pyrep, shape: shape.add_force([0, 0, 0], [0, 0, 1])),
-    ("add_force_and_torque", lambda pyrep, shape: shape.add_force_and_torque([0, 0, 1], [0, 0, 0])),
     ("copy", lambda pyrep, shape: Joint("Panda_joint1").copy()),
     ("Camera", lambda pyrep, shape: Camera("DefaultCamera")),
     ("set_entity_to_render", lambda pyrep, shape: VisionSensor("cam_front").set_entity_to_render(shape)),
@@ -167,11 +165,14 @@ def test_bodies_with_joints_stay_as_loaded(drawer: PyRep) -> None:
 
 
 def test_everything_with_children_is_a_model(drawer: PyRep) -> None:
-    """The switch changes nothing."""
+    """Until a program says otherwise, and its tree stays as it is."""
     chest, handle = Shape("chest"), Dummy("waypoint0")
+    assert chest.is_model() and not handle.is_model()
+    tree = chest.get_objects_in_tree()
     chest.set_model(False)
     handle.set_model(True)
-    assert chest.is_model() and not handle.is_model()
+    assert not chest.is_model() and handle.is_model()
+    assert chest.get_objects_in_tree() == tree
 
 
 def test_joints_of_objects_have_no_force(drawer: PyRep) -> None:

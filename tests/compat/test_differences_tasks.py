@@ -156,7 +156,7 @@ def test_the_default_state_holds_bodies_and_joints(environment: Environment) -> 
     assert task._task.get_low_dim_state().shape == (7 + 3,)
 
 
-def test_made_shapes_are_not_in_the_default_state(environment: Environment) -> None:
+def test_shapes_made_later_are_not_in_the_default_state(environment: Environment) -> None:
     """Its length stays, whatever is made, and whatever is set as initial."""
     task: Any = environment.get_task(OpenDrawer)
     task.reset()
