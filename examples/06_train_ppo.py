@@ -1,4 +1,4 @@
-"""Learn to reach: PPO of Stable-Baselines3 on `rlbench_pin/reach_target-state-v0` (`pip install 'rlbench-pin[rl]'`).
+"""Learn to reach: PPO of Stable-Baselines3 on `rlbench_pin/reach_target-state-v0` (`pip install -e '.[rl]'` in a clone).
 
 The policy chooses a tip velocity 20 times a second and sees the tip and the ball. It is paid the task's own shaped reward, minus
 the distance to the ball, until it touches the ball or 50 steps are over; success is the sparse reward of the benchmark.

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from rlbench_pin import __version__, task_names
+from rlbench_pin import __version__
+from rlbench_pin.tasks import library_names
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -62,5 +63,5 @@ def test_the_table_is_the_measured_one() -> None:
 def test_the_changelog_names_every_task() -> None:
     """Whoever looks for a task finds since when there is one."""
     text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
-    assert {name for name in task_names() if f"`{name}`" not in text} == set()
+    assert {name for name in library_names() if f"`{name}`" not in text} == set()
     assert re.search(rf"^## {re.escape(__version__)} - \d{{4}}-\d\d-\d\d$", text, re.MULTILINE)

@@ -14,6 +14,7 @@ from rlbench_pin.checking.judge import Rest
 from rlbench_pin.checking.reach import Reach
 from rlbench_pin.checking.records import RECORDS, Cost, FailedAttempt, Part, SolvedDemo, Trial
 from rlbench_pin.checking.trials import Item
+from rlbench_pin.datasets.storage import storing
 from rlbench_pin.environment.demonstrate import LegReport
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.tasks import LIBRARY, find_task
@@ -50,13 +51,18 @@ class TrialJournal:
         return self._done.get(self._key(item))
 
     def add(self, item: Item, trials: Sequence[Trial]) -> None:
-        """Append a finished item to the file."""
+        """Append a finished item to the file.
+
+        Raises:
+            StorageError: The disk cannot be written to. What was added before is whole.
+        """
         if self._path is None:
             return
         entry = {"key": self._key(item), "part": item.part, "trials": [asdict(trial) for trial in trials]}
-        self._path.parent.mkdir(parents=True, exist_ok=True)
-        with self._path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(entry) + "\n")
+        with storing(self._path):
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            with self._path.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(entry) + "\n")
 
     def _key(self, item: Item) -> str:
         return json.dumps({**asdict(item), "mark": self._marks.get(item.task, "")}, sort_keys=True)
@@ -64,7 +70,8 @@ class TrialJournal:
     def _read(self, path: Path) -> None:
         text = path.read_text(encoding="utf-8")
         if text and not text.endswith("\n"):  # killed while writing
-            path.write_text(text[: text.rfind("\n") + 1], encoding="utf-8")
+            with storing(path):
+                path.write_text(text[: text.rfind("\n") + 1], encoding="utf-8")
         for line in text.splitlines():
             try:
                 entry = json.loads(line)

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
+from multiprocessing import resource_tracker
+from multiprocessing.connection import Connection
 
 from rlbench_pin.checking.journal import TrialJournal
 from rlbench_pin.checking.records import Trial
@@ -73,26 +77,39 @@ def _results(items: Sequence[Item], workers: int) -> Iterator[tuple[Item, list[T
         yield from ((item, work(item)) for item in items)
         return
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, context, _die_with_parent) as pool:
-        futures = {pool.submit(work, item): item for item in items}
+    theirs, ours = context.Pipe(duplex=False)
+    with theirs, ours, ProcessPoolExecutor(workers, context, _end_with_connection, (theirs,)) as pool:
         try:
+            with _deaf_to_interrupts():  # submitting starts the workers
+                futures = {pool.submit(work, item): item for item in items}
             for future in as_completed(futures):
                 yield futures[future], _result(future, futures[future])
         except BaseException:
+            ours.close()
             pool.shutdown(wait=False, cancel_futures=True)
             raise
 
 
-def _die_with_parent() -> None:
-    """End this worker when the process that started it is killed; otherwise it would wait for work forever."""
-    parent = multiprocessing.parent_process()
+def _end_with_connection(connection: Connection) -> None:
+    """End this worker as soon as nobody holds the other end of a connection: its owner gave up, or was killed."""
 
     def watch() -> None:
-        if parent is not None:
-            parent.join()
+        with suppress(EOFError, OSError):
+            connection.recv()
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()
+
+
+@contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    """Let processes that start in this block be deaf to Ctrl-C from their first moment; this one hears it after the block."""
+    resource_tracker.ensure_running()  # it would end the block of signals when it starts
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _result(future: Future[list[Trial]], item: Item) -> list[Trial]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
@@ -15,11 +14,13 @@ from rlbench_pin.checking import Item, Part, TaskReport, Trial, TrialJournal, ex
 from rlbench_pin.checking.pages.page import page
 from rlbench_pin.checking.pages.pictures import draw_pictures
 from rlbench_pin.checking.pages.table import table
-from rlbench_pin.cli.list_tasks import named_tasks
+from rlbench_pin.cli.list_tasks import ALL, named_tasks
+from rlbench_pin.cli.process.files import check_file, check_folder, storing, write_json, write_whole
+from rlbench_pin.cli.process.words import AnyTasks, Files, check_at_least, checked_names
 from rlbench_pin.cli.progress import CheckBar
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.errors import TaskEnvironmentError
-from rlbench_pin.tasks import find_task, task_class, task_names
+from rlbench_pin.tasks import find_task, task_reference
 
 FORMAT = 2
 REPEATS = 4
@@ -31,9 +32,9 @@ _SEEDS_PER_ITEM: dict[Part, int] = {"demos": 5, "repeat": 2, "idle": 10, "random
 class Check:
     """Judge tasks: demonstrations succeed and replay, resets repeat and rest, doing nothing and random actions solve nothing."""
 
-    tasks: tyro.conf.Positional[tuple[str, ...]] = ()
-    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them; all when none is given."""
-    task_file: tuple[Path, ...] = ()
+    tasks: tyro.conf.Positional[AnyTasks] = ()
+    """Task names, as `rlbench-pin list` prints them, or task files, with spaces or commas between; all when none is given."""
+    task_file: Files = ()
     """Task files outside the package, each with its scene file beside it."""
     episodes: int = 30
     """Demonstrations of each task, spread over its variations."""
@@ -67,6 +68,10 @@ class Check:
     def run(self) -> int:
         """Judge, print a table and the causes of failures; 1 when a task fails."""
         wanted = self._wanted()
+        if self.json is not None:
+            check_file(self.json)
+        if self.out is not None:
+            check_folder(self.out)
         with closing(CheckBar()) as bar:
             trials = run_trials(list(self._items(wanted.values())), self.workers, self._journal(wanted), bar)
         of_task = {name: [t for t in trials if t.task == name] for name in wanted}
@@ -78,21 +83,24 @@ class Check:
                 self._explain(report, wanted[report.task])
         content = self._content(reports)
         if self.json is not None:
-            _write_json(self.json, content)
+            write_json(self.json, content)
         if self.out is not None:
             self._write(self.out, content, wanted, of_task)
         return 1 if any(report.faults for report in reports) else 0
 
     def _wanted(self) -> dict[str, str]:
         """Return task name -> name or file, in the order of the report."""
-        for option in ("episodes", "variations", "max_attempts", "workers"):
-            if getattr(self, option) < 1:
-                raise TaskEnvironmentError(f"--{option.replace('_', '-')} is {getattr(self, option)}; it must be at least 1.")
+        check_at_least(self, episodes=1, variations=1, max_attempts=1, workers=1, replays=0, seed=0)
+        if self.contract:
+            check_at_least(self, contract_seeds=1, placements=1)
         missing = [str(path) for path in self.task_file if not path.is_file()]
         if missing:
             raise TaskEnvironmentError(f"There is no task file '{missing[0]}'. `rlbench-pin new NAME` makes a pair of files.")
-        asked = named_tasks(self.tasks) or (() if self.task_file else task_names())
-        named = {task_class(name).get_name(): task_class(name).get_name() for name in asked}
+        if self.tasks:
+            asked = checked_names(self.tasks, named_tasks, "rlbench-pin check TASK...")
+        else:
+            asked = () if self.task_file else named_tasks((ALL,))
+        named = {task.get_name(): task_reference(task) for task in map(find_task, asked)}
         return named | {find_task(str(path)).get_name(): str(path.resolve()) for path in self.task_file}
 
     def _journal(self, wanted: Mapping[str, str]) -> TrialJournal:
@@ -123,27 +131,24 @@ class Check:
         }
 
     def _write(self, out: Path, content: dict[str, Any], wanted: Mapping[str, str], trials: Mapping[str, list[Trial]]) -> None:
-        _write_json(out / "report.json", content)
-        pictures = {name: draw_pictures(task, trials[name], out) for name, task in wanted.items()} if self.pictures else {}
-        (out / "report.md").write_text(page(content, pictures), encoding="utf-8")
-        print(out / "report.md")
+        write_json(out / "report.json", content)
+        with storing(out):
+            pictures = {name: draw_pictures(task, trials[name], out) for name, task in wanted.items()} if self.pictures else {}
+        print(write_whole(out / "report.md", page(content, pictures).encode()))
 
     def _explain(self, report: TaskReport, task: str) -> None:
         """Play failed tries again, one of each cause, and print what is known of them."""
         for f in report.failures:
             if f.part == "demos":
                 picture = (self.out or Path("out")) / "explain" / f"{report.task}_{f.seed}_{f.attempt}.png"
-                print("\n".join(explain_failure(task, f.seed, f.variation, picture, attempt=f.attempt)))
+                with storing(picture):
+                    lines = explain_failure(task, f.seed, f.variation, picture, attempt=f.attempt)
+                print("\n".join(lines))
 
 
 def _report(name: str, task: str, trials: Sequence[Trial]) -> TaskReport:
     chosen = find_task(task)
     return summarise(name, trials, chosen.solved_by_chance, chosen.variations_share_goals)
-
-
-def _write_json(path: Path, content: Mapping[str, Any]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 
 
 def print_failures(report: TaskReport) -> None:

@@ -12,16 +12,20 @@ import tyro
 from tqdm import tqdm
 
 from rlbench_pin.cli.list_tasks import split_names
+from rlbench_pin.cli.process.interrupts import INTERRUPTED
+from rlbench_pin.cli.process.words import Cameras, Files, Products, Size, SomeFolders, TaskNames, check_at_least, checked_names
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
 from rlbench_pin.cli.record import EngineName, make_engine, print_report
-from rlbench_pin.datasets import TaskInfo, merge_datasets, plan_merge, stored_tasks, task_faults, task_info
+from rlbench_pin.datasets import TaskInfo, merge_datasets, plan_merge, read_manifest, stored_tasks, task_faults, task_info
 from rlbench_pin.datasets.formats import stored_episodes
+from rlbench_pin.errors import DatasetError, TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.recording.config import PictureConfig
 from rlbench_pin.recording.export import ExportFormat, export_dataset
 from rlbench_pin.recording.rerender import rerender, seeds_of, write_seeds
+from rlbench_pin.tasks import own_tasks
 
-Root = tyro.conf.Positional[Path]
+Root = tyro.conf.Positional[Annotated[Path, tyro.conf.arg(metavar="FOLDER")]]
 
 
 @dataclass(frozen=True)
@@ -57,6 +61,9 @@ class Verify:
             for fault in task_faults(self.root, task, structure=not self.quick):
                 bad += 1
                 print(fault)
+        episodes = 0 if bad else sum(len(read_manifest(self.root, task)) for task in tasks)
+        if not bad and not episodes:
+            raise _nothing_listed(self.root)
         print(f"{self.root}: {bad or 'no'} faults in {len(tasks)} tasks")
         return 1 if bad else 0
 
@@ -65,13 +72,18 @@ class Verify:
 class Merge:
     """Copy the episodes of several datasets into one; refuses what does not go together before it writes anything."""
 
-    roots: tyro.conf.Positional[tuple[Path, ...]]
-    """Folders of the datasets."""
     out: Path
     """Folder of the result; may hold episodes already."""
+    roots: tyro.conf.Positional[SomeFolders] = ()
+    """Folders of the datasets."""
 
     def run(self) -> int:
         """Merge and print how many episodes were copied."""
+        if not self.roots:
+            raise TaskEnvironmentError("No dataset was named. Use `rlbench-pin dataset merge FOLDER... --out FOLDER`.")
+        for root in self.roots:
+            if not any(read_manifest(root, task) for task in stored_tasks(root, at_least_one=True)):
+                raise _nothing_listed(root)
         with tqdm(total=len(plan_merge(self.roots, self.out)), unit="episode", desc="merge") as bar:
             moves = merge_datasets(self.roots, self.out, lambda _: bar.update() and None)
         print(f"{len(moves)} episodes copied to {self.out}")
@@ -86,28 +98,42 @@ class Rerender:
     """Folder of the dataset (its manifests are enough), or a file with a list of seeds."""
     out: Path
     """Folder of the result; an interrupted run is resumed."""
-    tasks: tuple[str, ...] = ()
+    tasks: TaskNames = ()
     """Only these tasks, with spaces or commas between them."""
-    image_size: tuple[int, int] = (128, 128)
+    image_size: Size = (128, 128)
     """Width and height of the pictures [px]."""
-    cameras: tuple[str, ...] = CAMERAS
+    cameras: Cameras = CAMERAS
     """Cameras whose pictures are stored."""
-    products: tuple[str, ...] = ("rgb", "depth", "mask")
+    products: Products = ("rgb", "depth", "mask")
     """What each camera delivers, of rgb, depth, mask and point_cloud."""
     workers: int = 1
     """Worker processes; with 0 this process does the work."""
     engine: EngineName = "processes"
     """What does the work: processes of this machine, or a Ray cluster."""
+    task_file: Files = ()
+    """Your own files of tasks that are not installed; they are used instead of those that the dataset keeps."""
+    trust_task_files: bool = False
+    """Run the task files that the dataset keeps, where tasks are not installed. Read them first."""
 
     def run(self) -> int:
         """Rerender; 1 when episodes are missing at the end."""
+        check_at_least(self, workers=0, image_size=1)
         pictures = PictureConfig(cameras=self.cameras, products=self.products, image_size=self.image_size)
         engine = make_engine(self.engine, self.workers)
         with stopping_gently() as stop, closing(RecordBar("rerender")) as bar:
             report = rerender(
-                self.source, self.out, pictures, tasks=split_names(self.tasks), engine=engine, on_progress=bar, stop=stop
+                self.source,
+                self.out,
+                pictures,
+                tasks=_tasks(self.tasks),
+                engine=engine,
+                on_progress=bar,
+                stop=stop,
+                own=own_tasks(self.task_file),
+                trust_task_files=self.trust_task_files,
             )
-        return print_report(report, self.out, "the same command", as_json=False)
+        code = print_report(report, self.out, "the same command", as_json=False)
+        return INTERRUPTED if code and stop.is_set() else code
 
 
 @dataclass(frozen=True)
@@ -122,6 +148,8 @@ class Seeds:
     def run(self) -> int:
         """Write and print how many."""
         seeds = seeds_of(self.root)
+        if not seeds:
+            raise _nothing_listed(self.root)
         print(f"{len(seeds)} seeds in {write_seeds(self.file, seeds)}")
         return 0
 
@@ -136,14 +164,14 @@ class Export:
     """Folder of the dataset."""
     out: tyro.conf.Positional[Path]
     """The new folder or file."""
-    tasks: tuple[str, ...] = ()
+    tasks: TaskNames = ()
     """Only these tasks, with spaces or commas between them."""
-    cameras: tuple[str, ...] = ()
+    cameras: Cameras = ()
     """Cameras whose pictures go along; all stored ones when none is named. Folders always get all."""
 
     def run(self) -> int:
         """Export and say where it is."""
-        tasks = split_names(self.tasks)
+        tasks = _tasks(self.tasks)
         total = len(stored_episodes(self.root, tasks))
         with tqdm(total=total, unit="episode", desc=f"export {self.format}") as bar:
             export_dataset(
@@ -175,6 +203,15 @@ class Dataset:
     def run(self) -> int:
         """Do it."""
         return self.action.run()
+
+
+def _nothing_listed(root: Path) -> DatasetError:
+    return DatasetError(f"'{root}' lists no episodes. `rlbench-pin record TASK --out {root}` makes some.")
+
+
+def _tasks(words: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names in `words`, none when there are no words."""
+    return checked_names(words, split_names, "--tasks TASK...") if words else ()
 
 
 HEADER = ("task", "episodes", "variations", "frames", "lengths", "MB", "kB a frame", "retried", "pictures")

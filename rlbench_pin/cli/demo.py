@@ -12,13 +12,15 @@ from pathlib import Path
 import tyro
 from tqdm import tqdm
 
+from rlbench_pin.cli.process.files import check_folder, storing
+from rlbench_pin.cli.process.words import Cameras, Size, TaskName, check_at_least
 from rlbench_pin.datasets import DatasetWriter
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.presets import make_environment, picture_config
 from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import CAMERAS, Demo, Observation
 from rlbench_pin.recording.film import Film
-from rlbench_pin.tasks import find_task
+from rlbench_pin.tasks import find_task, keep_task
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,7 @@ class Recorded:
 class RecordDemos:
     """Plan demonstrations of one task, write each to an HDF5 episode, and film it."""
 
-    task: tyro.conf.Positional[str]
+    task: tyro.conf.Positional[TaskName]
     """Task name, as `rlbench-pin list` prints it, or a task file."""
     variation: int = 0
     """Variation of the task; -1 draws one for each episode."""
@@ -53,9 +55,9 @@ class RecordDemos:
     """Folder of the dataset."""
     video: bool = True
     """Film each episode from the side as an MP4 beside it."""
-    image_size: tuple[int, int] = (128, 128)
+    image_size: Size = (128, 128)
     """Width and height of the cameras' pictures [px]."""
-    cameras: tuple[str, ...] = CAMERAS
+    cameras: Cameras = CAMERAS
     """Cameras whose pictures are stored."""
     max_attempts: int = 10
     """Tries for each episode."""
@@ -64,9 +66,11 @@ class RecordDemos:
 
     def run(self) -> int:
         """Record, and print where everything is."""
-        config = picture_config(self.image_size, self.cameras)
+        check_at_least(self, variation=-1, seed=0, episodes=1, image_size=1, max_attempts=1)
+        config, chosen = picture_config(self.image_size, self.cameras), find_task(self.task)
+        check_folder(self.out)
         with make_environment(config) as environment:
-            task = environment.get_task(find_task(self.task))
+            task = environment.get_task(chosen)
             task.set_variation(self.variation)
             recorded = list(self._record_all(task))
         if self.json:
@@ -86,10 +90,11 @@ class RecordDemos:
         """Try until a demonstration of this seed succeeds, then write it."""
         causes = []
         for attempt in range(self.max_attempts):
-            with ExitStack() as stack:
+            with storing(self.out), ExitStack() as stack:
                 film = stack.enter_context(Film(task, self.out)) if self.video else None
                 outcome = task.try_demo(seed=seed, attempt=attempt, on_frame=_counter(bar, seed))
                 if outcome.demo is not None:
+                    keep_task(self.out, type(task.task))
                     return self._keep(outcome.demo, outcome.duration, film)
                 causes.append(outcome.cause)
         raise DemoError(f"Seed {seed} of '{self.task}' failed {self.max_attempts} times: {'; '.join(causes)}. Try another seed.")

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Annotated
 
+import tyro
 from tqdm import tqdm
 
 from rlbench_pin.cli.list_tasks import named_tasks
+from rlbench_pin.cli.process.files import check_file, write_json
+from rlbench_pin.cli.process.words import TaskNames, check_at_least, checked_names
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.environment.presets import low_dim_config, make_environment
+from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.evaluation.controller_summary import ControllerSummary, summarise_legs, table
-from rlbench_pin.evaluation.controller_trials import LegTrial, chosen_controllers, follow_demo
+from rlbench_pin.evaluation.controller_trials import FOLLOWERS, LegTrial, chosen_controllers, follow_demo
 from rlbench_pin.tasks import find_task
 
 TASKS = (
@@ -22,6 +26,8 @@ TASKS = (
     "close_microwave", "slide_block_to_target", "stack_blocks", "put_rubbish_in_bin", "meat_off_grill",
 )  # fmt: skip
 """What is evaluated when no task is named."""
+Controllers = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{'|'.join(FOLLOWERS)}}}...")]
+"""Any number of controllers."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +36,7 @@ class Evaluate:
 
     controllers: bool = False
     """Evaluate the controllers of `rlbench_pin.control`."""
-    tasks: tuple[str, ...] = TASKS
+    tasks: TaskNames = TASKS
     """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, `all`, or task files."""
     episodes: int = 1
     """Demonstrations of each task."""
@@ -38,8 +44,8 @@ class Evaluate:
     """Seed of the first episode; episode i uses seed + i."""
     legs: int | None = None
     """Number of legs of each demonstration, from the first on; all when not given."""
-    only: tuple[str, ...] = ()
-    """Controllers to compare, by name; all when none is given."""
+    only: Controllers = ()
+    """Controllers to compare; all when none is given."""
     json: Path | None = None
     """File to write everything to."""
 
@@ -48,11 +54,18 @@ class Evaluate:
         if not self.controllers:
             print("rlbench-pin evaluate: say what to evaluate, `--controllers`.", file=sys.stderr)
             return 2
-        summaries = summarise_legs(list(self.trials()))
+        check_at_least(self, episodes=1, seed=0, legs=1)
+        checked_names(self.tasks, named_tasks, "rlbench-pin evaluate --controllers --tasks TASK...")
+        chosen_controllers(self.only)
+        if self.json is not None:
+            check_file(self.json)
+        trials = list(self.trials())
+        if not trials:
+            raise TaskEnvironmentError("No leg was planned, so there is nothing to compare. Name other tasks.")
+        summaries = summarise_legs(trials)
         print(report(summaries))
         if self.json is not None:
-            self.json.parent.mkdir(parents=True, exist_ok=True)
-            self.json.write_text(json.dumps(self.content(summaries), indent=1) + "\n", encoding="utf-8")
+            write_json(self.json, self.content(summaries))
         return 0
 
     def content(self, summaries: Sequence[ControllerSummary]) -> dict[str, object]:

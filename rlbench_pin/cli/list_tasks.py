@@ -5,10 +5,11 @@ from __future__ import annotations
 import inspect
 import json
 import os.path
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from rlbench_pin.tasks import task_class, task_names
+from rlbench_pin.tasks import plugin_faults, task_class, task_origin, usable_task_names
 
 ALL = "all"
 """Stands for all tasks on a command line."""
@@ -22,26 +23,37 @@ def split_names(words: Iterable[str]) -> tuple[str, ...]:
 
 def named_tasks(words: Iterable[str]) -> tuple[str, ...]:
     """Return the names in `words`, each once, in order, with those of all tasks in the place of `all`."""
-    names = (task_names() if name == ALL else (name,) for name in split_names(words))
+    names = (usable_names() if name == ALL else (name,) for name in split_names(words))
     return tuple(dict.fromkeys(name for some in names for name in some))
+
+
+def usable_names() -> tuple[str, ...]:
+    """Return the names of all tasks but those of broken packages, each of which is reported on stderr."""
+    for fault in plugin_faults().values():
+        print(f"rlbench-pin: {fault}", file=sys.stderr)
+    return usable_task_names()
 
 
 @dataclass(frozen=True)
 class ListTasks:
-    """List the tasks, each with a line about it."""
+    """List the tasks, each with a line about it.
+
+    Those of other packages come last, with the package that brings them.
+    """
 
     json: bool = False
     """Print JSON for programs."""
 
     def run(self) -> int:
         """Print one line per task."""
-        titles = {name: _title(name) for name in task_names()}
+        titles = {name: _title(name) for name in usable_names()}
         if self.json:
             print(json.dumps(titles, indent=1))
             return 0
         width = max(map(len, titles), default=0)
         for name, title in titles.items():
-            print(f"{name:<{width}}  {title}")
+            origin = task_origin(name)
+            print(f"{name:<{width}}  {title}" + (f"  [{origin}]" if origin else ""))
         return 0
 
 

@@ -6,10 +6,12 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 from string import Template
+from typing import Annotated
 
 import tyro
 
-from rlbench_pin.errors import TaskEnvironmentError
+from rlbench_pin.cli.process.files import storing, write_whole
+from rlbench_pin.errors import StorageError, TaskEnvironmentError
 from rlbench_pin.scene.spec import NAME_PATTERN
 from rlbench_pin.tasks import camel_case, task_names
 
@@ -90,7 +92,7 @@ symmetry = 4                                # it may arrive turned by quarter tu
 class New:
     """Write a commented pair of files, NAME.py and NAME.toml: a reach that passes `rlbench-pin check --task-file NAME.py`."""
 
-    name: tyro.conf.Positional[str]
+    name: tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="NAME")]]
     """Name of the task in snake case."""
     out: Path = Path()
     """Folder to write to; `rlbench_pin/tasks/library` makes it a task of the package."""
@@ -103,13 +105,24 @@ class New:
             raise TaskEnvironmentError(f"A task '{self.name}' exists already. `rlbench-pin list` shows all; choose another name.")
         fill = {"name": self.name, "cls": camel_case(self.name), "title": self.name.replace("_", " ").capitalize()}
         pairs = [(self.out / f"{self.name}{end}", text.substitute(fill)) for end, text in ((".py", TASK), (".toml", SCENE))]
-        taken = [str(path) for path, _ in pairs if path.exists()]
+        with storing(self.out):
+            taken = [str(path) for path, _ in pairs if path.exists()]
         if taken:
             raise TaskEnvironmentError(f"{' and '.join(taken)} would be overwritten. Choose another name or folder.")
-        self.out.mkdir(parents=True, exist_ok=True)
-        for path, text in pairs:
-            path.write_text(text, encoding="utf-8")
-            print(path)
+        _write_pair(pairs)
         file = pairs[0][0]
+        print(*(path for path, _ in pairs), sep="\n")
         print(f"Next: rlbench-pin view {file}", f"then rlbench-pin check --task-file {file} --episodes 20", sep="\n")
         return 0
+
+
+def _write_pair(pairs: list[tuple[Path, str]]) -> None:
+    """Write both files or none."""
+    written = []
+    try:
+        for path, text in pairs:
+            written.append(write_whole(path, text.encode()))
+    except (StorageError, KeyboardInterrupt):
+        for path in written:
+            path.unlink(missing_ok=True)
+        raise

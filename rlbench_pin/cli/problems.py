@@ -1,15 +1,18 @@
-"""`rlbench-pin problems export TASK...`: every leg of a task's demonstrations as a planning problem in a file of its own."""
+"""`rlbench-pin problems export TASK...`: motions of demonstrations as planning problems, each in a file of its own."""
 
 from __future__ import annotations
 
-import sys
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import tyro
 
 from rlbench_pin.cli.list_tasks import named_tasks
+from rlbench_pin.cli.process.files import check_folder
+from rlbench_pin.cli.process.words import SomeTasks, check_at_least, checked_names
 from rlbench_pin.environment.listener import Listener
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import PlanningError
@@ -17,17 +20,21 @@ from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.planning.problems.problem import PlanningProblem, write_problem
 from rlbench_pin.scene.snapshot import WorldSnapshot
-from rlbench_pin.tasks import task_class
+from rlbench_pin.tasks import Task, find_task
 
 
 @dataclass(frozen=True)
 class Problems:
-    """Write the legs of demonstrations as planning problems: arm, obstacles, held bodies, start and goal, as JSON."""
+    """Write motions of demonstrations as planning problems: arm, obstacles, held bodies, start and goal, as JSON.
 
-    action: tyro.conf.Positional[str]
-    """What to do: `export`."""
-    tasks: tyro.conf.Positional[tuple[str, ...]]
-    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, or `all`."""
+    A problem is a leg that is planned to a pose among obstacles. Legs that may touch anything (`ignore_collisions`), or follow
+    a curve, are none; the last line for each task counts them.
+    """
+
+    action: tyro.conf.Positional[Literal["export"]]
+    """What to do."""
+    tasks: tyro.conf.Positional[SomeTasks] = ()
+    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, `all`, or task files."""
     episodes: int = 5
     """Demonstrations of each task."""
     seed: int = 0
@@ -36,19 +43,23 @@ class Problems:
     """Folder for the files."""
 
     def run(self) -> int:
-        """Play demonstrations, write their legs, print how many; 2 when misused."""
-        names = named_tasks(self.tasks)
-        if self.action != "export" or not names:
-            print("rlbench-pin: use `rlbench-pin problems export TASK...`", file=sys.stderr)
-            return 2
-        for name in [task_class(name).get_name() for name in names]:
-            count = self._export(name)
-            print(f"{name}: {count} problems in {self.out}")
-        return 0
+        """Play demonstrations, write their legs, print how many, and how many are no problems; 1 when there is no problem."""
+        check_at_least(self, episodes=1, seed=0)
+        names = checked_names(self.tasks, named_tasks, "rlbench-pin problems export TASK...")
+        tasks = [find_task(name) for name in names]
+        check_folder(self.out)
+        written = 0
+        for task in tasks:
+            name, recorder = task.get_name(), self._export(task)
+            written += len(recorder.problems)
+            left_out = ", ".join(f"{count} {why}" for why, count in recorder.left_out.items())
+            print(f"{name}: {len(recorder.problems)} problems in {self.out}" + (f"; left out: {left_out}" if left_out else ""))
+        return 0 if written else 1
 
-    def _export(self, name: str) -> int:
+    def _export(self, chosen: type[Task]) -> ProblemRecorder:
+        name = chosen.get_name()
         with make_environment(low_dim_config()) as environment:
-            task = environment.get_task(name)
+            task = environment.get_task(chosen)
             recorder = ProblemRecorder()
             with task.runtime.listening(recorder):
                 for episode in range(self.episodes):
@@ -56,7 +67,7 @@ class Problems:
                     task.try_demo(seed=self.seed + episode, variation=episode % task.variation_count(), record=False)
         for problem in recorder.problems:
             write_problem(problem, self.out / f"{problem.name}.json")
-        return len(recorder.problems)
+        return recorder
 
 
 class ProblemRecorder(Listener):
@@ -64,10 +75,12 @@ class ProblemRecorder(Listener):
 
     Attributes:
         problems: What was planned so far.
+        left_out: Why motions that were planned are no problems -> how many.
     """
 
     def __init__(self) -> None:
         self.problems: list[PlanningProblem] = []
+        self.left_out: Counter[str] = Counter()
         self._prefix, self._legs = "", 0
         self._world: WorldSnapshot | None = None
 
@@ -81,7 +94,10 @@ class ProblemRecorder(Listener):
 
     def on_plan(self, request: PlanRequest, outcome: Plan | PlanningError, seconds: float) -> None:
         """Keep what was asked for, and where the plan ends as the goal."""
-        if isinstance(outcome, PlanningError) or request.kind != "pose" or request.ignore_collisions or self._world is None:
+        if isinstance(outcome, PlanningError) or request.kind == "configuration" or self._world is None:
+            return
+        if request.kind == "curve" or request.ignore_collisions:
+            self.left_out["along curves" if request.kind == "curve" else "that may touch anything"] += 1
             return
         world = WorldSnapshot(self._world.bodies, np.array(request.q_start), self._world.fingers, self._world.attached)
         poses = np.atleast_2d(np.asarray(request.goal, dtype=float))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,6 +11,7 @@ from types import FrameType
 from tqdm import tqdm
 
 from rlbench_pin.checking import CheckProgress
+from rlbench_pin.cli.process.interrupts import say
 from rlbench_pin.recording.record import RecordReport
 
 
@@ -67,7 +67,7 @@ def stopping_gently() -> Iterator[threading.Event]:
         if stop.is_set():
             raise KeyboardInterrupt
         stop.set()
-        print("\nFinishing what is under way; Ctrl-C again to abandon it.", file=sys.stderr)
+        say("\nFinishing what is under way; Ctrl-C again to abandon it.")
 
     before = signal.signal(signal.SIGINT, on_interrupt)
     try:

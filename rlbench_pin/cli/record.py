@@ -16,6 +16,8 @@ from typing import Any, Literal
 import tyro
 
 from rlbench_pin.cli.list_tasks import named_tasks
+from rlbench_pin.cli.process.interrupts import INTERRUPTED
+from rlbench_pin.cli.process.words import AnyTasks, Cameras, Products, Size, TaskNames, check_at_least
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
 from rlbench_pin.datasets import Compression
 from rlbench_pin.environment.observations.camera_config import RenderMode
@@ -35,7 +37,7 @@ _BOOLEANS = ("true", "false")
 class KnownNames:
     """Flags of RLBench's generators, taken in the place of ours. Underscores are as good as hyphens, lists may have commas."""
 
-    tasks: tuple[str, ...] = ()
+    tasks: TaskNames = ()
     """As the task names themselves."""
     save_path: Path | None = None
     """As `--out`."""
@@ -56,7 +58,7 @@ class KnownNames:
 class Record:
     """Plan demonstrations of tasks and write them to a dataset. Whatever kills it, `--resume` continues where it ended."""
 
-    tasks: tyro.conf.Positional[tuple[str, ...]] = ()
+    tasks: tyro.conf.Positional[AnyTasks] = ()
     """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, `all`, or task files; with `--resume`
     alone, those recorded before."""
     episodes: int = 10
@@ -73,11 +75,13 @@ class Record:
     """What does the work: processes of this machine, or a Ray cluster."""
     resume: bool = False
     """Go on with what the folder holds."""
-    image_size: tuple[int, int] = (128, 128)
+    trust_task_files: bool = False
+    """Run the task files that the folder keeps, where tasks are not installed and their files not named. Read them first."""
+    image_size: Size = (128, 128)
     """Width and height of the pictures [px]."""
-    cameras: tuple[str, ...] = CAMERAS
+    cameras: Cameras = CAMERAS
     """Cameras whose pictures are stored."""
-    products: tuple[str, ...] = ("rgb", "depth", "mask")
+    products: Products = ("rgb", "depth", "mask")
     """What each camera delivers, of rgb, depth, mask and point_cloud; nothing after `--products` for no pictures."""
     compression: Compression = "gzip"
     """`gzip` is small, `lzf` is fast."""
@@ -100,11 +104,21 @@ class Record:
         """Record; 1 when episodes are missing at the end."""
         if self.known.are_used:
             return self._in_our_names().run()
+        check_at_least(self, workers=0)
         config = read_recording(self.out) if self.resume and not self.tasks else self._config()
         engine = make_engine(self.engine, self.workers)
         with stopping_gently() as stop, closing(RecordBar("record")) as bar:
-            report = record(config, self.out, engine=engine, resume=self.resume, on_progress=bar, stop=stop)
-        return print_report(report, self.out, self._resume_command(), as_json=self.json)
+            report = record(
+                config,
+                self.out,
+                engine=engine,
+                resume=self.resume,
+                on_progress=bar,
+                stop=stop,
+                trust_task_files=self.trust_task_files,
+            )
+        code = print_report(report, self.out, self._resume_command(), as_json=self.json)
+        return INTERRUPTED if code and stop.is_set() else code
 
     def _in_our_names(self) -> Record:
         """Return the same with our flags in the place of those of other generators.
@@ -146,7 +160,10 @@ class Record:
 
     def _resume_command(self) -> str:
         engine = [] if self.engine == "processes" else ["--engine", self.engine]
-        return shlex.join(["rlbench-pin", "record", "--resume", "--out", str(self.out), "--workers", str(self.workers), *engine])
+        own_files = any(word.endswith(".py") for word in self.tasks)  # the folder has kept what was named here
+        trust = ["--trust-task-files"] if own_files or self.trust_task_files else []
+        words = ["rlbench-pin", "record", "--resume", "--out", str(self.out), "--workers", str(self.workers)]
+        return shlex.join([*words, *engine, *trust])
 
 
 def make_engine(name: EngineName, workers: int) -> Engine:

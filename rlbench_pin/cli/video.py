@@ -13,6 +13,8 @@ import tyro
 from tqdm import tqdm
 
 from rlbench_pin.cli.list_tasks import named_tasks
+from rlbench_pin.cli.process.files import check_file, storing
+from rlbench_pin.cli.process.words import Size, SomeTasks, check_at_least, checked_names
 from rlbench_pin.datasets import VideoWriter
 from rlbench_pin.environment import (
     Discrete,
@@ -24,9 +26,10 @@ from rlbench_pin.environment import (
     VisualRandomizationConfig,
 )
 from rlbench_pin.environment.presets import low_dim_config
-from rlbench_pin.errors import DemoError
+from rlbench_pin.errors import DemoError, TaskEnvironmentError
 from rlbench_pin.recording.grid import Reel, grid_frames, grid_size
 from rlbench_pin.recording.orbit import Orbit
+from rlbench_pin.tasks import Task, find_task
 
 _CELL = (320, 240)
 
@@ -35,16 +38,16 @@ _CELL = (320, 240)
 class Video:
     """Film demonstrations of one or more tasks: one film per task, or one film of all of them in a grid."""
 
-    tasks: tyro.conf.Positional[tuple[str, ...]]
-    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, or `all`."""
+    tasks: tyro.conf.Positional[SomeTasks] = ()
+    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, `all`, or task files."""
     grid: bool = False
     """All tasks side by side in one film instead of a film each."""
     variation: int = 0
     """Variation of the tasks."""
     seed: int = 0
     """Seed of the episodes."""
-    size: tuple[int, int] = (1280, 720)
-    """Width and height of a film of one task [px]."""
+    size: Size = (1280, 720)
+    """Width and height of a film of one task [px], even numbers."""
     speed: float = 0.005
     """Angle that the camera moves between two pictures [rad]."""
     fps: int = 20
@@ -62,26 +65,38 @@ class Video:
 
     def run(self) -> int:
         """Film, and print where the films are."""
-        names = named_tasks(self.tasks)
+        tasks = self._checked_tasks()
         if self.grid:
-            print(self._film_grid(names))
+            print(self._film_grid(tasks))
             return 0
-        for name in names:
-            path = self.out / f"{name}.mp4"
-            with self._environment() as environment, VideoWriter(path, self.size, self.fps) as video:
-                self._play(environment.get_task(name), Orbit(size=self.size, step=self.speed), video.add)
+        for task in tasks:
+            path = self.out / f"{task.get_name()}.mp4"
+            with storing(path), self._environment() as environment, VideoWriter(path, self.size, self.fps) as video:
+                self._play(environment.get_task(task), Orbit(size=self.size, step=self.speed), video.add)
             print(path)
         return 0
 
-    def _film_grid(self, names: tuple[str, ...]) -> Path:
+    def _checked_tasks(self) -> tuple[type[Task], ...]:
+        """Return the tasks, when everything asked for can be filmed."""
+        check_at_least(self, variation=0, seed=0, fps=1, max_attempts=1, size=2)
+        if any(side % 2 for side in self.size):
+            raise TaskEnvironmentError(f"--size is {self.size[0]} {self.size[1]}; a film needs an even width and height.")
+        if not np.isfinite(self.speed):
+            raise TaskEnvironmentError(f"--speed is {self.speed}; it must be an angle [rad].")
+        tasks = tuple(map(find_task, checked_names(self.tasks, named_tasks, "rlbench-pin video TASK...")))
+        for name in ("grid",) if self.grid else (task.get_name() for task in tasks):
+            check_file(self.out / f"{name}.mp4")
+        return tasks
+
+    def _film_grid(self, tasks: tuple[type[Task], ...]) -> Path:
         reels = {}
-        for name in names:
-            reels[name] = Reel()
+        for task in tasks:
+            reel = reels[task.get_name()] = Reel()
             with self._environment() as environment:
                 orbit = Orbit(size=_CELL, step=self.speed, fov=0.95)
-                self._play(environment.get_task(name), orbit, reels[name].add)
+                self._play(environment.get_task(task), orbit, reel.add)
         path = self.out / "grid.mp4"
-        with VideoWriter(path, grid_size(len(names), _CELL), self.fps) as video:
+        with storing(path), VideoWriter(path, grid_size(len(reels), _CELL), self.fps) as video:
             for picture in grid_frames(reels, _CELL):
                 video.add(picture)
         return path

@@ -14,10 +14,11 @@ from rlbench_pin.datasets.layout import (
     stored_tasks,
     stored_variations,
 )
-from rlbench_pin.datasets.manifest import EpisodeEntry, fold_journal, read_manifest
+from rlbench_pin.datasets.manifest import EpisodeEntry, fold_journal, has_manifest, read_manifest
 from rlbench_pin.datasets.merge import Move, merge_datasets, plan_merge
 from rlbench_pin.datasets.reader import check_there, counted_demo, counted_files, read_demo, read_picture, stored_demos
 from rlbench_pin.datasets.storage import hold, remove_leftovers, write_whole
+from rlbench_pin.datasets.task_copy import KeptTask, keep_files, kept_task
 from rlbench_pin.datasets.verify import task_faults, verify_task
 from rlbench_pin.datasets.video import VideoWriter
 from rlbench_pin.datasets.writer import Compression, DatasetWriter, encode_demo, episode_entry, write_demo
@@ -28,6 +29,7 @@ __all__ = [
     "DatasetWriter",
     "Episode",
     "EpisodeEntry",
+    "KeptTask",
     "Move",
     "TaskInfo",
     "VideoWriter",
@@ -41,7 +43,10 @@ __all__ = [
     "episode_files",
     "episode_path",
     "fold_journal",
+    "has_manifest",
     "hold",
+    "keep_files",
+    "kept_task",
     "key_frames",
     "merge_datasets",
     "plan_merge",

@@ -33,7 +33,7 @@ class Episode:
     """
 
     def __init__(self, path: Path, sha256: str | None = None) -> None:
-        self.path = Path(path)
+        self.path, self._is_closed = Path(path), False
         if not self.path.is_file():
             raise EpisodeFileError(self.path, f"The episode '{self.path}' does not exist.")
         with self._named():
@@ -52,6 +52,7 @@ class Episode:
 
     def close(self) -> None:
         """Close the file."""
+        self._is_closed = True
         self._file.close()
 
     def __enter__(self) -> Episode:
@@ -68,12 +69,14 @@ class Episode:
     @property
     def task_name(self) -> str:
         """Snake-case task name."""
-        return str(self._file.attrs["task"])
+        with self._named():
+            return str(self._file.attrs["task"])
 
     @property
     def variation(self) -> int:
         """Variation of the task."""
-        return int(self._file.attrs["variation"])
+        with self._named():
+            return int(self._file.attrs["variation"])
 
     @property
     def instructions(self) -> tuple[str, ...]:
@@ -84,7 +87,8 @@ class Episode:
     @property
     def fields(self) -> tuple[str, ...]:
         """Names of the fields of observations that are stored."""
-        return tuple(sorted(name for name in self._file["observations"] if "@" not in name))
+        with self._named():
+            return tuple(sorted(name for name in self._file["observations"] if "@" not in name))
 
     def shape(self, field: str) -> tuple[int, ...]:
         """Return the shape that a field of arrays has in one frame."""
@@ -115,7 +119,8 @@ class Episode:
         """
         values = self.series(field) if field in self.fields else [None]
         if any(v is None for v in values):
-            raise DatasetError(f"'{self.path}' does not hold '{field}' for every frame, only {list(self.fields)}.")
+            held = f"It holds {', '.join(self.fields)}." if self.fields else "It holds no fields at all."
+            raise DatasetError(f"'{self.path}' does not hold '{field}' for every frame. {held}")
         return np.stack([np.asarray(v) for v in values])
 
     def misc(self, key: str) -> list[Any]:
@@ -188,7 +193,11 @@ class Episode:
 
     @contextmanager
     def _named(self) -> Iterator[None]:
-        """Turn whatever a damaged file raises into an error that names it."""
+        """Turn whatever a damaged file raises into an error that names it; refuse to read what was closed."""
+        if self._is_closed:
+            raise EpisodeFileError(
+                self.path, f"The episode '{self.path}' was closed. Read it inside its `with` block, or open it again."
+            )
         try:
             yield
         except (OSError, KeyError, ValueError, TypeError, RuntimeError, MemoryError) as error:

@@ -10,6 +10,7 @@ from rlbench_pin.datasets.info import stored_pictures
 from rlbench_pin.datasets.layout import episode_file, manifest_path, stored_tasks
 from rlbench_pin.datasets.manifest import EpisodeEntry, digest, fold_journal, read_manifest
 from rlbench_pin.datasets.storage import hold
+from rlbench_pin.datasets.task_copy import check_alike, copy_kept
 from rlbench_pin.datasets.writer import DatasetWriter
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 
@@ -22,6 +23,8 @@ class Move:
     source: Path
     entry: EpisodeEntry
     """How it will be listed."""
+    root: Path
+    """The dataset that it comes from."""
 
 
 def merge_datasets(roots: Sequence[Path], out: Path, on_episode: Callable[[Move], None] | None = None) -> tuple[Move, ...]:
@@ -41,6 +44,8 @@ def merge_datasets(roots: Sequence[Path], out: Path, on_episode: Callable[[Move]
     with hold(out):
         moves = plan_merge(roots, out)  # again: a recording may have ended in between
         writer = DatasetWriter(out)
+        for task, root in {move.task: move.root for move in reversed(moves)}.items():
+            copy_kept(root, task, out)
         for move in moves:
             writer.put(move.task, _checked_bytes(move), move.entry)
             if on_episode is not None:
@@ -65,6 +70,7 @@ def _plan_task(roots: Sequence[Path], out: Path, task: str) -> list[Move]:
     moves: list[Move] = []
     known: dict[tuple[int, int | None], tuple[EpisodeEntry, Path]] = {}
     pictures: tuple[dict[str, tuple[int, ...]], Path] | None = None
+    check_alike([root for root in (out, *roots) if read_manifest(root, task)], task)
     for root in (out, *roots):
         entries = read_manifest(root, task)
         for entry in entries:
@@ -76,7 +82,7 @@ def _plan_task(roots: Sequence[Path], out: Path, task: str) -> list[Move]:
                 number = 1 + max((e.episode for e, _ in known.values() if e.variation == entry.variation), default=-1)
                 entry = replace(entry, episode=number, file=episode_file(entry.variation, number))
                 known[(entry.variation, entry.random_seed)] = (entry, source)
-                moves.append(Move(task, source, entry))
+                moves.append(Move(task, source, entry, root))
         if entries:
             pictures = _same_pictures(pictures, manifest_path(root, task).parent / entries[0].file)
     return moves

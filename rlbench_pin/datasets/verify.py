@@ -7,11 +7,12 @@ from pathlib import Path
 from rlbench_pin.datasets.episode import Episode
 from rlbench_pin.datasets.layout import episode_files, manifest_path
 from rlbench_pin.datasets.manifest import EpisodeEntry, file_digest, read_manifest
+from rlbench_pin.datasets.task_copy import kept_faults
 from rlbench_pin.errors import DatasetError, EpisodeFileError
 
 
 def task_faults(root: Path, task: str, *, structure: bool = True) -> list[DatasetError]:
-    """Return what is wrong with the stored episodes of a task, one error per file; nothing when all is well.
+    """Return what is wrong with the stored episodes of a task and its kept files, one error per file; nothing when all is well.
 
     Args:
         root: Folder of the dataset.
@@ -26,6 +27,7 @@ def task_faults(root: Path, task: str, *, structure: bool = True) -> list[Datase
         return [error]
     faults = [fault for entry in entries if (fault := _fault(manifest.parent, entry, task, structure)) is not None]
     listed = {manifest.parent / entry.file for entry in entries}
+    faults += kept_faults(root, task)
     return faults + [
         EpisodeFileError(path, f"'{path}' is not listed in {manifest}. Delete it, or record again with `--resume`.")
         for path in files

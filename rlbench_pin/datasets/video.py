@@ -39,7 +39,8 @@ class VideoWriter:
         self.path, self.size, self.frames = Path(path), size, 0
         self.path.parent.mkdir(parents=True, exist_ok=True)
         self._temporary = self.path.with_name(f".{self.path.stem}.{os.getpid()}.part.mp4")
-        self._container = av.open(str(self._temporary), mode="w", options={"movflags": "faststart"})
+        # `file:` because FFmpeg takes what stands before a colon in a path for a protocol.
+        self._container = av.open(f"file:{self._temporary}", mode="w", options={"movflags": "faststart"})
         codec, options = _available_codec()
         options = {name: str(quality) if name == "crf" else value for name, value in options.items()}
         options |= {} if key_frames is None else {"g": str(key_frames)}

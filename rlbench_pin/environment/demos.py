@@ -82,7 +82,10 @@ def live_demos(play: Callable[[int, int], DemoOutcome], task: Task, seeds: Itera
 
     Raises:
         LiveDemoFailed: A seed failed at every try.
+        TaskEnvironmentError: `max_attempts` is below 1.
     """
+    if max_attempts < 1:
+        raise TaskEnvironmentError(f"max_attempts={max_attempts} tries nothing; it must be at least 1.")
     return [_live_demo(play, task, seed, max_attempts) for seed in seeds]
 
 

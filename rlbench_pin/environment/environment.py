@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from os import PathLike
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 import numpy as np
 
+from rlbench_pin.datasets.layout import MANIFEST
 from rlbench_pin.environment.actions.action_mode import ActionMode
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import camera_misc
@@ -29,7 +31,7 @@ from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import RENDERERS, RendererName, World
-from rlbench_pin.tasks import Task, task_class
+from rlbench_pin.tasks import Task, find_task
 
 _SCENE_DATA = {"intrinsics": "intrinsics", "extrinsics": "extrinsics", "near_plane": "near", "far_plane": "far"}
 """Name in the data of a scene -> name in `misc`."""
@@ -129,13 +131,17 @@ class Environment:
 
     # Tasks ------------------------------------------------------------------------------------------------------
 
-    def get_task(self, task: type[Task] | str) -> TaskEnvironment:
-        """Load a task, by class or by name, and return its environment; the previous task is unloaded.
+    def get_task(self, task: type[Task] | str | PathLike[str]) -> TaskEnvironment:
+        """Load a task, by class, by name or by file, and return its environment; the previous task is unloaded.
+
+        Args:
+            task: A class; a name, as `rlbench-pin list` prints it; or a task file outside the package, `mine/x.py`.
 
         Raises:
             UnknownName: No task has this name; names the nearest.
+            TaskError: The file does not exist, cannot be run, or holds no task class named after it.
         """
-        chosen = task_class(task) if isinstance(task, str) else task
+        chosen = find_task(task) if isinstance(task, str | PathLike) else task
         if self._model is None:
             self.launch()
         assert self._model is not None
@@ -186,8 +192,7 @@ class Environment:
             UnknownName: No task has this name.
         """
         wanted = StoredSelection(amount, variation_number, image_paths, random_selection, from_episode_number)
-        name = task_class(task_name).get_name()
-        return read_stored_demos(self._dataset_root, name, wanted, self._obs_config, self._seeds)
+        return read_stored_demos(self._dataset_root, self._stored_name(task_name), wanted, self._obs_config, self._seeds)
 
     def get_task_descriptions_with_episode(self, task_name: str, episode_number: int) -> list[str]:
         """Return the sentences of a stored episode, counted through all variations.
@@ -196,7 +201,12 @@ class Environment:
             DatasetError: There is no dataset root, or no such episode.
             UnknownName: No task has this name.
         """
-        return read_stored_descriptions(self._dataset_root, task_class(task_name).get_name(), episode_number)
+        return read_stored_descriptions(self._dataset_root, self._stored_name(task_name), episode_number)
+
+    def _stored_name(self, task: str) -> str:
+        """Return the name under which demonstrations of a task are stored; no code of a dataset is needed to read them."""
+        is_stored = self._dataset_root and task.isidentifier() and (Path(self._dataset_root) / task / MANIFEST).is_file()
+        return task if is_stored else find_task(task).get_name()
 
     # What it offers ---------------------------------------------------------------------------------------------
 

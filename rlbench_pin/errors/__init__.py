@@ -22,6 +22,7 @@ from rlbench_pin.errors.datasets import (
     DatasetError,
     EpisodeFileError,
     StorageError,
+    UntrustedTaskFile,
 )
 from rlbench_pin.errors.environment import (
     CameraError,
@@ -90,6 +91,7 @@ __all__ = [
     "TaskEnvironmentError",
     "TaskError",
     "UnknownName",
+    "UntrustedTaskFile",
     "WaypointError",
     "nearest_name",
 ]

@@ -38,4 +38,7 @@ class MissingExtra(RlbenchPinError, ImportError):
 
     def __init__(self, what: str, library: str, extra: str) -> None:
         self.library, self.extra = library, extra
-        super().__init__(f"{what} needs '{library}', which is not installed. `pip install 'rlbench-pin[{extra}]'` brings it.")
+        super().__init__(
+            f"{what} needs '{library}', which is not installed. "
+            f"`pip install -e '.[{extra}]'` in a clone of rlbench_pin brings it."
+        )

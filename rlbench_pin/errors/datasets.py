@@ -36,8 +36,30 @@ _STORAGE_ADVICE = {
     errno.EROFS: "The disk is read-only: choose another folder.",
     errno.EACCES: "You may not write there: choose another folder or change its rights.",
     errno.EPERM: "You may not write there: choose another folder or change its rights.",
+    errno.EISDIR: "There is a folder of that name: choose another name.",
+    errno.ENAMETOOLONG: "Choose a shorter name.",
     errno.ENOTDIR: "A part of the path is a file: choose another folder.",
+    errno.EEXIST: "There is a file where a folder should be: choose another folder.",
 }
+
+
+class UntrustedTaskFile(DatasetError):
+    """The task of stored demonstrations is code that came with them; it is run only when the user says so.
+
+    Attributes:
+        task: Task name.
+        path: The file.
+    """
+
+    def __init__(self, task: str, path: Path | str, remark: str = "") -> None:
+        self.task, self.path, self.remark = task, Path(path), remark
+        super().__init__(
+            f"The task '{task}' is code that came with its episodes: '{path}'.{remark} It is not run unless you say so. Read it; "
+            "then pass `--trust-task-files` (`trust_task_files=True` in Python), or name your own file of it."
+        )
+
+    def __reduce__(self) -> tuple[type[UntrustedTaskFile], tuple[str, Path, str]]:
+        return type(self), (self.task, self.path, self.remark)
 
 
 class DatasetConflict(DatasetError):

@@ -8,15 +8,17 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
-from rlbench_pin.gym.ids import gym_id, register_ids
+from rlbench_pin.gym.ids import ANY_TASK, gym_id, register_ids
 
 if TYPE_CHECKING:
     from rlbench_pin.gym.environment import GymnasiumEnv
     from rlbench_pin.gym.lerobot import LeRobotEnv, make_env
+    from rlbench_pin.gym.own_ids import register_plugin_tasks, register_task
     from rlbench_pin.gym.vector import LazyAsyncVectorEnv
     from rlbench_pin.gym.window import WindowMissing
 
 __all__ = [
+    "ANY_TASK",
     "GymnasiumEnv",
     "LazyAsyncVectorEnv",
     "LeRobotEnv",
@@ -24,6 +26,8 @@ __all__ = [
     "gym_id",
     "make_env",
     "register_ids",
+    "register_plugin_tasks",
+    "register_task",
 ]
 
 _HOMES = {
@@ -32,6 +36,8 @@ _HOMES = {
     "LeRobotEnv": "lerobot",
     "WindowMissing": "window",
     "make_env": "lerobot",
+    "register_plugin_tasks": "own_ids",
+    "register_task": "own_ids",
 }
 
 register_ids()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
+from os import PathLike
 from typing import Any, ClassVar, Literal
 
 import gymnasium
@@ -51,7 +52,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
     seed is drawn from `np_random`.
 
     Args:
-        task: Name or class of the task.
+        task: Name or class of the task, or a task file outside the package.
         observation_mode: `state`, or `vision` for pictures as well.
         render_mode: `rgb_array`, `human`, or None.
         action_mode: What actions mean; copied. None is joint differences and a finger position in one tick.
@@ -65,6 +66,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
 
     Raises:
         UnknownName: No such task, mode, camera or choice.
+        TaskError: The task file cannot be loaded.
         WindowMissing: `human` without a screen or without pygame.
     """
 
@@ -72,7 +74,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
 
     def __init__(
         self,
-        task: str | type[Task],
+        task: str | PathLike[str] | type[Task],
         observation_mode: Literal["state", "vision"] = "state",
         render_mode: Literal["rgb_array", "human"] | None = None,
         action_mode: ActionMode | None = None,
@@ -106,8 +108,10 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
             self.close()
             raise
 
-    def _load(self, task: str | type[Task], variation: int, seen: tuple[str, ...], size: tuple[int, int]) -> None:
+    def _load(self, task: str | PathLike[str] | type[Task], variation: int, seen: tuple[str, ...], size: tuple[int, int]) -> None:
         """Load the task and span the spaces."""
+        if task == "":
+            raise TaskEnvironmentError("Say which task: `task=` takes a name, a task file or a class.")
         self._task = self._environment.get_task(task)
         self._task.set_variation(variation)
         self._variation = variation

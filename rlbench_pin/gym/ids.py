@@ -1,8 +1,10 @@
-"""The gymnasium ids of all tasks. Strings only: neither a task nor a simulator is imported for them."""
+"""The gymnasium ids of tasks. Strings only: neither a task nor a simulator is imported for them."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import gymnasium
 
@@ -10,6 +12,9 @@ MODES = ("state", "vision")
 """What an environment observes: numbers, or pictures as well."""
 MAX_EPISODE_STEPS = 1000
 """Steps after which an episode is cut off; nearly twice the longest demonstration of the library in ticks."""
+
+ANY_TASK = "rlbench_pin/Task-v0"
+"""The id for every task: `gymnasium.make("rlbench_pin/Task-v0", task=...)` takes a name, a task file or a class."""
 
 _LIBRARY = Path(__file__).parents[1] / "tasks" / "library"
 _ENTRY_POINT = "rlbench_pin.gym.environment:GymnasiumEnv"
@@ -21,19 +26,15 @@ def gym_id(task: str, mode: str) -> str:
 
 
 def register_ids() -> None:
-    """Register every task of the library with gymnasium; ids that are there already are left alone."""
+    """Register every task of the library with gymnasium, and `ANY_TASK`; ids that are there already are left alone."""
+    register(ANY_TASK, {"task": ""})
     for file in sorted(_LIBRARY.glob("*.toml")):
         if file.with_suffix(".py").is_file():
             for mode in MODES:
-                _register(file.stem, mode)
+                register(gym_id(file.stem, mode), {"task": file.stem, "observation_mode": mode})
 
 
-def _register(task: str, mode: str) -> None:
-    name = gym_id(task, mode)
+def register(name: str, settings: Mapping[str, Any]) -> None:
+    """Register an id whose environments are `GymnasiumEnv(**settings)`, unless it is there already."""
     if name not in gymnasium.registry:
-        gymnasium.register(
-            id=name,
-            entry_point=_ENTRY_POINT,
-            max_episode_steps=MAX_EPISODE_STEPS,
-            kwargs={"task": task, "observation_mode": mode},
-        )
+        gymnasium.register(id=name, entry_point=_ENTRY_POINT, max_episode_steps=MAX_EPISODE_STEPS, kwargs=dict(settings))

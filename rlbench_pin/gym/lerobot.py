@@ -26,7 +26,7 @@ from rlbench_pin.gym.ids import MAX_EPISODE_STEPS
 from rlbench_pin.gym.spaces import VISION_CAMERAS, GymObservation
 from rlbench_pin.gym.vector import LazyAsyncVectorEnv
 from rlbench_pin.sim import RendererName
-from rlbench_pin.tasks import task_class, task_names
+from rlbench_pin.tasks import find_task, task_names, task_reference, usable_task_names
 
 SUITE = "rlbench_pin"
 TASKS_VARIABLE = "RLBENCH_PIN_TASKS"
@@ -61,7 +61,7 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
     gripper, above 0.5 to open it.
 
     Args:
-        task: Name of the task.
+        task: Name of the task, or a task file.
         max_episode_steps: Steps after which an episode is cut off.
         variation: Variation of every episode; -1 draws one for each from the seed.
         cameras: Names of the cameras.
@@ -110,7 +110,8 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
         )
         self._env: GymnasiumEnv | None = None
         self._max_episode_steps, self._steps, self._cameras = max_episode_steps, 0, tuple(cameras)
-        self.task, self.task_description, self.render_mode = task, "", render_mode
+        self.task = find_task(task).get_name() if task.endswith(".py") else task
+        self.task_description, self.render_mode = "", render_mode
         self.observation_space, self.action_space = like or (self._space(self.world), self.world.action_space)
 
     @property
@@ -174,22 +175,26 @@ def make_env(
         n_envs: Environments in each vector environment.
         use_async_envs: A process for each of them, spawned when first used, instead of all in this process.
         cfg: LeRobot's environment settings; of these `task`, names separated by commas, and `episode_length` are used.
-        tasks: Names of tasks; otherwise those of `cfg`, of the environment variable `RLBENCH_PIN_TASKS`, or all.
+        tasks: Names of tasks, or task files, which have the ids after those of all names; otherwise those of `cfg`, of the
+            environment variable `RLBENCH_PIN_TASKS`, or all.
         settings: Further arguments of `LeRobotEnv`.
 
     Raises:
         UnknownName: No task has this name.
+        TaskError: A task file cannot be loaded.
         TaskEnvironmentError: `n_envs` is less than 1.
     """
     if n_envs < 1:
         raise TaskEnvironmentError(f"A vector environment has at least one environment, not n_envs={n_envs}.")
-    names = tuple(task_class(name).get_name() for name in (tasks or _wanted_tasks(cfg)))
+    names = tuple(dict.fromkeys(task_reference(find_task(name)) for name in (tasks or _wanted_tasks(cfg))))
     if isinstance(cfg, LimitsEpisodes) and cfg.episode_length is not None:
         settings.setdefault("max_episode_steps", int(cfg.episode_length))
     probe = LeRobotEnv(names[0], **settings)
     probe.close()
     settings["like"] = (probe.observation_space, probe.action_space)
-    makers = {task_names().index(name): [partial(LeRobotEnv, name, **settings)] * n_envs for name in names}
+    files = [name for name in names if name not in task_names()]
+    ids = {name: number for number, name in enumerate((*task_names(), *files))}
+    makers = {ids[name]: [partial(LeRobotEnv, name, **settings)] * n_envs for name in names}
     if use_async_envs:
         return {SUITE: {task: LazyAsyncVectorEnv(make, probe, AUTORESET) for task, make in makers.items()}}
     return {SUITE: {task: SyncVectorEnv(make, autoreset_mode=AUTORESET) for task, make in makers.items()}}
@@ -197,4 +202,4 @@ def make_env(
 
 def _wanted_tasks(cfg: Any) -> tuple[str, ...]:
     asked = (cfg.task if isinstance(cfg, NamesTasks) else None) or os.environ.get(TASKS_VARIABLE, "")
-    return tuple(name.strip() for name in str(asked).split(",") if name.strip()) or task_names()
+    return tuple(name.strip() for name in str(asked).split(",") if name.strip()) or usable_task_names()

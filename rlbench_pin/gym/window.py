@@ -1,4 +1,4 @@
-"""A window on the screen that shows pictures; needs a screen and pygame (`pip install rlbench-pin[human]`)."""
+"""A window on the screen that shows pictures; needs a screen and pygame (`pip install -e '.[human]'` in a clone)."""
 
 from __future__ import annotations
 

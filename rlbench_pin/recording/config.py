@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import TaskEnvironmentError, UnknownName
 from rlbench_pin.observation import CAMERAS, PRODUCTS
 from rlbench_pin.sim import RENDERERS, RendererName
-from rlbench_pin.tasks import find_task
+from rlbench_pin.tasks import Task, find_task, task_digest
 
 _SEED_BITS = 53  # so that JSON readers of every language keep the number
 
@@ -136,6 +136,8 @@ class WorkItem:
     """Cap on the speed of motions along the joint-space path [rad/s]."""
     max_acceleration: float = 4.0
     """Cap on how fast that speed changes [rad/s^2]."""
+    task_digest: str = ""
+    """What the files of the task must add up to; not compared when empty."""
 
     @property
     def speed(self) -> tuple[float, float]:
@@ -148,18 +150,23 @@ class WorkItem:
         return self.name, self.variation, self.index
 
 
-def plan_items(config: RecordConfig) -> list[WorkItem]:
+def plan_items(config: RecordConfig, tasks: Mapping[str, type[Task]] | None = None) -> list[WorkItem]:
     """Return the episodes of a recording, task by task, variations in turn.
+
+    Args:
+        config: Which demonstrations.
+        tasks: The tasks in the place of those that `config` names: how workers find them -> class.
 
     Raises:
         UnknownName: A task does not exist.
     """
-    tasks = {name: find_task(name) for name in config.tasks}
-    items = []
+    tasks = {name: find_task(name) for name in config.tasks} if tasks is None else tasks
+    items: list[WorkItem] = []
     with PictureConfig(products=()).environment() as environment:
         for name, task in tasks.items():
-            count = environment.get_task(task).variation_count()
-            items += _task_items(config, name, task.get_name(), _variations(config, count))
+            count, files = environment.get_task(task).variation_count(), task_digest(task)
+            planned = _task_items(config, name, task.get_name(), _variations(config, count))
+            items += [replace(item, task_digest=files) for item in planned] if files else planned
     return items
 
 

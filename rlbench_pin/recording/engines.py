@@ -10,6 +10,7 @@ from collections import Counter, deque
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from typing import Protocol
 
@@ -154,7 +155,7 @@ class _Worker:
         context = multiprocessing.get_context("spawn")
         self.connection, theirs = context.Pipe()
         self._process = context.Process(target=_work, args=(theirs, config), daemon=True)
-        with _one_thread():
+        with _one_thread(), deaf_to_interrupts():
             self._process.start()
         theirs.close()
         self.sentinel = self._process.sentinel
@@ -195,12 +196,22 @@ class _Worker:
 
 def _work(connection: Connection, config: PictureConfig) -> None:
     """Do what comes along the connection until it closes. Ctrl-C is left to the process at its other end."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     recorder = Recorder(config)
     with suppress(EOFError, OSError):
         while True:
             connection.send(recorder.make(connection.recv()))
     recorder.close()
+
+
+@contextmanager
+def deaf_to_interrupts() -> Iterator[None]:
+    """Let processes that start in this block be deaf to Ctrl-C from their first moment; this one hears it after the block."""
+    resource_tracker.ensure_running()  # it would end the block of signals when it starts
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

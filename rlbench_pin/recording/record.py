@@ -10,7 +10,7 @@ import json
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import closing, suppress
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -24,6 +24,7 @@ from rlbench_pin.errors import DatasetConflict, EpisodeFileError, StorageError
 from rlbench_pin.recording.config import PictureConfig, RecordConfig, WorkItem, plan_items
 from rlbench_pin.recording.engines import Engine, ProcessEngine, WorkerDeath
 from rlbench_pin.recording.work import ItemResult
+from rlbench_pin.tasks import Task, chosen_tasks_of, is_task_file, keep_tasks, task_reference
 
 RECORDING = "recording.json"
 VERSION = 1
@@ -80,8 +81,9 @@ def record(
     resume: bool = False,
     on_progress: OnProgress | None = None,
     stop: threading.Event | None = None,
+    trust_task_files: bool = False,
 ) -> RecordReport:
-    """Record demonstrations into a dataset folder.
+    """Record demonstrations into a dataset folder, which keeps a copy of the files of tasks that are not in the library.
 
     Args:
         config: Which demonstrations.
@@ -90,16 +92,21 @@ def record(
         resume: Go on with what the folder holds; otherwise it must not hold these tasks yet.
         on_progress: Called with the report so far, first before anything was made.
         stop: When set, nothing more is begun; what is under way is finished and stored.
+        trust_task_files: Whether task files that the folder keeps may be run, for tasks that are named and not installed.
 
     Raises:
-        DatasetConflict: The folder holds these tasks, or another recording, or it is being written to.
+        DatasetConflict: The folder holds these tasks, or another recording, or a task file changed, or it is being written to.
+        UntrustedTaskFile: A task is code that came with the folder, and nobody said that it may be run.
         StorageError: The disk is full or cannot be written. Every episode stored before is whole.
         UnknownName: A task does not exist.
     """
     root = Path(root)
-    items = plan_items(config)
+    tasks = chosen_tasks_of(root, config.tasks, trust_task_files)
+    references = {task_reference(task) if is_task_file(task) else word: task for word, task in tasks.items()}
+    items = plan_items(config, references)
+    names = tuple(task.get_name() if is_task_file(task) else word for word, task in tasks.items())
     with hold(root):
-        _prepare(root, config, items, resume)
+        _prepare(root, replace(config, tasks=names), items, tasks.values(), resume)
         return run_items(config.pictures, items, root, engine=engine, on_progress=on_progress, stop=stop)
 
 
@@ -149,12 +156,18 @@ def read_recording(root: Path | str) -> RecordConfig:
         if (version := content.pop("version")) != VERSION:
             raise ValueError(f"it has version {version}, this package reads version {VERSION}")
         pictures = PictureConfig(**{k: _as_tuple(v) for k, v in content.pop("pictures").items()})
-        return RecordConfig(**{k: _as_tuple(v) for k, v in content.items()}, pictures=pictures)
+        config = RecordConfig(**{k: _as_tuple(v) for k, v in content.items()}, pictures=pictures)
+        return replace(config, tasks=tuple(map(_stored_name, config.tasks)))
     except FileNotFoundError as error:
-        raise EpisodeFileError(path, f"'{path}' does not exist, so there is no recording to resume. Name the tasks.") from error
+        raise EpisodeFileError(
+            path,
+            f"'{path}' does not exist, so there is no recording to resume. `rlbench-pin record TASK... --out {root}` begins one.",
+        ) from error
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise EpisodeFileError(
-            path, f"'{path}' does not describe a recording: {error}. Name the tasks and what to record."
+            path,
+            f"'{path}' does not describe a recording: {error}. Delete it, and record with `--resume` again, naming the "
+            "tasks and settings: the episodes beside it are found.",
         ) from error
 
 
@@ -164,11 +177,19 @@ def write_recording(root: Path, config: RecordConfig) -> None:
     write_whole(root / RECORDING, (json.dumps(content, indent=1) + "\n").encode())
 
 
+def _stored_name(task: str) -> str:
+    """Return the name of a task in a recording; a path to code, as older ones have it, is not followed."""
+    name = Path(task).stem
+    if not name.isidentifier():
+        raise ValueError(f"{task!r} names no task")
+    return name
+
+
 def _as_tuple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-def _prepare(root: Path, config: RecordConfig, items: Sequence[WorkItem], resume: bool) -> None:
+def _prepare(root: Path, config: RecordConfig, items: Sequence[WorkItem], tasks: Collection[type[Task]], resume: bool) -> None:
     names = {item.name for item in items}
     held = sorted(names & set(stored_tasks(root)))
     if held and not resume:
@@ -182,6 +203,7 @@ def _prepare(root: Path, config: RecordConfig, items: Sequence[WorkItem], resume
                     f"'{root}' was recorded with {name}={then}, this is {name}={now}. Use the same, or choose another folder."
                 )
         config = replace(config, tasks=tuple(dict.fromkeys((*before.tasks, *config.tasks)))) if resume else config
+    keep_tasks(root, tasks)
     write_recording(root, config)
     remove_leftovers(root)
 

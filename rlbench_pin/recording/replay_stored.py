@@ -14,6 +14,7 @@ from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.environment.replay import replay_succeeds
 from rlbench_pin.observation import LOW_DIM, Demo
+from rlbench_pin.tasks import OwnTasks, stored_task
 
 
 @dataclass(frozen=True)
@@ -26,23 +27,35 @@ class ReplayResult:
     """Whether its actions reached the goal again."""
 
 
-def replay_stored(paths: Sequence[Path]) -> Iterator[ReplayResult]:
+def replay_stored(
+    paths: Sequence[Path], *, own: OwnTasks | None = None, trust_task_files: bool = False
+) -> Iterator[ReplayResult]:
     """Restore the start of stored episodes, repeat their joint-position actions, and yield what became of each.
 
     Args:
         paths: Episode files, or folders of datasets, of which those episodes count that the manifests list.
+        own: Tasks that the user named files of, by task name; they go before all others.
+        trust_task_files: Whether task files that a dataset keeps may be run.
 
     Raises:
+        UntrustedTaskFile: A task is code that came with the episodes, and nobody said that it may be run.
         DatasetError: A file cannot be read, or a folder holds no demonstrations.
         DemoError: An episode holds no joint-position actions.
     """
     with make_environment(low_dim_config()) as environment:
         task: TaskEnvironment | None = None
+        loaded: tuple[Path, str] | None = None
         for path, demo in _episodes(paths):
-            if task is None or task.get_name() != demo.task_name:
-                task = environment.get_task(demo.task_name)
+            wanted = (_root_of(path), demo.task_name)
+            if task is None or loaded != wanted:
+                task, loaded = environment.get_task(stored_task(*wanted, own, trust_task_files)), wanted
             task.reset_to_demo(demo)
             yield ReplayResult(path, replay_succeeds(task, demo))
+
+
+def _root_of(episode: Path) -> Path:
+    """Return the folder of the dataset that an episode file lies in: `<root>/<task>/variation<k>/episodes/<file>`."""
+    return episode.absolute().parents[3] if len(episode.absolute().parents) > 3 else episode.absolute().parent
 
 
 def _episodes(paths: Sequence[Path]) -> Iterator[tuple[Path, Demo]]:

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import json
 import threading
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from rlbench_pin.datasets import EpisodeEntry, read_manifest, stored_tasks
+from rlbench_pin.datasets import EpisodeEntry, kept_task, read_manifest, stored_tasks
 from rlbench_pin.datasets.layout import checked_task_name, chosen_tasks, episode_path
 from rlbench_pin.datasets.storage import hold, remove_leftovers, write_whole
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 from rlbench_pin.recording.config import PictureConfig, WorkItem
 from rlbench_pin.recording.engines import Engine
 from rlbench_pin.recording.record import OnProgress, RecordReport, run_items
+from rlbench_pin.tasks import OwnTasks, Task, keep_tasks, stored_task, task_class, task_digest, task_origin, task_reference
 
 SEEDS_FORMAT = "rlbench_pin.seeds"
 VERSION = 1
@@ -92,11 +93,12 @@ def rerender(
     engine: Engine | None = None,
     on_progress: OnProgress | None = None,
     stop: threading.Event | None = None,
+    own: OwnTasks | None = None,
+    trust_task_files: bool = False,
 ) -> RecordReport:
-    """Record the demonstrations of a dataset again, with other pictures. Goes on with what `out` holds already.
-
-    Each is made again from its seed. Where the old file is there, the joints must move as they did, bit for bit; otherwise
-    its start is restored and its actions repeated, and the joints must stay within 1 mrad of the old ones.
+    """Record the demonstrations of a dataset again, with other pictures; go on with what `out` holds. Each is made again
+    from its seed. Where the old file is there, the joints must move as they did, bit for bit; otherwise its start is restored and
+    its actions repeated, and the joints must stay within 1 mrad of the old ones.
 
     Args:
         source: Folder of the dataset (its manifests are enough), or a file with a list of seeds.
@@ -106,31 +108,57 @@ def rerender(
         engine: Who does the work; one process when None.
         on_progress: Called with the report so far.
         stop: When set, nothing more is begun.
+        own: Tasks that the user named files of, by task name; they go before all others.
+        trust_task_files: Whether task files that the dataset keeps may be run.
 
     Raises:
+        UntrustedTaskFile: A task is code that came with the dataset, and nobody said that it may be run.
         DatasetError: The source cannot be used, or `out` is the source.
     """
     source, out = Path(source), Path(out)
     if source.is_dir() and source.resolve() == out.resolve():
         raise DatasetConflict(f"'{out}' is the dataset to be rerendered. Choose another folder for the result.")
     items = _items(source, tasks)
-    if not items:
-        raise DatasetError(f"'{source}' lists no episodes to rerender.")
+    classes = _classes(source, sorted({item.task for item in items}), own or {}, trust_task_files)
     with hold(out):
         remove_leftovers(out)
-        return run_items(pictures, items, out, engine=engine, on_progress=on_progress, stop=stop)
+        keep_tasks(out, classes.values())
+        return run_items(pictures, _with_tasks(items, classes), out, engine=engine, on_progress=on_progress, stop=stop)
+
+
+def _classes(source: Path, names: Sequence[str], own: OwnTasks, trust_task_files: bool) -> dict[str, type[Task]]:
+    """Return the tasks that are the user's own, kept by the dataset, or of other packages; workers find the others by name."""
+    found = {name: own[name] for name in names if name in own}
+    for name in names:
+        if name not in own and source.is_dir() and kept_task(source, name) is not None:
+            found[name] = stored_task(source, name, own, trust_task_files)
+        elif name not in own and task_origin(name):
+            found[name] = task_class(name)
+    return found
+
+
+def _with_tasks(items: Sequence[WorkItem], classes: Mapping[str, type[Task]]) -> list[WorkItem]:
+    """Return the items with what their workers find these tasks by, and with what their files add up to."""
+    found_by = {name: (task_reference(task), task_digest(task)) for name, task in classes.items()}
+    return [replace(i, task=found_by[i.name][0], task_digest=found_by[i.name][1]) if i.name in found_by else i for i in items]
 
 
 def _items(source: Path, tasks: Sequence[str]) -> list[WorkItem]:
     if source.is_file():
         seeds = read_seeds(source)
         chosen = chosen_tasks(source, sorted({seed.task for seed in seeds}), tasks)
-        return [_item(seed) for seed in seeds if seed.task in chosen]
+        return _at_least_one(source, [_item(seed) for seed in seeds if seed.task in chosen])
     items = []
     for task, entry in _entries(source, tasks):
         path = episode_path(source, task, entry.variation, entry.episode)
         held = path.is_file()
         items.append(_item(_seed(task, entry), str(path) if held else "", entry.sha256 if held else ""))
+    return _at_least_one(source, items)
+
+
+def _at_least_one(source: Path, items: list[WorkItem]) -> list[WorkItem]:
+    if not items:
+        raise DatasetError(f"'{source}' lists no episodes to rerender.")
     return items
 
 

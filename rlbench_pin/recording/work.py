@@ -12,11 +12,11 @@ import numpy as np
 from rlbench_pin.datasets import EpisodeEntry, encode_demo, episode_entry, read_demo
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.task_environment import TaskEnvironment
-from rlbench_pin.errors import ResetError, RlbenchPinError
+from rlbench_pin.errors import ResetError, RlbenchPinError, TaskError
 from rlbench_pin.observation import LOW_DIM, Demo
 from rlbench_pin.recording.config import PictureConfig, WorkItem
 from rlbench_pin.recording.replay import replay_demo
-from rlbench_pin.tasks import find_task
+from rlbench_pin.tasks import Task, find_task, task_digest
 
 _FREE_EVERY = 5_000_000
 """So many bytes of episodes are made before memory is given back."""
@@ -106,8 +106,22 @@ class Recorder:
         if self._task is None or self._loaded != item.task:
             if self._environment is None:
                 self._environment, self._speed = self.config.environment(*item.speed), item.speed
-            self._task, self._loaded = self._environment.get_task(find_task(item.task)), item.task
+            self._task, self._loaded = self._environment.get_task(_task_of(item)), item.task
         return self._task
+
+
+def _task_of(item: WorkItem) -> type[Task]:
+    """Return the class of the task, unless its files have changed since the work was planned.
+
+    Raises:
+        TaskError: They have.
+    """
+    task = find_task(item.task)
+    if item.task_digest and task_digest(task) != item.task_digest:
+        raise TaskError(
+            f"The files of the task '{item.name}' changed while it was recorded. Record it again into another folder."
+        )
+    return task
 
 
 def same_motion(demo: Demo, other: Demo) -> bool:

@@ -5,6 +5,9 @@
 
 from __future__ import annotations
 
+import importlib
+from typing import TYPE_CHECKING
+
 from rlbench_pin.errors import BoundaryError
 from rlbench_pin.scene.spec import BodySpec
 from rlbench_pin.tasks.conditions import (
@@ -25,11 +28,33 @@ from rlbench_pin.tasks.conditions import (
 from rlbench_pin.tasks.grasps import Tray, easiest_top_grasp, free_direction
 from rlbench_pin.tasks.palette import BUTTON_COLORS, COLORS, Color, distractor_colors, fill_up_colors
 from rlbench_pin.tasks.placement import PLACEMENT_AREA, place_task, swap_places
-from rlbench_pin.tasks.registry import LIBRARY, camel_case, find_task, load_task_file, task_class, task_names, task_scene
+from rlbench_pin.tasks.registry import (
+    LIBRARY,
+    find_task,
+    library_names,
+    plugin_faults,
+    task_class,
+    task_names,
+    task_origin,
+    task_scene,
+    usable_task_names,
+)
 from rlbench_pin.tasks.settling import settle
 from rlbench_pin.tasks.spawn_boundary import NO_ROTATION, SpawnBoundary, clearance
 from rlbench_pin.tasks.task import Task, TaskState
+from rlbench_pin.tasks.task_file import (
+    OwnTasks,
+    camel_case,
+    is_task_file,
+    load_task_file,
+    own_tasks,
+    task_digest,
+    task_reference,
+)
 from rlbench_pin.tasks.waypoints import Waypoint
+
+if TYPE_CHECKING:
+    from rlbench_pin.tasks.stored import chosen_tasks_of, keep_task, keep_tasks, stored_task
 
 __all__ = [
     "BUTTON_COLORS",
@@ -52,6 +77,7 @@ __all__ = [
     "JointMoved",
     "ListEmpty",
     "NothingGrasped",
+    "OwnTasks",
     "SpawnBoundary",
     "Task",
     "TaskState",
@@ -59,25 +85,43 @@ __all__ = [
     "Tray",
     "Waypoint",
     "camel_case",
+    "chosen_tasks_of",
     "clearance",
     "distractor_colors",
     "easiest_top_grasp",
     "fill_up_colors",
     "find_task",
     "free_direction",
+    "is_task_file",
+    "keep_task",
+    "keep_tasks",
+    "library_names",
     "load_task_file",
+    "own_tasks",
     "place_task",
+    "plugin_faults",
     "settle",
+    "stored_task",
     "swap_places",
     "task_class",
+    "task_digest",
     "task_names",
+    "task_origin",
+    "task_reference",
     "task_scene",
+    "usable_task_names",
 ]
 
 
-def __getattr__(name: str) -> type[Task]:
-    """Import the class of a library task on first use."""
-    if name[:1].isupper() and name in map(camel_case, task_names()):
+_OF_DATASETS = ("chosen_tasks_of", "keep_task", "keep_tasks", "stored_task")
+"""What needs the libraries that read data; they are loaded when one of these names is first used."""
+
+
+def __getattr__(name: str) -> object:
+    """Import the class of a task on first use, and what deals with datasets."""
+    if name in _OF_DATASETS:
+        return getattr(importlib.import_module("rlbench_pin.tasks.stored"), name)
+    if name[:1].isupper() and (name in map(camel_case, library_names()) or name in map(camel_case, task_names())):
         return task_class(name)
     raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
 

@@ -1,44 +1,89 @@
-"""Which tasks there are, by name. A task is imported only when it is asked for."""
+"""Which tasks there are, by name or by file. A task is imported only when it is asked for."""
 
 from __future__ import annotations
 
 import importlib
-import importlib.util
-import inspect
-import sys
 from functools import lru_cache
-from hashlib import sha256
+from os import PathLike
 from pathlib import Path
-from types import ModuleType
 
 from rlbench_pin.errors import TaskError, UnknownName
+from rlbench_pin.plugins import Plugins, PluginTask, installed_plugins
 from rlbench_pin.scene.reader import read_scene
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.tasks.task import Task, snake_case
+from rlbench_pin.tasks.task_file import camel_case, class_in, load_task_file
 
 LIBRARY = Path(__file__).parent / "library"
 LIST_COMMAND = "rlbench-pin list"
 
 
 @lru_cache(maxsize=1)
-def task_names() -> tuple[str, ...]:
-    """Return the names of all tasks of the library: files with a scene beside them."""
+def library_names() -> tuple[str, ...]:
+    """Return the names of the tasks of the library: files with a scene beside them."""
     return tuple(sorted(file.stem for file in LIBRARY.glob("*.py") if file.with_suffix(".toml").is_file()))
+
+
+def task_names() -> tuple[str, ...]:
+    """Return the names of all tasks: those of the library, then those that other packages bring, each in alphabetical order."""
+    return (*library_names(), *_plugins().tasks)
 
 
 def task_class(name: str) -> type[Task]:
     """Return the class of a task.
 
     Args:
-        name: `reach_target` or `ReachTarget`.
+        name: `reach_target` or `ReachTarget`, of the library or of a package that brings tasks.
 
     Raises:
         UnknownName: No task is called so; proposes the nearest name.
+        TaskError: The package that brings it is broken, or two packages claim the name.
     """
     stem = snake_case(name)
-    if stem not in task_names():
-        raise UnknownName("task", name, task_names(), LIST_COMMAND)
-    return _class_in(importlib.import_module(f"rlbench_pin.tasks.library.{stem}"), camel_case(stem))
+    if stem in library_names():
+        return class_in(importlib.import_module(f"rlbench_pin.tasks.library.{stem}"), camel_case(stem))
+    plugins = _plugins()
+    if stem in plugins.tasks:
+        return _plugin_class(plugins.tasks[stem])
+    if stem in plugins.faults:
+        raise TaskError(plugins.faults[stem])
+    raise UnknownName("task", name, task_names(), LIST_COMMAND)
+
+
+def find_task(name: str | PathLike[str]) -> type[Task]:
+    """Return the task of that name, or the one in a file: a path, or a text that ends with `.py` or has a folder in it.
+
+    Raises:
+        UnknownName: No task is called so.
+        TaskError: The file does not exist, cannot be loaded, or holds no task class named after it.
+    """
+    if isinstance(name, PathLike) or name.endswith(".py") or "/" in name:
+        return load_task_file(name)
+    return task_class(name)
+
+
+def task_origin(name: str) -> str:
+    """Return the package that brings a task, with its version; empty for those of the library."""
+    task = _plugins().tasks.get(name)
+    return task.origin if task else ""
+
+
+def plugin_faults() -> dict[str, str]:
+    """Load every task that other packages bring, and return those that cannot be used: name of the task or package -> why."""
+    plugins = _plugins()
+    faults = dict(plugins.faults)
+    for name, task in plugins.tasks.items():
+        try:
+            _plugin_class(task)
+        except TaskError as error:
+            faults[name] = str(error)
+    return faults
+
+
+def usable_task_names() -> tuple[str, ...]:
+    """Return the names of all tasks but those that broken packages bring; these are loaded for it."""
+    faults = plugin_faults()
+    return tuple(name for name in task_names() if name not in faults or not task_origin(name))
 
 
 def task_scene(task: type[Task]) -> SceneSpec:
@@ -52,47 +97,47 @@ def task_scene(task: type[Task]) -> SceneSpec:
     return _read(file, file.stat().st_mtime_ns) if file.is_file() else read_scene(file)
 
 
-def load_task_file(path: Path | str) -> type[Task]:
-    """Return the task class of a file outside the package, with its scene file beside it.
-
-    Raises:
-        TaskError: The file does not exist, or holds no task class named after it.
-    """
-    path = Path(path).resolve()
-    if not path.is_file():
-        raise TaskError(f"Task file '{path}' does not exist. `rlbench-pin new` makes one.")
-    name = f"rlbench_pin_task_{path.stem}_{sha256(str(path).encode()).hexdigest()[:8]}"
-    spec = importlib.util.spec_from_file_location(name, path)
-    if spec is None or spec.loader is None:
-        raise TaskError(f"Task file '{path}' is not a Python file.")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return _class_in(module, camel_case(path.stem))
-
-
-def find_task(name: str) -> type[Task]:
-    """Return the task of that name, or the one in the file when `name` ends with `.py`.
-
-    Raises:
-        UnknownName: No task is called so.
-        TaskError: The file does not exist, or holds no task class named after it.
-    """
-    return load_task_file(name) if name.endswith(".py") else task_class(name)
-
-
-def camel_case(name: str) -> str:
-    """Turn `reach_target` into `ReachTarget`."""
-    return "".join(word.capitalize() for word in name.split("_"))
-
-
 @lru_cache(maxsize=256)
 def _read(file: Path, changed: int) -> SceneSpec:
     return read_scene(file)
 
 
-def _class_in(module: ModuleType, name: str) -> type[Task]:
-    found = getattr(module, name, None)
-    if inspect.isclass(found) and issubclass(found, Task):
-        return found
-    raise TaskError(f"'{module.__file__}' holds no class '{name}' derived from Task. Name the class after its file.")
+@lru_cache(maxsize=1)
+def _plugins() -> Plugins:
+    return installed_plugins(library_names())
+
+
+def _plugin_class(task: PluginTask) -> type[Task]:
+    """Load a task of another package.
+
+    Raises:
+        TaskError: Its module cannot be imported, or what it names is no such task.
+    """
+    start = f"The task '{task.name}' of '{task.origin}' ({task.value})"
+    try:
+        found = task.load()
+    except Exception as error:  # whatever a foreign module raises
+        raise TaskError(
+            f"{start} cannot be loaded: {type(error).__name__}: {error}. Repair that package or uninstall it."
+        ) from error
+    if not (isinstance(found, type) and issubclass(found, Task)):
+        raise TaskError(f"{start} is no class derived from `rlbench_pin.tasks.Task`. Repair that package or uninstall it.")
+    if found.get_name() != task.name:
+        raise TaskError(f"{start} calls itself '{found.get_name()}'. Let its entry point have the same name.")
+    if not found.scene_file().is_file():
+        raise TaskError(f"{start} has no scene: '{found.scene_file()}' does not exist. Does that package contain its TOML files?")
+    return found
+
+
+__all__ = [
+    "LIBRARY",
+    "LIST_COMMAND",
+    "find_task",
+    "library_names",
+    "plugin_faults",
+    "task_class",
+    "task_names",
+    "task_origin",
+    "task_scene",
+    "usable_task_names",
+]

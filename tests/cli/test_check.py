@@ -63,7 +63,7 @@ def test_a_stopped_check_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         return work(item)
 
     monkeypatch.setattr(pool, "work", stop_after_two)
-    assert main([*arguments, "--out", str(tmp_path / "a")]) == 1
+    assert main([*arguments, "--out", str(tmp_path / "a")]) == 130
     journal = tmp_path / "a" / "trials.jsonl"
     assert len(journal.read_text().splitlines()) == 2
     with journal.open("a") as file:

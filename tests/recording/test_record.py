@@ -186,7 +186,7 @@ def test_settings_come_back(undisturbed: Path, tmp_path: Path) -> None:
     with pytest.raises(DatasetError, match=r"recording\.json.*zoom"):
         read_recording(tmp_path)
     (tmp_path / "recording.json").write_text('{"version": 7}')
-    with pytest.raises(DatasetError, match=r"recording\.json.*version 7.*version 1.*Name the tasks"):
+    with pytest.raises(DatasetError, match=r"recording\.json.*version 7.*version 1.*Delete it.*naming the tasks"):
         read_recording(tmp_path)
 
 

@@ -83,10 +83,16 @@ def rgb_cameras(episodes: Sequence[StoredEpisode], wanted: Sequence[str] = ()) -
     shapes: dict[str, tuple[int, int, int]] | None = None
     for stored in episodes:
         with Episode(stored.path) as episode:
+            fields = frozenset(episode.fields)
             names = [c for c in CAMERAS if f"{c}_rgb" in episode.fields and (not wanted or c in wanted)]
             found = {name: _picture_shape(episode, f"{name}_rgb") for name in names}
         if missing := sorted(set(wanted) - set(found)):
-            raise DatasetError(f"'{stored.path}' holds no colours of {missing}, only of {sorted(found)}.")
+            held = [camera for camera in CAMERAS if f"{camera}_rgb" in fields]
+            raise DatasetError(
+                f"'{stored.path}' holds no colours of {missing}, only of {held}. Name others."
+                if held
+                else f"'{stored.path}' holds no colours of any camera. `rlbench-pin dataset rerender` makes some."
+            )
         if shapes is not None and shapes != found:
             raise DatasetConflict(
                 f"'{stored.path}' holds pictures {found}, episodes before it {shapes}. "

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 
-from rlbench_pin.errors import ProblemFileError
+from rlbench_pin.errors import ProblemFileError, StorageError
 from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
 from rlbench_pin.robot.collision_geometry import body_geometry
 from rlbench_pin.robot.geometry import as_shape
@@ -79,7 +81,11 @@ def self_contained(world: WorldSnapshot) -> WorldSnapshot:
 
 
 def write_problem(problem: PlanningProblem, path: Path) -> None:
-    """Write one problem; numbers keep every bit."""
+    """Write one problem; numbers keep every bit.
+
+    Raises:
+        StorageError: The disk cannot be written to; no half of the file is left.
+    """
     world = self_contained(problem.world)
     content = {
         "format": FORMAT,
@@ -103,8 +109,16 @@ def write_problem(problem: PlanningProblem, path: Path) -> None:
             for body in world.bodies
         ],
     }
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        temporary.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+        os.replace(temporary, path)
+    except OSError as error:
+        raise StorageError(path, error) from error
+    finally:
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
 
 
 def read_problem(path: Path) -> PlanningProblem:

@@ -274,7 +274,7 @@ def test_cameras_that_are_not_stored_are_named(root: Path, tmp_path: Path, name:
 def test_a_missing_library_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the extra, the error says which one to install."""
     monkeypatch.setitem(sys.modules, "rlbench_pin.datasets.formats.lerobot", None)
-    with pytest.raises(MissingExtra, match=r"pip install 'rlbench-pin\[lerobot\]'"):
+    with pytest.raises(MissingExtra, match=r"pip install -e '\.\[lerobot\]'"):
         find_exporter("lerobot")
 
 

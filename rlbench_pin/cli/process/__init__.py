@@ -1,0 +1,1 @@
+"""The process around a command: the table of commands, arguments, Ctrl-C, closed pipes, exit codes, and files that it writes."""

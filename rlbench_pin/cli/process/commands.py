@@ -1,0 +1,75 @@
+"""The commands: what each is for and where it lives. A command is imported when it is asked for, so that `--help` is quick."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+
+class Subcommand(Protocol):
+    """What every command can do."""
+
+    def run(self) -> int:
+        """Do it and return the exit code."""
+        ...
+
+
+@dataclass(frozen=True)
+class Home:
+    """Where a command lives."""
+
+    module: str
+    """Module of `rlbench_pin.cli`."""
+    name: str
+    """Name of its class."""
+    summary: str
+    """The first sentences of its help, as its docstring has them."""
+
+    def load(self) -> Callable[..., Subcommand]:
+        """Import the class of the command."""
+        made: Callable[..., Subcommand] = getattr(importlib.import_module(f"rlbench_pin.cli.{self.module}"), self.name)
+        return made
+
+
+COMMANDS: dict[str, Home] = {
+    "list": Home("list_tasks", "ListTasks", "List the tasks, each with a line about it."),
+    "demo": Home("demo", "RecordDemos", "Plan demonstrations of one task, write each to an HDF5 episode, and film it."),
+    "record": Home(
+        "record",
+        "Record",
+        "Plan demonstrations of tasks and write them to a dataset. Whatever kills it, `--resume` continues where it ended.",
+    ),
+    "dataset": Home("dataset", "Dataset", "Inspect, verify, merge, rerender and export stored demonstrations."),
+    "replay": Home(
+        "replay",
+        "Replay",
+        "Restore the start of stored episodes, repeat their joint-position actions, and say whether they succeed again.",
+    ),
+    "check": Home(
+        "check",
+        "Check",
+        "Judge tasks: demonstrations succeed and replay, resets repeat and rest, doing nothing and random actions solve nothing.",
+    ),
+    "view": Home("view", "View", "Draw a contact sheet: the five cameras at the reset and at four moments of a demonstration."),
+    "video": Home(
+        "video", "Video", "Film demonstrations of one or more tasks: one film per task, or one film of all of them in a grid."
+    ),
+    "new": Home(
+        "new",
+        "New",
+        "Write a commented pair of files, NAME.py and NAME.toml: a reach that passes `rlbench-pin check --task-file NAME.py`.",
+    ),
+    "doctor": Home(
+        "doctor", "Doctor", "Say what works here: take a picture with each renderer, write a film, name the libraries."
+    ),
+    "evaluate": Home(
+        "evaluate", "Evaluate", "Compare controllers on the motions of demonstrations: errors, limits, clearance, time."
+    ),
+    "problems": Home(
+        "problems",
+        "Problems",
+        "Write motions of demonstrations as planning problems: arm, obstacles, held bodies, start and goal, as JSON.",
+    ),
+}
