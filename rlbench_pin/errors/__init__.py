@@ -7,10 +7,13 @@ A few errors that one module alone raises are defined there, each derived from o
 from __future__ import annotations
 
 from rlbench_pin.errors.base import (
+    InvalidValue,
     MissingExtra,
     RlbenchPinError,
     UnknownName,
+    UnknownSetting,
     nearest_name,
+    shown,
 )
 from rlbench_pin.errors.control import (
     ControlError,
@@ -27,6 +30,8 @@ from rlbench_pin.errors.environment import (
     CameraError,
     EnvironmentClosed,
     InvalidActionError,
+    InvalidArgument,
+    InvalidCamera,
     NoShapedReward,
     NotReset,
     ResetError,
@@ -34,9 +39,11 @@ from rlbench_pin.errors.environment import (
 )
 from rlbench_pin.errors.planning import (
     GoalInCollision,
+    InvalidRequest,
     NoIkSolution,
     NoPath,
     NotStraight,
+    OutsideJointLimits,
     PlanningError,
     ProblemFileError,
     RetimingError,
@@ -70,7 +77,11 @@ __all__ = [
     "GoalInCollision",
     "InfeasibleControl",
     "InvalidActionError",
+    "InvalidArgument",
+    "InvalidCamera",
+    "InvalidRequest",
     "InvalidTarget",
+    "InvalidValue",
     "MissingExtra",
     "NoIkSolution",
     "NoPath",
@@ -78,6 +89,7 @@ __all__ = [
     "NoWaypointsError",
     "NotReset",
     "NotStraight",
+    "OutsideJointLimits",
     "PlanningError",
     "ProblemFileError",
     "ResetError",
@@ -90,6 +102,8 @@ __all__ = [
     "TaskEnvironmentError",
     "TaskError",
     "UnknownName",
+    "UnknownSetting",
     "WaypointError",
     "nearest_name",
+    "shown",
 ]

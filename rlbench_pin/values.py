@@ -1,0 +1,285 @@
+"""Values are checked here, once, where they enter: numbers, whole numbers, switches, arrays, poses, seeds, sizes, settings.
+
+Every check returns the value as the package uses it, or raises `InvalidValue` (or the subclass that it is given), which names
+what was given, its value, and what would do. Nothing is turned into a number that is none: no text, no truth value, no date.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import fields, is_dataclass
+from functools import partial
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rlbench_pin.errors import InvalidValue, UnknownName, UnknownSetting
+
+FloatArray = NDArray[np.float64]
+Rule = Callable[[object, str], object]
+"""Takes a value and what it is called; returns the value as it is kept, or raises InvalidValue."""
+
+LARGEST_SEED = 2**63 - 1
+"""Stored episodes keep their seed in 64 bits, with a sign."""
+LARGEST_SIDE = 8192
+"""Pictures have at most so many columns and rows [px]."""
+SMALLEST_NORM = 1e-3
+"""A quaternion shorter than this has no direction worth trusting."""
+_FLOAT = np.dtype(float)
+_NUMERIC = "biuf"
+_BROKEN = (TypeError, ValueError, OverflowError, AttributeError, RuntimeError, MemoryError)
+"""What objects raise that cannot be made an array."""
+
+
+# Single values ------------------------------------------------------------------------------------------------------
+
+
+def as_number(
+    value: object,
+    what: str,
+    error: type[InvalidValue] = InvalidValue,
+    *,
+    least: float = -math.inf,
+    most: float = math.inf,
+    above: float = -math.inf,
+    finite: bool = True,
+) -> float:
+    """Return `value` as a float.
+
+    Args:
+        value: A number of Python or numpy; truth values and text are none.
+        what: What it is called.
+        error: What to raise.
+        least: Smallest value allowed.
+        most: Largest value allowed.
+        above: Values have to be larger than this.
+        finite: Whether infinity is refused. NaN always is.
+
+    Raises:
+        InvalidValue: It is no number, or outside the range.
+    """
+    wanted = f"has to be a {'finite ' if finite else ''}number{_range_text(least, most, above)}"
+    if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
+        raise error(what, value, wanted)
+    try:
+        number = float(value)
+    except OverflowError as failure:
+        raise error(what, value, wanted) from failure
+    if math.isnan(number) or (finite and math.isinf(number)) or not (least <= number <= most and number > above):
+        raise error(what, value, wanted)
+    return number
+
+
+def as_whole(
+    value: object, what: str, error: type[InvalidValue] = InvalidValue, *, least: int | None = None, most: int | None = None
+) -> int:
+    """Return `value` as an int of Python, which no addition wraps around.
+
+    Args:
+        value: A whole number of Python or numpy; 1.5, True and "1" are none.
+        what: What it is called.
+        error: What to raise.
+        least: Smallest value allowed.
+        most: Largest value allowed.
+
+    Raises:
+        InvalidValue: It is no whole number, or outside the range.
+    """
+    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    number = int(value) if whole else 0  # type: ignore[call-overload]
+    if not whole or (least is not None and number < least) or (most is not None and number > most):
+        low, high = -math.inf if least is None else least, math.inf if most is None else most
+        raise error(what, value, f"has to be a whole number{_range_text(low, high)}")
+    return number
+
+
+def as_flag(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> bool:
+    """Return a truth value of Python or numpy, or 0 or 1, as a bool; or raise InvalidValue."""
+    if not isinstance(value, bool | np.bool_ | int | np.integer) or value not in (0, 1):
+        raise error(what, value, "has to be True or False")
+    return bool(value)
+
+
+def as_choice(value: object, what: str, choices: Collection[str]) -> str:
+    """Return one of some words.
+
+    Raises:
+        UnknownName: It is none of them; names the nearest.
+    """
+    if not isinstance(value, str) or value not in choices:
+        raise UnknownName(what, str(value), tuple(choices))
+    return value
+
+
+def as_seed(value: object, what: str = "seed", error: type[InvalidValue] = InvalidValue) -> int:
+    """Return a seed as an int, 0 <= seed < 2^63, the range that episode files hold; or raise InvalidValue."""
+    return as_whole(value, what, error, least=0, most=LARGEST_SEED)
+
+
+def as_interval(value: object, what: str, error: type[InvalidValue] = InvalidValue, *, finite: bool = True) -> tuple[float, float]:
+    """Return a lower and an upper bound, of which the upper is not below the lower; or raise InvalidValue."""
+    if isinstance(value, str | bytes) or not isinstance(value, Sequence | np.ndarray) or len(value) != 2:
+        raise error(what, value, "has to be two numbers, the lower bound and the upper bound")
+    low, high = (as_number(bound, what, error, finite=finite) for bound in value)
+    if low > high:
+        raise error(what, value, "has its lower bound above its upper bound", "Exchange the two.")
+    return low, high
+
+
+def as_picture_size(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> tuple[int, int]:
+    """Return width and height of a picture [px], from a pair or from one number for both; or raise InvalidValue."""
+    sides = (value, value) if isinstance(value, int | np.integer) else value
+    if isinstance(sides, str | bytes) or not isinstance(sides, Sequence | np.ndarray) or len(sides) != 2:
+        raise error(what, value, "has to be width and height, two whole numbers, or one for both")
+    width, height = (as_whole(side, what, error, least=1, most=LARGEST_SIDE) for side in sides)
+    return width, height
+
+
+def _range_text(least: float, most: float, above: float = -math.inf) -> str:
+    parts = [f">= {least:.16g}"] if least > -math.inf else []
+    parts += [f"> {above:.16g}"] if above > -math.inf else []
+    parts += [f"<= {most:.16g}"] if most < math.inf else []
+    return "".join(f"{' and' if i else ''} {part}" for i, part in enumerate(parts))
+
+
+# Arrays -------------------------------------------------------------------------------------------------------------
+
+
+def as_array(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> FloatArray:
+    """Return `value` as a float64 array of any shape; the caller's array itself when it is one.
+
+    Raises:
+        InvalidValue: It is complex, text, dates, objects, ragged, or an array of which something is masked.
+    """
+    if type(value) is np.ndarray and value.dtype is _FLOAT:
+        return value
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        raise error(what, value, "has masked numbers", "Fill them in, for example with `filled(0.0)`.")
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind in _NUMERIC:
+            return array.astype(float, copy=False)
+    except _BROKEN as failure:
+        raise error(what, value, "has to be an array of numbers") from failure
+    raise error(what, value, f"has to be an array of real numbers, not of {_kind_text(array)}")
+
+
+def _kind_text(array: NDArray) -> str:
+    kinds = {"c": "complex numbers", "U": "text", "S": "text", "M": "dates", "m": "time spans", "O": "objects"}
+    return kinds.get(array.dtype.kind, str(array.dtype))
+
+
+def as_vector(value: ArrayLike, size: int, what: str, error: type[InvalidValue] = InvalidValue) -> FloatArray:
+    """Return `value` as a finite float64 vector of shape (size,); the caller's array itself when it is one.
+
+    Raises:
+        InvalidValue: It is no array of numbers, has another shape, or holds NaN or infinity.
+    """
+    if type(value) is np.ndarray and value.dtype is _FLOAT and value.shape == (size,) and math.isfinite(sum(value.tolist())):
+        return value
+    vector = as_array(value, what, error)
+    if vector.shape != (size,):
+        raise error(what, value, f"has to have shape ({size},), not {vector.shape}")
+    return as_finite(vector, what, error)
+
+
+def as_rows(
+    value: ArrayLike, size: int, what: str, error: type[InvalidValue] = InvalidValue, *, least: int = 1
+) -> FloatArray:
+    """Return `value` as a finite float64 array (m, size) of at least `least` rows, or raise InvalidValue."""
+    rows = as_array(value, what, error)
+    if rows.ndim != 2 or rows.shape[1] != size or len(rows) < least:
+        raise error(what, value, f"has to have shape (m, {size}) with at least {least} rows, not {rows.shape}")
+    return as_finite(rows, what, error)
+
+
+def as_finite(array: FloatArray, what: str, error: type[InvalidValue] = InvalidValue) -> FloatArray:
+    """Return `array` itself, or raise InvalidValue when it holds NaN or infinity; names the first places."""
+    good = np.isfinite(array)
+    if not good.all():
+        places = [tuple(place) if len(place) > 1 else place[0] for place in np.argwhere(~good)[:8].tolist()] or [0]
+        raise error(what, array, f"has to be finite; NaN or infinity is at {', '.join(map(str, places))}")
+    return array
+
+
+def as_pose(
+    value: ArrayLike, what: str = "pose", error: type[InvalidValue] = InvalidValue, *, tolerance: float = math.inf
+) -> FloatArray:
+    """Return a pose (7,) as a new array whose quaternion has length 1.
+
+    Args:
+        value: Position and quaternion x, y, z, w.
+        what: What it is called.
+        error: What to raise.
+        tolerance: By how much the length of the quaternion may differ from 1; any length but zero without one.
+
+    Raises:
+        InvalidValue: It has another shape, holds NaN or infinity, or its quaternion has a wrong length.
+    """
+    pose = as_vector(value, 7, what, error)
+    norm = float(np.linalg.norm(pose[3:]))
+    if not SMALLEST_NORM <= norm < math.inf:
+        raise error(what, value, f"has a quaternion of norm zero or nearly so ({norm:.3g})", "The order is x, y, z, w.")
+    if abs(norm - 1.0) > tolerance:
+        raise error(what, value, f"has a quaternion of norm {norm:.4f}, not 1", "Divide it by its norm.")
+    return np.concatenate([pose[:3], pose[3:] / norm])
+
+
+# Settings -----------------------------------------------------------------------------------------------------------
+
+FINITE: Rule = as_number
+POSITIVE: Rule = partial(as_number, above=0.0)
+NOT_NEGATIVE: Rule = partial(as_number, least=0.0)
+FLAG: Rule = as_flag
+
+
+def counted(least: int, most: int | None = None) -> Rule:
+    """Return the rule of whole numbers from `least` to `most`."""
+    return partial(as_whole, least=least, most=most)
+
+
+def ruled(*rules: tuple[Rule, str]) -> dict[str, Rule]:
+    """Return name -> rule from pairs of a rule and the names it is for, separated by blanks."""
+    return {name: rule for rule, names in rules for name in names.split()}
+
+
+def check_settings(settings: object, rules: Mapping[str, Rule]) -> None:
+    """Raise InvalidValue unless every attribute of a record keeps its rule; frozen records call this after `__init__`."""
+    for name, rule in rules.items():
+        rule(getattr(settings, name), f"{type(settings).__name__}.{name}")
+
+
+class Settings:
+    """Base of settings that may be changed at any time: unknown attributes are refused, values are checked when they are set.
+
+    What is known are the fields of the dataclass, what the classes define or annotate, and names with an underscore.
+    """
+
+    rules: ClassVar[Mapping[str, Rule]] = {}
+    """Attribute -> how it is checked; what is not named is taken as it is."""
+    closed: ClassVar[bool] = True
+    """Whether unknown attributes are refused."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Set an attribute.
+
+        Raises:
+            UnknownSetting: There is none of that name; names the nearest (also an AttributeError).
+            InvalidValue: The value makes no sense.
+        """
+        rule = self.rules.get(name)
+        if rule is not None:
+            value = rule(value, f"{type(self).__name__}.{name}")
+        elif self.closed and not name.startswith("_") and name not in (known := _known_settings(type(self))):
+            raise UnknownSetting(type(self).__name__, name, known)
+        super().__setattr__(name, value)
+
+
+def _known_settings(kind: type) -> tuple[str, ...]:
+    """Return the names that instances of a settings class may have."""
+    named = [f.name for f in fields(kind)] if is_dataclass(kind) else []
+    named += [name for base in kind.__mro__[:-1] for name in (*vars(base), *vars(base).get("__annotations__", ()))]
+    names = dict.fromkeys(name for name in named if not name.startswith("_") and name not in ("rules", "closed"))
+    return tuple(name for name in names if not callable(getattr(kind, name, None)))
