@@ -42,7 +42,9 @@ def pose_to_se3(pose: PoseLike) -> pin.SE3:
         raise InvalidValue("A pose", pose, f"has to have shape (7,), not {p.shape}", "Write [x, y, z, qx, qy, qz, qw].")
     norm = np.linalg.norm(p[3:])
     if not 0.0 < norm < np.inf:
-        raise InvalidValue("A pose", pose, f"has a quaternion of norm {norm}", "No rotation is [0, 0, 0, 1]; the order is x, y, z, w.")
+        raise InvalidValue(
+            "A pose", pose, f"has a quaternion of norm {norm}", "No rotation is [0, 0, 0, 1]; the order is x, y, z, w."
+        )
     return pin.XYZQUATToSE3(np.concatenate([p[:3], p[3:] / norm]))
 
 

@@ -118,7 +118,9 @@ def as_seed(value: object, what: str = "seed", error: type[InvalidValue] = Inval
     return as_whole(value, what, error, least=0, most=LARGEST_SEED)
 
 
-def as_interval(value: object, what: str, error: type[InvalidValue] = InvalidValue, *, finite: bool = True) -> tuple[float, float]:
+def as_interval(
+    value: object, what: str, error: type[InvalidValue] = InvalidValue, *, finite: bool = True
+) -> tuple[float, float]:
     """Return a lower and an upper bound, of which the upper is not below the lower; or raise InvalidValue."""
     if isinstance(value, str | bytes) or not isinstance(value, Sequence | np.ndarray) or len(value) != 2:
         raise error(what, value, "has to be two numbers, the lower bound and the upper bound")
@@ -185,9 +187,7 @@ def as_vector(value: ArrayLike, size: int, what: str, error: type[InvalidValue] 
     return as_finite(vector, what, error)
 
 
-def as_rows(
-    value: ArrayLike, size: int, what: str, error: type[InvalidValue] = InvalidValue, *, least: int = 1
-) -> FloatArray:
+def as_rows(value: ArrayLike, size: int, what: str, error: type[InvalidValue] = InvalidValue, *, least: int = 1) -> FloatArray:
     """Return `value` as a finite float64 array (m, size) of at least `least` rows, or raise InvalidValue."""
     rows = as_array(value, what, error)
     if rows.ndim != 2 or rows.shape[1] != size or len(rows) < least:

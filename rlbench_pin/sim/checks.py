@@ -46,7 +46,9 @@ def whole_ratio(control_dt: float, timestep: float) -> int:
     control_dt, timestep = values.POSITIVE(control_dt, "control_dt"), values.POSITIVE(timestep, "timestep")
     ratio = round(control_dt / timestep) if control_dt < 1e6 * timestep else 0
     if ratio < 1 or abs(ratio * timestep - control_dt) > 1e-9:
-        raise InvalidValue("A control tick", control_dt, f"has to be a whole number of physics steps of {timestep} s, at most 1e6")
+        raise InvalidValue(
+            "A control tick", control_dt, f"has to be a whole number of physics steps of {timestep} s, at most 1e6"
+        )
     return ratio
 
 

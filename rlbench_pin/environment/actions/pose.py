@@ -130,7 +130,7 @@ class EndEffectorPoseViaPlanning(PoseMode):
         follow(runtime, plan.trajectory, until=lambda: runtime.task.success()[0])
 
     def _plan(self, runtime: Runtime, target: FloatArray, ignore_collisions: bool) -> Plan:
-        q, allowed, rng = runtime.robot.joint_positions, runtime.touching(), runtime.planning_rng
+        q, allowed, rng = runtime.measured_start, runtime.touching(), runtime.planning_rng
         try:
             return runtime.planner.plan_to_pose(q, target, ignore_collisions=ignore_collisions, allowed=allowed, rng=rng)
         except PlanningError:

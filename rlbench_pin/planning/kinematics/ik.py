@@ -9,10 +9,12 @@ import numpy as np
 import pinocchio as pin
 from scipy.linalg.lapack import dposv
 
-from rlbench_pin.errors import GoalInCollision, NoIkSolution
+from rlbench_pin.errors import GoalInCollision, InvalidRequest, NoIkSolution
+from rlbench_pin.planning.requests import as_goal_pose, check_generator
 from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3
+from rlbench_pin.values import as_vector, as_whole
 
 TOLERANCE = 1e-6
 """Norm of the remaining pose error, `[m, rad]` together."""
@@ -93,21 +95,27 @@ def solve_ik(
     Args:
         model: The arm.
         pose: Tip pose (7,) in the world.
-        seed_q: Where the search begins, shape (n,), [rad].
+        seed_q: Where the search begins, shape (n,), [rad]; brought within the joint limits.
         rng: Draws the other starts.
         starts: How many descents are tried at most.
         max_solutions: Enough solutions to stop, of different branches.
         collision: Drops configurations that collide; None accepts all.
 
     Raises:
+        InvalidRequest: NaN, a wrong shape, or no numbers.
         NoIkSolution: No descent reaches the pose; carries the smallest error.
         GoalInCollision: All configurations that reach it collide.
     """
+    target, seed_q = pose_to_se3(as_goal_pose(pose)), as_vector(seed_q, model.size, "seed_q", InvalidRequest)
+    check_generator(rng)
+    starts, max_solutions = (
+        as_whole(n, what, InvalidRequest, least=1) for n, what in ((starts, "starts"), (max_solutions, "max_solutions"))
+    )
     found: list[FloatArray] = []
     colliding: list[FloatArray] = []
     failed: list[Descent] = []
     for k in range(starts):
-        end = descend(model, pose_to_se3(pose), seed_q if k == 0 else draw_start(model, seed_q, rng, k))
+        end = descend(model, target, seed_q if k == 0 else draw_start(model, seed_q, rng, k))
         if not end.converged:
             failed.append(end)
         elif not any(np.abs(end.q - q).max() < SAME for q in (*found, *colliding)):
