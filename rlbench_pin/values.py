@@ -157,7 +157,7 @@ def as_array(value: object, what: str, error: type[InvalidValue] = InvalidValue)
     """
     if type(value) is np.ndarray and value.dtype is _FLOAT:
         return value
-    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+    if _is_masked(value):
         raise error(what, value, "has masked numbers", "Fill them in, for example with `filled(0.0)`.")
     try:
         array = np.asarray(value)
@@ -166,6 +166,12 @@ def as_array(value: object, what: str, error: type[InvalidValue] = InvalidValue)
     except _BROKEN as failure:
         raise error(what, value, "has to be an array of numbers") from failure
     raise error(what, value, f"has to be an array of real numbers, not of {_kind_text(array)}")
+
+
+def _is_masked(value: object) -> bool:
+    """Whether numbers of an array, or of arrays in a list, are masked."""
+    parts = value if isinstance(value, list | tuple) else (value,)
+    return any(isinstance(part, np.ma.MaskedArray) and np.ma.is_masked(part) for part in parts)
 
 
 def _kind_text(array: NDArray) -> str:
@@ -238,6 +244,28 @@ FLAG: Rule = as_flag
 def counted(least: int, most: int | None = None) -> Rule:
     """Return the rule of whole numbers from `least` to `most`."""
     return partial(as_whole, least=least, most=most)
+
+
+def one_of(*choices: str) -> Rule:
+    """Return the rule of a word that is one of some."""
+
+    def rule(value: object, what: str) -> str:
+        if not isinstance(value, str) or value not in choices:
+            raise InvalidValue(what, value, f"is one of {', '.join(choices)}")
+        return value
+
+    return rule
+
+
+def record_of(kind: type) -> Rule:
+    """Return the rule of records of one class."""
+
+    def rule(value: object, what: str) -> object:
+        if not isinstance(value, kind):
+            raise InvalidValue(what, value, f"has to be a {kind.__name__}")
+        return value
+
+    return rule
 
 
 def ruled(*rules: tuple[Rule, str]) -> dict[str, Rule]:

@@ -35,6 +35,12 @@ from rlbench_pin.errors import InfeasibleControl
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, check_settings, ruled
+
+_RULES = ruled(
+    (POSITIVE, "dt tip_frequency pull turning_pull rotation_weight"),
+    (NOT_NEGATIVE, "posture_frequency posture_weight limit_margin"),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,6 +63,10 @@ class OperationalSpaceConfig:
     """w."""
     limit_margin: float = 0.0
     """Distance kept from the joint position limits [rad]."""
+
+    def __post_init__(self) -> None:
+        """Raise InvalidValue for a number that is NaN, of a wrong kind, or outside its range (also a ValueError)."""
+        check_settings(self, _RULES)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

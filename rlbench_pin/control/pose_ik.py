@@ -24,6 +24,13 @@ from rlbench_pin.control.qp.placo_arm import PlacoArm
 from rlbench_pin.errors import NoIkSolution
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, check_settings, counted, ruled
+
+_RULES = ruled(
+    (POSITIVE, "position_tolerance rotation_tolerance rotation_weight step"),
+    (NOT_NEGATIVE, "damping"),
+    (counted(1), "steps patience starts"),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,6 +53,10 @@ class PoseIKConfig:
     """Steps within which the squared error has to halve."""
     starts: int = 60
     """Descents at most; the first begins at the given configuration."""
+
+    def __post_init__(self) -> None:
+        """Raise InvalidValue for a number that is NaN, of a wrong kind, or outside its range (also a ValueError)."""
+        check_settings(self, _RULES)
 
 
 @dataclass(frozen=True, eq=False)

@@ -65,7 +65,7 @@ def check_generator(rng: object) -> None:
 
 
 def check_options(rng: object, allowed: Collection[str]) -> None:
-    """Raise InvalidRequest unless `rng` is a generator and `allowed` a collection of names; a single text would mean its letters."""
+    """Raise InvalidRequest unless `rng` is a generator and `allowed` a collection of names; a text would be its letters."""
     check_generator(rng)
     if isinstance(allowed, str | bytes) or not isinstance(allowed, Collection) or not all(isinstance(n, str) for n in allowed):
         raise InvalidRequest("allowed", allowed, "has to be a list of names of bodies", "Write ['cup'] for one.")
