@@ -6,8 +6,6 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.datasets.writer import Compression
 from rlbench_pin.environment.environment import Environment
@@ -15,11 +13,14 @@ from rlbench_pin.environment.episode import drawn_variations
 from rlbench_pin.environment.observations.camera_config import RenderMode
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.errors import TaskEnvironmentError, UnknownName
+from rlbench_pin.errors import InvalidArgument, InvalidCamera, TaskEnvironmentError, UnknownName
 from rlbench_pin.observation import CAMERAS, PRODUCTS
 from rlbench_pin.sim import RENDERERS, RendererName
 from rlbench_pin.tasks import find_task
+from rlbench_pin.values import as_flag, as_number, as_picture_size, as_seed, as_whole
 
+MOST = 10_000_000
+"""Episodes, tries and variations of one recording at most."""
 _SEED_BITS = 53  # so that JSON readers of every language keep the number
 
 
@@ -41,6 +42,8 @@ class PictureConfig:
     """`gzip` is small, `lzf` is fast."""
 
     def __post_init__(self) -> None:
+        """Raise UnknownName or InvalidCamera for what cannot be stored."""
+        object.__setattr__(self, "image_size", as_picture_size(self.image_size, "PictureConfig.image_size", InvalidCamera))
         _check_names("camera", self.cameras, CAMERAS)
         _check_names("product", self.products, PRODUCTS)
         _check_names("renderer", (self.renderer,), RENDERERS)
@@ -98,16 +101,18 @@ class RecordConfig:
     """Which pictures the episodes hold."""
 
     def __post_init__(self) -> None:
-        least = {"episodes": 1, "variations": ALL_VARIATIONS, "seed": 0, "max_attempts": 1}
-        for name, low in least.items():
-            value = getattr(self, name)
-            if value < low or (name == "variations" and value == 0):
-                raise TaskEnvironmentError(
-                    f"{name}={value} records nothing; it must be at least {low or 0}, and not 0 variations."
-                )
+        """Raise InvalidArgument for a number that records nothing (also a TaskEnvironmentError)."""
+        as_seed(self.seed, "seed", InvalidArgument)
+        for name, least in (("episodes", 1), ("max_attempts", 1), ("variations", ALL_VARIATIONS)):
+            as_whole(getattr(self, name), name, InvalidArgument, least=least, most=MOST)
+        if self.variations == 0:
+            raise InvalidArgument("variations", 0, "records nothing", "Write -1 for all variations.")
         for name in ("max_velocity", "max_acceleration"):
-            if not 0.0 < getattr(self, name) < np.inf:
-                raise TaskEnvironmentError(f"{name}={getattr(self, name)} moves no arm; it must be above 0.")
+            as_number(getattr(self, name), name, InvalidArgument, above=0.0)
+        for name in ("per_variation", "draw_variations"):
+            as_flag(getattr(self, name), name, InvalidArgument)
+        if isinstance(self.tasks, str):
+            raise InvalidArgument("tasks", self.tasks, "has to be a list of names", f"Write ('{self.tasks}',).")
         if not self.tasks:
             raise TaskEnvironmentError("No task was named. `rlbench-pin list` prints them.")
 
