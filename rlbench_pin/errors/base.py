@@ -33,7 +33,7 @@ def _listing(names: Sequence[str], limit: int = 12) -> str:
     return f"{shown or 'none'}, and {more} more" if more > 0 else shown or "none"
 
 
-class UnknownSetting(UnknownName, AttributeError):
+class UnknownSetting(UnknownName, AttributeError):  # type: ignore[misc]  # both have a `name`
     """A record of settings has no attribute of that name."""
 
     def __init__(self, record: str, name: str, known: Collection[str]) -> None:

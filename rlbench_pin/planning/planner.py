@@ -80,8 +80,7 @@ class MotionPlanner:
             rng: Draws IK starts, samples and shortcuts.
 
         Raises:
-            InvalidRequest: NaN, a wrong shape, or no numbers.
-            OutsideJointLimits: The start is outside the joint limits.
+            InvalidRequest: NaN, a wrong shape, or no numbers; OutsideJointLimits: the start is outside the joint limits.
             NoIkSolution: No pose is within reach.
             StartInCollision: The motion would begin in a forbidden contact.
             GoalInCollision: Every configuration at the goal collides.
@@ -90,9 +89,8 @@ class MotionPlanner:
             RetimingError: The path cannot be timed.
         """
         q = self._checked(q_start, rng, allowed)
-        goals_given = None if isinstance(pose, PoseRegion) else as_goal_poses(pose)
+        poses = pose.sample(self.config.region_samples, rng) if isinstance(pose, PoseRegion) else as_goal_poses(pose)
         with self._open(PlanRequest("pose", q_start, pose, ignore_collisions, tuple(allowed))) as stages:
-            poses = pose.sample(self.config.region_samples, rng) if goals_given is None else goals_given
             rules = self._rules(stages, q, allowed, ignore_collisions)
             if straight is not False:
                 found = self._straight(stages, q, poses, rules, limit=len(poses) if straight else 2, must=bool(straight))

@@ -43,7 +43,9 @@ def whole_ratio(control_dt: float, timestep: float) -> int:
     Raises:
         InvalidValue: It is no whole number, or a time is not finite and > 0 (also a ValueError).
     """
-    control_dt, timestep = values.POSITIVE(control_dt, "control_dt"), values.POSITIVE(timestep, "timestep")
+    control_dt, timestep = (
+        values.as_number(t, what, above=0.0) for t, what in ((control_dt, "control_dt"), (timestep, "timestep"))
+    )
     ratio = round(control_dt / timestep) if control_dt < 1e6 * timestep else 0
     if ratio < 1 or abs(ratio * timestep - control_dt) > 1e-9:
         raise InvalidValue(

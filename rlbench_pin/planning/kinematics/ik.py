@@ -108,9 +108,24 @@ def solve_ik(
     """
     target, seed_q = pose_to_se3(as_goal_pose(pose)), as_vector(seed_q, model.size, "seed_q", InvalidRequest)
     check_generator(rng)
-    starts, max_solutions = (
-        as_whole(n, what, InvalidRequest, least=1) for n, what in ((starts, "starts"), (max_solutions, "max_solutions"))
-    )
+    counts = ((starts, "starts"), (max_solutions, "max_solutions"))
+    starts, max_solutions = (as_whole(count, what, InvalidRequest, least=1) for count, what in counts)
+    found, colliding, failed = _descents(model, target, seed_q, rng, starts, max_solutions, collision)
+    if not found:
+        raise _colliding(model, seed_q, collision, colliding) if collision and colliding else _unreached(model, pose, failed)
+    return sorted(found, key=lambda q: cost(model, seed_q, q))
+
+
+def _descents(
+    model: RobotModel,
+    target: pin.SE3,
+    seed_q: FloatArray,
+    rng: np.random.Generator,
+    starts: int,
+    enough: int,
+    collision: CollisionModel | None,
+) -> tuple[list[FloatArray], list[FloatArray], list[Descent]]:
+    """Descend from one start after the other; return free configurations, colliding ones, and descents that failed."""
     found: list[FloatArray] = []
     colliding: list[FloatArray] = []
     failed: list[Descent] = []
@@ -120,11 +135,9 @@ def solve_ik(
             failed.append(end)
         elif not any(np.abs(end.q - q).max() < SAME for q in (*found, *colliding)):
             (colliding if collision is not None and collision.goal_in_collision(end.q) else found).append(end.q)
-            if len(found) >= max_solutions:
+            if len(found) >= enough:
                 break
-    if not found:
-        raise _colliding(model, seed_q, collision, colliding) if collision and colliding else _unreached(model, pose, failed)
-    return sorted(found, key=lambda q: cost(model, seed_q, q))
+    return found, colliding, failed
 
 
 def _colliding(model: RobotModel, seed_q: FloatArray, collision: CollisionModel, reached: list[FloatArray]) -> GoalInCollision:

@@ -1,0 +1,125 @@
+"""Checks of single values: numbers, whole numbers, switches, words, seeds, intervals, sizes of pictures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+
+import numpy as np
+
+from rlbench_pin.errors import InvalidValue, UnknownName
+
+LARGEST_SEED = 2**63 - 1
+"""Stored episodes keep their seed in 64 bits, with a sign."""
+LARGEST_SIDE = 8192
+"""Pictures have at most so many columns and rows [px]."""
+
+
+def as_number(
+    value: object,
+    what: str,
+    error: type[InvalidValue] = InvalidValue,
+    *,
+    least: float = -math.inf,
+    most: float = math.inf,
+    above: float = -math.inf,
+    finite: bool = True,
+) -> float:
+    """Return `value` as a float.
+
+    Args:
+        value: A number of Python or numpy; truth values and text are none.
+        what: What it is called.
+        error: What to raise.
+        least: Smallest value allowed.
+        most: Largest value allowed.
+        above: Values have to be larger than this.
+        finite: Whether infinity is refused. NaN always is.
+
+    Raises:
+        InvalidValue: It is no number, or outside the range.
+    """
+    wanted = f"has to be a {'finite ' if finite else ''}number{_range_text(least, most, above)}"
+    if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
+        raise error(what, value, wanted)
+    try:
+        number = float(value)
+    except OverflowError as failure:
+        raise error(what, value, wanted) from failure
+    if math.isnan(number) or (finite and math.isinf(number)) or not (least <= number <= most and number > above):
+        raise error(what, value, wanted)
+    return number
+
+
+def as_whole(
+    value: object, what: str, error: type[InvalidValue] = InvalidValue, *, least: int | None = None, most: int | None = None
+) -> int:
+    """Return `value` as an int of Python, which no addition wraps around.
+
+    Args:
+        value: A whole number of Python or numpy; 1.5, True and "1" are none.
+        what: What it is called.
+        error: What to raise.
+        least: Smallest value allowed.
+        most: Largest value allowed.
+
+    Raises:
+        InvalidValue: It is no whole number, or outside the range.
+    """
+    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    number = int(value) if whole else 0  # type: ignore[call-overload]
+    if not whole or (least is not None and number < least) or (most is not None and number > most):
+        low, high = -math.inf if least is None else least, math.inf if most is None else most
+        raise error(what, value, f"has to be a whole number{_range_text(low, high)}")
+    return number
+
+
+def as_flag(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> bool:
+    """Return a truth value of Python or numpy, or 0 or 1, as a bool; or raise InvalidValue."""
+    if not isinstance(value, bool | np.bool_ | int | np.integer) or value not in (0, 1):
+        raise error(what, value, "has to be True or False")
+    return bool(value)
+
+
+def as_choice(value: object, what: str, choices: Collection[str]) -> str:
+    """Return one of some words.
+
+    Raises:
+        UnknownName: It is none of them; names the nearest.
+    """
+    if not isinstance(value, str) or value not in choices:
+        raise UnknownName(what, str(value), tuple(choices))
+    return value
+
+
+def as_seed(value: object, what: str = "seed", error: type[InvalidValue] = InvalidValue) -> int:
+    """Return a seed as an int, 0 <= seed < 2^63, the range that episode files hold; or raise InvalidValue."""
+    return as_whole(value, what, error, least=0, most=LARGEST_SEED)
+
+
+def as_interval(
+    value: object, what: str, error: type[InvalidValue] = InvalidValue, *, finite: bool = True
+) -> tuple[float, float]:
+    """Return a lower and an upper bound, of which the upper is not below the lower; or raise InvalidValue."""
+    if isinstance(value, str | bytes) or not isinstance(value, Sequence | np.ndarray) or len(value) != 2:
+        raise error(what, value, "has to be two numbers, the lower bound and the upper bound")
+    low, high = (as_number(bound, what, error, finite=finite) for bound in value)
+    if low > high:
+        raise error(what, value, "has its lower bound above its upper bound", "Exchange the two.")
+    return low, high
+
+
+def as_picture_size(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> tuple[int, int]:
+    """Return width and height of a picture [px], from a pair or from one number for both; or raise InvalidValue."""
+    sides = (value, value) if isinstance(value, int | np.integer) else value
+    if isinstance(sides, str | bytes) or not isinstance(sides, Sequence | np.ndarray) or len(sides) != 2:
+        raise error(what, value, "has to be width and height, two whole numbers, or one for both")
+    width, height = (as_whole(side, what, error, least=1, most=LARGEST_SIDE) for side in sides)
+    return width, height
+
+
+def _range_text(least: float, most: float, above: float = -math.inf) -> str:
+    parts = [f">= {least:.16g}"] if least > -math.inf else []
+    parts += [f"> {above:.16g}"] if above > -math.inf else []
+    parts += [f"<= {most:.16g}"] if most < math.inf else []
+    return "".join(f"{' and' if i else ''} {part}" for i, part in enumerate(parts))
