@@ -84,6 +84,9 @@ class Environment:
         renderer: RendererName = "cpu",
     ) -> None:
         _check_root(dataset_root)
+        if not isinstance(action_mode, ActionMode):
+            hint = "For example `MoveArmThenGripper(JointVelocity(), Discrete())`."
+            raise InvalidArgument("action_mode", action_mode, "has to be an ActionMode", hint)
         check_randomization(randomize_every, frequency, visual_randomization_config, dynamics_randomization_config)
         self._action_mode, self._dataset_root = action_mode, str(dataset_root)
         self._obs_config = _checked_settings(obs_config)

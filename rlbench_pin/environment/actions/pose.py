@@ -22,6 +22,7 @@ from rlbench_pin.planning.kinematics.ik import solve_ik
 from rlbench_pin.planning.kinematics.pinned_ik import solve_pinned_ik
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_flag, as_number, as_whole
 
 IK_DONE = 0.01
 """Joint error at which an IK action ends [rad]."""
@@ -43,7 +44,8 @@ class PoseMode(PartMode):
     def __init__(
         self, absolute_mode: bool = True, frame: FrameChoice = RelativeFrame.WORLD, collision_checking: bool = False
     ) -> None:
-        self.absolute_mode, self.frame, self.collision_checking = absolute_mode, as_frame(frame), collision_checking
+        self.absolute_mode, self.frame = as_flag(absolute_mode, "absolute_mode"), as_frame(frame)
+        self.collision_checking = as_flag(collision_checking, "collision_checking")
 
     @property
     def is_relative(self) -> bool:
@@ -175,7 +177,10 @@ class ERJointViaIK(PoseMode):
         delta_angle: bool = False,
     ) -> None:
         super().__init__(absolute_mode, frame, collision_checking)
-        self.commanded_joints, self.eps, self.delta_angle = tuple(commanded_joints), eps, delta_angle
+        self.commanded_joints = tuple(as_whole(joint, "a commanded joint", least=0, most=99) for joint in commanded_joints)
+        self.eps, self.delta_angle = as_number(eps, "eps", above=0.0), as_flag(delta_angle, "delta_angle")
+        if len(set(self.commanded_joints)) != len(self.commanded_joints):
+            raise InvalidActionError(f"Joints are commanded once each, not {self.commanded_joints}.")
         if delta_angle and absolute_mode:
             raise InvalidActionError("delta_angle=True needs absolute_mode=False.")
 
@@ -184,6 +189,8 @@ class ERJointViaIK(PoseMode):
         joints, last = list(self.commanded_joints), runtime.model.size - 1
         if self.delta_angle and joints not in ([0], [last]):
             raise NotImplementedError(f"delta_angle is offered for one commanded joint, 0 or {last}.")
+        if max(joints, default=0) > last:
+            raise InvalidActionError(f"The arm has joints 0 to {last}, so joint {max(joints)} cannot be commanded.")
         limits = runtime.model.limits
         names = tuple(runtime.description.arm_joints[j] for j in joints)
         low, high = limits.lower[joints], limits.upper[joints]
