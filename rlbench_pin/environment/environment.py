@@ -83,10 +83,7 @@ class Environment:
         seed: int | None = None,
         renderer: RendererName = "cpu",
     ) -> None:
-        _check_root(dataset_root)
-        if not isinstance(action_mode, ActionMode):
-            hint = "For example `MoveArmThenGripper(JointVelocity(), Discrete())`."
-            raise InvalidArgument("action_mode", action_mode, "has to be an ActionMode", hint)
+        _check_given(action_mode, dataset_root)
         check_randomization(randomize_every, frequency, visual_randomization_config, dynamics_randomization_config)
         self._action_mode, self._dataset_root = action_mode, str(dataset_root)
         self._obs_config = _checked_settings(obs_config)
@@ -243,7 +240,10 @@ class Environment:
             return {f"{name}_camera": _camera_data(cameras[name]) for name in CAMERAS}
 
 
-def _check_root(root: object) -> None:
+def _check_given(mode: object, root: object) -> None:
+    if not isinstance(mode, ActionMode):
+        hint = "For example `MoveArmThenGripper(JointVelocity(), Discrete())`."
+        raise InvalidArgument("action_mode", mode, "has to be an ActionMode", hint)
     if not isinstance(root, str | Path):
         raise InvalidArgument("dataset_root", root, "has to be the path of a folder, or ''")
     if root and not Path(root).is_dir():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Collection, Sequence
+from typing import Any
 
 
 class RlbenchPinError(Exception):
@@ -39,6 +40,10 @@ class UnknownSetting(UnknownName, AttributeError):  # type: ignore[misc]  # both
     def __init__(self, record: str, name: str, known: Collection[str]) -> None:
         self.record = record
         super().__init__(f"setting of {record}", name, known)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Say how the error is made again: `name` is kept by AttributeError, beside the other attributes."""
+        return type(self), (self.record, self.name, self.known)
 
 
 class InvalidValue(RlbenchPinError, ValueError):

@@ -85,6 +85,8 @@ def test_a_misspelt_setting_names_the_one_that_was_meant() -> None:
     with pytest.raises(UnknownSetting, match="Did you mean 'variance'"):
         GaussianNoise(0.1).varianc = 1.0  # type: ignore[attr-defined]
     assert "rbg" not in vars(config.front_camera)
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert (str(again), again.name, again.record) == (str(caught.value), "rbg", "CameraConfig")
 
 
 def test_subclasses_may_have_more() -> None:
