@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any, Protocol
 
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment.runtime import Runtime
@@ -15,6 +15,11 @@ class HasRuntime(Protocol):
     @property
     def runtime(self) -> Runtime:
         """World, task and planner together."""
+        ...
+
+    @property
+    def robot(self) -> Any:
+        """Arm and gripper."""
         ...
 
     def step(self) -> None:

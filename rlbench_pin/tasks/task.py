@@ -237,6 +237,10 @@ class Task:
         met = [condition.met() for condition in self._success]
         return all(met), all(met)
 
+    def get_success_conditions(self) -> tuple[Condition, ...]:
+        """Return what has to be met for success."""
+        return self._success
+
     def get_graspable_objects(self) -> tuple[str, ...]:
         """Return the names of the bodies that the hand may hold."""
         return self._graspable

@@ -31,8 +31,7 @@ from rlbench.action_modes.gripper_action_modes import (
 )
 from rlbench.backend.exceptions import InvalidActionError
 from rlbench.environment import Environment
-from rlbench.observation_config import ObservationConfig
-from rlbench.tasks import ReachTarget
+from tests.compat.scenes import fresh_scene, launched
 
 DOWN = [0.0, 1.0, 0.0, 0.0]
 HALF = [0.0, 0.0, np.sin(0.1), np.cos(0.1)]
@@ -40,22 +39,14 @@ HALF = [0.0, 0.0, np.sin(0.1), np.cos(0.1)]
 
 @pytest.fixture(scope="module")
 def environment() -> Iterator[Environment]:
-    """Return an environment without pictures."""
-    config = ObservationConfig()
-    config.set_all_high_dim(False)
-    environment = Environment(MoveArmThenGripper(JointVelocity(), Discrete()), obs_config=config, headless=True)
-    environment.launch()
-    yield environment
-    environment.shutdown()
+    """An environment without pictures."""
+    yield from launched()
 
 
 @pytest.fixture
 def scene(environment: Environment) -> Any:
-    """Return the scene of a fresh episode."""
-    np.random.seed(1)
-    task = environment.get_task(ReachTarget)
-    task.reset()
-    return task._scene
+    """The scene of a fresh episode."""
+    return fresh_scene(environment)
 
 
 def test_modes_are_of_the_known_classes() -> None:
@@ -155,8 +146,28 @@ def test_the_hand_opens_and_closes(scene: Any) -> None:
     assert scene.runtime.world.ticks == ticks
     GripperJointPosition().action(scene, [0.008])
     assert scene.robot.gripper.get_joint_positions()[0] == pytest.approx(0.008, abs=2e-3)
-    with pytest.raises(InvalidActionError, match="between 0"):
-        hand.action(scene, [1.5])
+
+
+def test_any_finite_number_is_meant_for_the_hand(scene: Any) -> None:
+    """Networks give values beyond 0 and 1: above one half is open; NaN is refused."""
+    hand = Discrete()
+    for value, opening in ((-0.3, 0.0), (7.0, 1.0), (0.5, 0.0), (0.51, 1.0)):
+        hand.action(scene, [value])
+        np.testing.assert_allclose(scene.robot.gripper.get_open_amount(), opening, atol=0.05)
+    with pytest.raises(InvalidActionError, match="NaN"):
+        hand.action(scene, [float("nan")])
+
+
+def test_settings_by_their_known_names_can_be_changed(scene: Any) -> None:
+    """Programs switch collision checks and relative poses of a mode that exists."""
+    mode, hand = EndEffectorPoseViaPlanning(), Discrete()
+    mode._collision_checking, mode._absolute_mode, mode._frame = True, False, "end effector"
+    hand._attach_grasped_objects, hand._detach_before_open = False, False
+    assert mode.collision_checking and not mode.absolute_mode and mode.frame == RelativeFrame.EE == mode._frame
+    assert hand.attach_grasped_objects is False and not hand.detach_before_open
+    joints = JointPosition()
+    joints._absolute_mode = False
+    assert not joints.absolute_mode
 
 
 def test_joint_position_action_mode_takes_one_step(scene: Any) -> None:
@@ -171,12 +182,11 @@ def test_joint_position_action_mode_takes_one_step(scene: Any) -> None:
 REFUSED = [
     ("shape", JointVelocity, [0.1] * 6 + [1.0]),
     ("NaN", JointVelocity, [float("nan")] * 7 + [1.0]),
-    ("gripper action", JointVelocity, [0.1] * 7 + [2.0]),
+    ("NaN", JointVelocity, [0.1] * 7 + [float("inf")]),
     ("norm", EndEffectorPoseViaPlanning, [0.3, 0.1, 1.2, 0.0, 2.0, 0.0, 0.0, 1.0]),
     ("outside the workspace", EndEffectorPoseViaPlanning, [0.3, 0.1, 9.0, *DOWN, 1.0]),
     ("No motion", EndEffectorPoseViaPlanning, [0.77, 0.65, 1.74, *DOWN, 0.0]),
     ("No joint positions", EndEffectorPoseViaIK, [0.3, 0.1, 9.0, *DOWN, 0.0]),
-    ("gripper action", EndEffectorPoseViaIK, [0.3, 0.1, 1.2, *DOWN, 1.1]),
 ]
 
 

@@ -10,34 +10,26 @@ import pytest
 
 from pyrep.const import ObjectType
 from rlbench.action_modes.action_mode import MoveArmThenGripper
-from rlbench.action_modes.arm_action_modes import EndEffectorPoseViaPlanning, JointVelocity, RelativeFrame, calculate_delta_pose
+from rlbench.action_modes.arm_action_modes import EndEffectorPoseViaPlanning, RelativeFrame, calculate_delta_pose
 from rlbench.action_modes.gripper_action_modes import Discrete
 from rlbench.backend.scene import Scene
 from rlbench.environment import Environment
-from rlbench.observation_config import ObservationConfig
 from rlbench.tasks import OpenDrawer, PickAndLift, ReachTarget, TakeLidOffSaucepan
+from tests.compat.scenes import fresh_scene, launched
 
 DOWN = [0.0, 1.0, 0.0, 0.0]
 
 
 @pytest.fixture(scope="module")
 def environment() -> Iterator[Environment]:
-    """Return an environment without pictures."""
-    config = ObservationConfig()
-    config.set_all_high_dim(False)
-    environment = Environment(MoveArmThenGripper(JointVelocity(), Discrete()), obs_config=config, headless=True)
-    environment.launch()
-    yield environment
-    environment.shutdown()
+    """An environment without pictures."""
+    yield from launched()
 
 
 @pytest.fixture
 def scene(environment: Environment) -> Any:
-    """Return the scene of a fresh episode."""
-    np.random.seed(1)
-    task = environment.get_task(ReachTarget)
-    task.reset()
-    return task._scene
+    """The scene of a fresh episode."""
+    return fresh_scene(environment)
 
 
 class DialectPlanning(EndEffectorPoseViaPlanning):

@@ -24,30 +24,21 @@ from rlbench.action_modes.gripper_action_modes import Discrete, GripperActionMod
 from rlbench.backend.exceptions import InvalidActionError
 from rlbench.backend.scene import Scene
 from rlbench.environment import Environment
-from rlbench.observation_config import ObservationConfig
-from rlbench.tasks import ReachTarget
+from tests.compat.scenes import fresh_scene, launched
 
 DOWN = [0.0, 1.0, 0.0, 0.0]
 
 
 @pytest.fixture(scope="module")
 def environment() -> Iterator[Environment]:
-    """Return an environment without pictures."""
-    config = ObservationConfig()
-    config.set_all_high_dim(False)
-    environment = Environment(MoveArmThenGripper(JointVelocity(), Discrete()), obs_config=config, headless=True)
-    environment.launch()
-    yield environment
-    environment.shutdown()
+    """An environment without pictures."""
+    yield from launched()
 
 
 @pytest.fixture
 def scene(environment: Environment) -> Any:
-    """Return the scene of a fresh episode."""
-    np.random.seed(1)
-    task = environment.get_task(ReachTarget)
-    task.reset()
-    return task._scene
+    """The scene of a fresh episode."""
+    return fresh_scene(environment)
 
 
 class CarefulPlanning(EndEffectorPoseViaPlanning):

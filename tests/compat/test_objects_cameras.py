@@ -99,6 +99,8 @@ def test_settings_of_a_camera(pyrep: PyRep) -> None:
         camera.set_near_clipping_plane(6.0)
     with pytest.raises(UnsupportedCall, match="perspective"):
         camera.set_perspective_mode(PerspectiveMode.ORTHOGRAPHIC)
+    camera.set_entity_to_render(-1)
+    assert camera.get_entity_to_render() == -1
     copy = camera.copy()
     camera.remove()
     assert copy.get_resolution() == [64, 48] and not camera.still_exists()

@@ -123,6 +123,33 @@ def test_mass_and_friction(pyrep: PyRep) -> None:
     assert distances[0] < 0.1 < 0.2 < distances[1]
 
 
+def test_forces_push_and_turn(pyrep: PyRep) -> None:
+    """A force of one step changes the momentum by force times step; off the centre it turns as well; it can carry the weight."""
+    shape = Shape.create(
+        PrimitiveShape.CUBOID, [0.1, 0.1, 0.1], mass=0.5, position=[0.3, 0.3, 1.2], orientation=[0, 0, np.pi / 2]
+    )
+    shape.add_force([0.0, 0.0, 0.0], [2.0, 0.0, 0.0])
+    linear, angular = shape.get_velocity()
+    assert np.allclose(linear, [0.0, 2.0 * 0.05 / 0.5, 0.0], atol=1e-6) and np.allclose(angular, 0.0, atol=1e-6)
+    shape.set_velocity([0.0, 0.0, 0.0])
+    shape.add_force(np.array([0.05, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
+    inertia = 0.5 * (0.1**2 + 0.1**2) / 12
+    assert np.allclose(shape.get_velocity()[1], [0.0, 0.0, 0.05 * 0.05 / inertia], rtol=1e-6, atol=1e-9)
+    shape.set_velocity([0.0, 0.0, 0.0])
+    for _ in range(10):
+        shape.add_force_and_torque([0.0, 0.0, 0.5 * 9.81], [0.0, 0.0, 0.0])
+        pyrep.step()
+    assert np.isclose(shape.get_position()[2], 1.2, atol=0.15) and np.abs(shape.get_velocity()[0][2]) < 0.05
+    shape.set_dynamic(False)
+    shape.add_force([0.0, 0.0, 0.0], [9.0, 0.0, 0.0])
+    pyrep.step()
+    assert np.abs(shape.get_velocity()[0]).max() < 1e-6
+    with pytest.raises(ValueError, match="3 finite"):
+        shape.add_force([0.0, 0.0], [1.0, 0.0, 0.0])
+    with pytest.raises(UnsupportedCall):
+        Shape("Panda_link3" if Shape.exists("Panda_link3") else "panda_link3").add_force([0.0] * 3, [1.0, 0.0, 0.0])
+
+
 def test_respondable_and_collidable(pyrep: PyRep) -> None:
     """One passes through the table, the other is only left out of checks."""
     ghost = Shape.create(PrimitiveShape.CUBOID, [0.05] * 3, respondable=False, position=[0.3, 0.3, 0.9])
@@ -133,6 +160,9 @@ def test_respondable_and_collidable(pyrep: PyRep) -> None:
     steps(pyrep, 15)
     assert ghost.get_position()[2] < 0.7 and not ghost.is_respondable()
     assert shape.get_position()[2] > TABLE + 0.02
+    assert not shape.is_model()
+    shape.set_model(True)
+    assert shape.is_model()
 
 
 def test_distance_and_velocity(pyrep: PyRep) -> None:

@@ -6,6 +6,8 @@
 from __future__ import annotations
 
 import ast
+import re
+from importlib.metadata import requires
 from pathlib import Path
 
 import pytest
@@ -55,3 +57,10 @@ def test_program_runs(name: str, tmp_path: Path) -> None:
     done = compat(PROGRAMS / f"{name}.py", cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     assert SAYS[name] in done.stdout.splitlines()[-1], done.stdout
+
+
+def test_packages_that_come_along_with_rlbench() -> None:
+    """Ours asks for neither of those that programs often use beside it."""
+    wanted = {re.split(r"[^\w-]", line)[0].lower() for line in requires("rlbench-pin") or ()}
+    assert "numpy" in wanted
+    assert not wanted & {"natsort", "pyquaternion"}

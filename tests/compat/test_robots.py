@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from pyrep.errors import ConfigurationError, IKError, UnsupportedCall
+from pyrep.errors import ConfigurationError, ConfigurationPathError, IKError, UnsupportedCall
 from pyrep.objects.dummy import Dummy
 from pyrep.objects.shape import Shape
 from pyrep.robots.arms.jaco import Jaco
@@ -137,8 +137,20 @@ def test_ik_by_jacobian_stays_near_and_refuses_what_is_out_of_reach(arm: Panda) 
     np.testing.assert_allclose(arm.get_tip().get_position(), position + [0.0, 0.03, -0.02], atol=1e-5)
     with pytest.raises(IKError, match="near the present ones"):
         arm.solve_ik_via_jacobian([5.0, 0.0, 1.0], quaternion=quaternion)
-    with pytest.raises(ValueError, match="one of the two"):
-        arm.solve_ik_via_jacobian(position)
+
+
+def test_a_pose_without_one_rotation_is_the_error_that_programs_catch(arm: Panda) -> None:
+    """No rotation, two rotations or NaN: the error of the call, not another kind."""
+    down = {"quaternion": [0.0, 1.0, 0.0, 0.0]}
+    with pytest.raises(IKError, match="one of the two"):
+        arm.solve_ik_via_jacobian([0.3, 0.0, 1.1])
+    with pytest.raises(ConfigurationError, match="one of the two"):
+        arm.solve_ik_via_sampling([0.3, 0.0, 1.1], euler=[0.0, np.pi, 0.0], **down)
+    for call in (arm.get_path, arm.get_linear_path, arm.get_nonlinear_path):
+        with pytest.raises(ConfigurationPathError, match="one of the two"):
+            call([0.3, 0.0, 1.1])
+        with pytest.raises(ConfigurationPathError, match="finite"):
+            call([np.nan, 0.0, 1.1], **down)
 
 
 def test_ik_accepts_euler_angles_and_frames(arm: Panda) -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from pyrep.const import PrimitiveShape
 from pyrep.errors import UnsupportedCall
+from pyrep.objects.proximity_sensor import ProximitySensor
 from pyrep.objects.shape import Shape
 from pyrep.robots.arms.panda import Panda
 from pyrep.robots.end_effectors.panda_gripper import PandaGripper
@@ -114,6 +115,16 @@ def test_an_object_that_the_program_made_can_be_grasped(robot: Robot) -> None:
     for _ in range(5):
         Simulator.current().runtime.step()
     np.testing.assert_allclose(cube.get_position(), tip, atol=2e-3)
+
+
+def test_the_sensor_of_the_hand_sees_what_is_between_the_fingers(robot: Robot) -> None:
+    """The lid at the knob, by the known name and by the hand's own; it moves with the hand, and never sees the arm."""
+    sensor, lid = ProximitySensor("Panda_gripper_attachProxSensor"), Shape("lid")
+    assert sensor == robot.gripper._proximity_sensor
+    assert sensor.is_detected(lid) and sensor.read() >= 0.0 and not sensor.is_detected(Shape("saucepan"))
+    robot.arm.set_joint_positions(Simulator.current().model.home)
+    assert not sensor.is_detected(lid) and sensor.read() == -1.0
+    np.testing.assert_allclose(sensor.get_position(), robot.arm.get_tip().get_position())
 
 
 def test_far_away_nothing_is_grasped(robot: Robot) -> None:

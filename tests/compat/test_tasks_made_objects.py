@@ -166,6 +166,33 @@ def test_objects_made_anew_in_every_episode(environment: Environment, tmp_path: 
     assert np.allclose(places, [cube.get_position() for cube in user.objects]) and user.left == []
 
 
+POLE = """
+
+class LidAndPole(LiftTheLid):
+
+    def init_task(self):
+        super().init_task()
+        self.pole = Shape.create(PrimitiveShape.CUBOID, [0.02, 0.02, 0.1], static=True, respondable=False)
+        self.pole.set_parent(self.get_base())
+        self.pole.set_position([0.2, 0.0, 0.05], relative_to=self.get_base())
+        Shape.create(PrimitiveShape.CUBOID, [0.02, 0.02, 0.02], static=True, position=[0.7, 0.5, 0.9])
+"""
+
+
+def test_what_init_task_makes_is_part_of_the_state(environment: Environment, tmp_path: Path) -> None:
+    """A shape that hangs in the task comes last, in every episode; zeros once it is removed. One that hangs nowhere is not."""
+    code = "from pyrep.const import PrimitiveShape\n" + paper_tasks.LID + POLE
+    module = paper_tasks.write_task(tmp_path, "lid_and_pole", code, paper_tasks.LID_SCENE)
+    task = environment.get_task(module.LidAndPole)
+    for _ in range(2):
+        state = task.reset()[1].task_low_dim_state
+        assert state.shape == (21,)
+        np.testing.assert_allclose(state[14:], task._task.pole.get_pose(), atol=1e-6)
+    task._task.pole.remove()
+    state = task.get_observation().task_low_dim_state
+    assert state.shape == (21,) and not state[14:].any()
+
+
 def test_a_task_called_like_one_of_the_library_has_its_scene(environment: Environment, tmp_path: Path) -> None:
     """Without a scene of its own beside it; the only sensor of a scene answers to `success`."""
     code = paper_tasks.LID.replace("LiftTheLid", "TakeLidOffSaucepan")

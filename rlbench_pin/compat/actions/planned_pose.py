@@ -1,25 +1,41 @@
-"""The pose action that plans: with a flag for collisions, a second try without checks, and a callback for every step."""
+"""The pose action that plans: with a flag for collisions, a second try without checks, and a callback for every step.
+
+The arm of the scene is asked for the path, so an arm whose `get_path` a program replaced, or whose pace it changed, moves so.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any, Protocol
 
-from rlbench_pin.compat import arm_planning
-from rlbench_pin.compat.simulator import Simulator
+from pyrep.errors import ConfigurationPathError
+from pyrep.robots.arms.panda import Panda
+from pyrep.robots.configuration_paths.arm_configuration_path import ArmConfigurationPath
 from rlbench_pin.compat.unwrap import SceneLike, runtime_of
 from rlbench_pin.environment.motion import follow
-from rlbench_pin.errors import InvalidActionError, PlanningError
+from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.observation import Observation
-from rlbench_pin.planning import Plan
 from rlbench_pin.spatial import FloatArray
 
 OnStep = Callable[[Observation], object]
+SEARCH = {"trials": 100, "max_configs": 10, "max_time_ms": 10, "trials_per_goal": 5}
+"""What arms are asked for besides; the arm of this package has a budget of its own."""
 
 
-def plan_motion(target: FloatArray, ignore_collisions: bool, second_try: bool) -> Plan:
-    """Plan a motion of the tip to a world pose (7,).
+class Followed(Protocol):
+    """A path that is followed by `step()` and a step of the scene in turn, until it says that it is done."""
+
+    def step(self) -> bool:
+        """Command the next part."""
+        ...
+
+
+def plan_motion(scene: SceneLike, target: FloatArray, ignore_collisions: bool, second_try: bool) -> Followed:
+    """Ask the arm for a path of the tip to a world pose (7,).
 
     Args:
+        scene: What moves.
         target: Where to.
         ignore_collisions: Plan as if nothing could be touched.
         second_try: Where a plan with checks is refused, plan without.
@@ -27,31 +43,39 @@ def plan_motion(target: FloatArray, ignore_collisions: bool, second_try: bool) -
     Raises:
         InvalidActionError: There is no motion.
     """
-    runtime = Simulator.current().runtime
-    runtime.check_target_in_workspace(target[:3])
+    runtime_of(scene).check_target_in_workspace(target[:3])
+    arm: Any = Panda() if isinstance(scene, Runtime) else scene.robot.arm
     try:
-        return arm_planning.plan_to(Simulator.current(), target, straight=None, ignore_collisions=ignore_collisions)
-    except PlanningError as error:
+        path: Followed = arm.get_path(target[:3], quaternion=target[3:], ignore_collisions=ignore_collisions, **SEARCH)
+    except ConfigurationPathError as error:
         if second_try and not ignore_collisions:
-            return plan_motion(target, True, False)
-        raise InvalidActionError(f"No motion to the target pose: {error}") from error
+            return plan_motion(scene, target, True, False)
+        raise InvalidActionError(f"No motion to the target pose: {error.__cause__ or error}") from error
+    return path
 
 
-def run(scene: SceneLike, plan: Plan, on_step: OnStep | None) -> None:
-    """Follow a plan to its end, or until the task is done; with a callback always to its end.
+def run(scene: SceneLike, path: Followed, on_step: OnStep | None) -> None:
+    """Follow a path to its end, or until the task is done; with a callback always to its end.
 
     Args:
         scene: What moves.
-        plan: The motion.
+        path: The motion.
         on_step: Called with an observation after every step.
     """
     runtime = runtime_of(scene)
-    if on_step is None:
-        follow(runtime, plan.trajectory, until=lambda: bool(runtime.task.success()[0]))
-    else:
 
-        def record(target: FloatArray) -> None:
-            """Hand over what is seen after a step."""
-            on_step(scene.get_observation())
+    def ends() -> bool:
+        """Hand over what is seen after a step, and say whether the motion ends here."""
+        if on_step is None:
+            return bool(runtime.task.success()[0])
+        on_step(scene.get_observation())
+        return False
 
-        follow(runtime, plan.trajectory, on_tick=record)
+    if isinstance(path, ArmConfigurationPath):
+        follow(runtime, path.trajectory, until=ends)
+        return
+    done = False
+    while not done:
+        done = bool(path.step())
+        scene.step()
+        done = ends() or done

@@ -12,7 +12,7 @@ from pyrep.const import ObjectType
 from pyrep.objects.dummy import Dummy
 from pyrep.objects.shape import Shape
 from pyrep.objects.vision_sensor import VisionSensor
-from rlbench.backend.spawn_boundary import SpawnBoundary
+from rlbench_pin.compat.scenes.workspace import Workspace
 from rlbench_pin.environment.runtime import TIP_WORKSPACE
 
 
@@ -23,12 +23,18 @@ class SceneParts:
     """
 
     robot: Any
+    _start_arm_joint_pos: Sequence[float] | np.ndarray
 
     def __init__(self) -> None:
         self._step_callback: Callable[[], None] | None = None
         low, high = TIP_WORKSPACE.tolist()
         self._workspace_minx, self._workspace_miny, self._workspace_minz = low
         self._workspace_maxx, self._workspace_maxy, self._workspace_maxz = high
+
+    def prepare(self) -> None:
+        """Put the arm where `_start_arm_joint_pos` says, when a program says another posture than that of the robot file."""
+        if not np.array_equal(self._start_arm_joint_pos, self.robot.arm.get_joint_positions()):
+            self.robot.arm.set_joint_positions(self._start_arm_joint_pos, disable_dynamics=True)
 
     def check_target_in_workspace(self, pos: Sequence[float] | np.ndarray) -> bool:
         """Whether a target (3,) [m] is strictly inside the workspace."""
@@ -52,8 +58,8 @@ class SceneParts:
         return Shape("workspace")
 
     @cached_property
-    def _workspace_boundary(self) -> SpawnBoundary:
-        return SpawnBoundary([self._workspace])
+    def _workspace_boundary(self) -> Workspace:
+        return Workspace(self._workspace)
 
     @cached_property
     def target_workspace_check(self) -> Dummy:

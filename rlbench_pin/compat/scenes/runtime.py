@@ -27,6 +27,10 @@ class Stage(Protocol):
         """Whether a target (3,) [m] may be reached for."""
         ...
 
+    def prepare(self) -> None:
+        """Called when an episode is about to be laid out and the world is as it was built."""
+        ...
+
     def place(self, rng: np.random.Generator) -> None:
         """Put the task at a random place on the table, drawn from `rng`."""
         ...
@@ -51,6 +55,12 @@ class SceneRuntime(Runtime):
     def advance(self) -> None:
         """Advance one control tick: physics, then the task's own step, then the callbacks."""
         super().step()
+
+    def begin(self, variation: int, planning: np.random.Generator, noise: np.random.Generator) -> None:
+        """Take over what an episode is given, and let the scene prepare it."""
+        super().begin(variation, planning, noise)
+        if self._stage is not None:
+            self._stage.prepare()
 
     def place_task(self, rng: np.random.Generator) -> None:
         """Put the task at a random place on the table, through the scene."""

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, ClassVar, cast
 import numpy as np
 
 from rlbench_pin.compat.tasks.memory import GlobalDraws, Remembered
-from rlbench_pin.compat.tasks.tree import place_thing, thing_name
 from rlbench_pin.errors import TaskError
 from rlbench_pin.observation import Observation
+from rlbench_pin.scene.spec import ROOT, WORLD
 from rlbench_pin.sim import World
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import LIBRARY, Task, Waypoint
@@ -48,6 +48,7 @@ class PaperTask(Task):
         self._user: Remembered | None = None
         self._draws = GlobalDraws()
         self._placement: np.random.Generator | None = None
+        self._made: tuple[str, ...] = ()
 
     @property
     def user(self) -> UserTask:
@@ -70,6 +71,12 @@ class PaperTask(Task):
             user.load()
             user.set_initial_objects_in_scene()
             user.init_task()
+        self._made = tuple(sorted(name for name in self.world.spawned if self._hangs_in_task(name)))
+
+    def _hangs_in_task(self, name: str | None) -> bool:
+        while name not in (None, ROOT, WORLD):
+            name = self.world.places.parent(str(name).partition("/")[0])
+        return name == ROOT
 
     # Where things are -------------------------------------------------------------------------------------------------
 
@@ -120,14 +127,6 @@ class PaperTask(Task):
             rng = np.random.default_rng(np.random.randint(2**31 - 1))  # noqa: NPY002
         return self.user_class.native_origin().init_episode(self, variation, rng)
 
-    def place(self, rng: np.random.Generator) -> None:
-        """Put the whole task, or what the user's task names as its root, somewhere on the table."""
-        root = self.user.boundary_root()
-        if root == self.user.get_base():
-            super().place(rng)
-        else:
-            place_thing(self.world, thing_name(root), rng, self.base_rotation_bounds())
-
     def variation_count(self) -> int:
         """Return how many variations the user's task has."""
         return int(self.user.variation_count())
@@ -152,6 +151,11 @@ class PaperTask(Task):
     def get_low_dim_state(self) -> FloatArray:
         """Return the user's state of the objects, shape (n,)."""
         return np.asarray(self.user.get_low_dim_state(), dtype=float)
+
+    def poses_of_made(self) -> FloatArray:
+        """Return the poses of the shapes that the user's `init_task` hung in the task, by name; zeros for removed ones."""
+        bodies = self.world.bodies
+        return np.concatenate([np.zeros(0), *(bodies[name].pose if name in bodies else np.zeros(7) for name in self._made)])
 
     def decorate_observation(self, observation: Observation) -> Observation:
         """Return the observation as the user's task wants it."""

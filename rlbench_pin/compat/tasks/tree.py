@@ -1,4 +1,4 @@
-"""The objects of a task as one thing: where they are, going back there, and placing one of them with all that it carries."""
+"""The objects of a task as one thing: where they are, going back there, and what of them has to fit on the table."""
 
 from __future__ import annotations
 
@@ -7,13 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from rlbench_pin.errors import BoundaryError, RlbenchPinError
+from rlbench_pin.compat.things import Element
+from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.sim import World
-from rlbench_pin.spatial import FloatArray, pose_to_se3
-from rlbench_pin.tasks import PLACEMENT_AREA
-from rlbench_pin.tasks.boxes import rotated
-from rlbench_pin.tasks.placement import MAX_TURNS, footprint
-from rlbench_pin.tasks.task import RotationBounds
+from rlbench_pin.spatial import FloatArray
+from rlbench_pin.tasks.placement import footprint
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,42 +66,13 @@ def thing_name(thing: Any) -> str:
     return name.partition("/")[0]
 
 
-def place_thing(world: World, name: str, rng: np.random.Generator, bounds: RotationBounds) -> None:
-    """Place one body or frame at random in the placement area, with all that moves with it.
-
-    Args:
-        world: The world.
-        name: What is moved.
-        rng: Random generator.
-        bounds: Lowest and highest roll, pitch, yaw on top of the present orientation [rad].
-
-    Raises:
-        BoundaryError: It does not fit at any of the orientations drawn.
-    """
-    thing = world.body(name) if name in world.bodies else world.frame(name)
-    start = np.array(thing.pose)
-    low, high = _patch(world, name)
-    for _ in range(MAX_TURNS):
-        quaternion = rotated(rng.uniform(*bounds), start[3:])
-        corners = np.array([[x, y, 0.0] for x in (low[0], high[0]) for y in (low[1], high[1])])
-        patch = corners @ pose_to_se3(np.concatenate([np.zeros(3), quaternion])).rotation.T
-        first = PLACEMENT_AREA.low - patch[:, :2].min(axis=0)
-        last = PLACEMENT_AREA.high - patch[:, :2].max(axis=0)
-        if np.all(first <= last):
-            thing.set_pose(np.concatenate([rng.uniform(first, last), start[2:3], quaternion]))
-            return
-    raise BoundaryError(
-        f"'{name}' with the footprint {np.round(high - low, 3).tolist()} m does not fit on the table at any orientation tried. "
-        "Give it narrower base_rotation_bounds() or name a smaller thing in boundary_root()."
-    )
-
-
-def _patch(world: World, name: str) -> tuple[FloatArray, FloatArray]:
-    """Return the lowest and highest x, y (2,) of what has to fit, in the frame of the thing [m]."""
-    if world.spec.placement.footprint is not None:
+def patch_of(world: World, element: Element) -> tuple[FloatArray, FloatArray]:
+    """Return the lowest and highest x, y (2,) of what has to fit where a thing is placed, in the frame of the thing [m]."""
+    name = thing_name(element.name)
+    if element.kind == "root" or world.spec.placement.footprint is not None:
         return footprint(world)
     if name in world.bodies:
         low, high = world.bodies[name].bounds()
         return low[:2], high[:2]
-    half = np.asarray(getattr(world.frame(name), "size", np.zeros(3)), dtype=float)[:2] / 2.0
+    half = np.asarray(getattr(world.frames.get(name), "size", np.zeros(3)), dtype=float)[:2] / 2.0
     return -half, half

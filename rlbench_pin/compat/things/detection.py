@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from rlbench_pin.compat.things.element import Element
@@ -13,11 +15,29 @@ from rlbench_pin.sim import Sensor
 from rlbench_pin.spatial import FloatArray, pose_to_se3
 
 _SEEN = ("body", "robot")
-"""Kinds of things that `nearest` looks for."""
+"""Kinds of things that `nearest` looks for; the sensor of the hand does not look for the arm."""
 
 
-def sensor_of(table: ObjectTable, element: Element) -> Sensor:
+@dataclass(frozen=True, eq=False)
+class BoxVolume:
+    """A box that is not part of the scene file, as a volume of a sensor."""
+
+    size: tuple[float, ...]
+    """Lengths along x, y, z [m]."""
+    pose: FloatArray
+    """Of its middle, (7,) in the world."""
+    shape: geometry.VolumeShape = "box"
+    """Kind of volume."""
+
+    def contains(self, point: FloatArray) -> bool:
+        """Say whether a world point (3,) [m] lies in it."""
+        return geometry.volume_contains(self.shape, self.size, pose_to_se3(self.pose), point)
+
+
+def sensor_of(table: ObjectTable, element: Element) -> Sensor | BoxVolume:
     """Return the volume that an element stands for."""
+    if element.kind == "placed":
+        return BoxVolume(table.placed[element.name].size, table.thing(element).pose)
     return table.world.sensor(element.name)
 
 
@@ -34,8 +54,9 @@ def detects(table: ObjectTable, sensor: Element, element: Element) -> bool:
 def nearest(table: ObjectTable, sensor: Element) -> float:
     """Return the distance from the origin of a sensor to the nearest detectable thing in its volume [m], or -1."""
     place, least = pose_to_se3(sensor_of(table, sensor).pose), np.inf
+    seen = _SEEN[:1] if sensor.kind == "placed" else _SEEN
     for element in table.elements():
-        if element.kind in _SEEN and table.flags.get((element, "detectable"), True) and detects(table, sensor, element):
+        if element.kind in seen and table.flags.get((element, "detectable"), True) and detects(table, sensor, element):
             for parts, pose in table.thing(element).solids():
                 least = min(least, geometry.gap((point_part(),), place, parts, pose_to_se3(pose)))
     return -1.0 if least == np.inf else float(least)

@@ -26,6 +26,8 @@ CAMERA_NAMES = {
     "cam_front": "front",
 }
 """Known name of a camera of observations -> its name here."""
+GRIP_SENSOR = "_gripper_attachProxSensor"
+"""Ends the name of the sensor between the fingers."""
 MASK_SUFFIX = "_mask"
 """Ends the name of the twin of a camera that delivers masks."""
 

@@ -7,8 +7,11 @@ import numpy as np
 from rlbench_pin.compat.things.element import Element, UnsupportedCall
 from rlbench_pin.compat.things.table import ObjectTable
 from rlbench_pin.compat.things.thing import Thing
+from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.robot import surfaces
 from rlbench_pin.sim import Body
+from rlbench_pin.spatial import FloatArray, compose, pose_at, pose_to_matrix
+from rlbench_pin.urdf import UrdfOrigin, read_urdf
 
 _BASE = -1
 
@@ -88,6 +91,43 @@ def set_obstacle(table: ObjectTable, element: Element, value: bool) -> None:
     """Let plans avoid a body, or not; other things are no obstacles."""
     if element.kind in ("body", "room"):
         table.world.body(element.name).obstacle = value
+
+
+def push(table: ObjectTable, element: Element, force: FloatArray, torque: FloatArray, at: FloatArray | None = None) -> None:
+    """Give a body the impulse at once that a force and a torque of one step have; what cannot move stays.
+
+    Args:
+        table: Where it is.
+        element: The body.
+        force: In the world (3,) [N].
+        torque: In the world (3,) [N m].
+        at: Where the force acts, in the world (3,) [m]; None is the centre of mass.
+
+    Raises:
+        UnsupportedCall: It is a part of something larger.
+    """
+    body = body_of(table, element, "a force")
+    if element.kind != "body":
+        raise UnsupportedCall(f"a force on '{table.name(element)}'", "it is part of something larger.", "Push a whole body.")
+    if body.fixed:
+        return
+    T_world_com, per_kilogram = _centre_of_mass(body)
+    R, kilograms = pose_to_matrix(T_world_com)[:3, :3], mass(table, element)
+    turn = torque if at is None else torque + np.cross(at - T_world_com[:3], force)
+    change = np.concatenate([force / kilograms, np.linalg.solve(kilograms * R @ per_kilogram @ R.T, turn)])
+    body.set_velocity(body.velocity + table.world.control_dt * change)
+
+
+def _centre_of_mass(body: Body) -> tuple[FloatArray, FloatArray]:
+    """Return the inertial frame (7,) of the base link in the world, and the inertia (3, 3) in it over the mass [m^2]."""
+    urdf, scale = read_urdf(body.model.urdf), body.model.scale
+    inertial = next(link.inertial for link in urdf.links if link.name == urdf.base_link)
+    if inertial is None:
+        raise RlbenchPinError(f"{body.model.urdf.name} says no inertia of '{body.name}', so that no force can turn it.")
+    xx, xy, xz, yy, yz, zz = inertial.inertia
+    origin = inertial.origin or UrdfOrigin()
+    place = compose(body.pose, pose_at([scale * x for x in origin.xyz], *origin.rpy))
+    return place, np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) / inertial.mass
 
 
 def volume(thing: Thing) -> float:

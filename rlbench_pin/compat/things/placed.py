@@ -8,10 +8,12 @@ from typing import Literal
 import numpy as np
 
 from rlbench_pin.compat.things.element import Element
+from rlbench_pin.compat.things.names import GRIP_SENSOR, robot_prefix
+from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.sim import look_at
-from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, relative
+from rlbench_pin.spatial import IDENTITY, TABLE_HEIGHT, FloatArray, relative
 
-PlacedKind = Literal["dummy", "vision_sensor", "path", "shape"]
+PlacedKind = Literal["dummy", "vision_sensor", "path", "shape", "proximity_sensor"]
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ class Placed:
     points: tuple[FloatArray, ...] = ()
     """Control points (7,) of paths, in the path's own frame."""
     size: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Lengths of the box that planes stand for [m]."""
+    """Lengths of the box that planes and sensors stand for [m]."""
     extra: dict[str, object] = field(default_factory=dict)
     """Further settings that a program may read back."""
 
@@ -67,11 +69,19 @@ def hangs_in_task(placed: dict[str, Placed], name: str) -> bool:
     return parent is not None and parent.kind in _TASK_KINDS
 
 
-def fixed_things() -> dict[str, Placed]:
-    """Return what stands in every scene: the workspace, and where the camera of films stands and turns about."""
-    base = Element("placed", "cam_cinematic_base")
+def fixed_things(robot: RobotDescription) -> dict[str, Placed]:
+    """Return what stands in every scene: the workspace, where the camera of films stands and turns about, the sensor of the hand.
+
+    Args:
+        robot: The arm; the sensor looks at the space between its fingertips, half as wide as the open hand.
+    """
+    base, prefix = Element("placed", "cam_cinematic_base"), robot_prefix(robot)
+    width, height = robot.pad_size
     return {
         "workspace": Placed("shape", _MIDDLE, size=WORKSPACE_SIZE),
         "cam_cinematic_base": Placed("dummy", _BASE),
         "cam_cinematic_placeholder": Placed("dummy", relative(_PLACEHOLDER, _BASE), parent=base),
+        prefix + GRIP_SENSOR: Placed(
+            "proximity_sensor", IDENTITY.copy(), Element("tip", f"{prefix}_tip"), size=(width, robot.gripper_open, height)
+        ),
     }

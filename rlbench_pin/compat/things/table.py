@@ -48,7 +48,7 @@ class ObjectTable:
 
     def __init__(self, runtime: Runtime, config: ObservationConfig, before: ObjectTable | None = None) -> None:
         self.runtime, self.world = runtime, runtime.world
-        self.placed: dict[str, Placed] = fixed_things()
+        self.placed: dict[str, Placed] = fixed_things(runtime.description)
         self.parents: dict[Element, Element | None] = {}
         self.flags: dict[tuple[Element, str], object] = {}
         self.cameras = Cameras(runtime, config)

@@ -12,6 +12,8 @@ class MeatOffGrill(Task):
 
     meats = ("chicken", "steak")
 
+    solved_by_chance = True
+
     def init_task(self) -> None:
         """Both pieces of meat may be grasped."""
         self.register_graspable_objects(self.meats)

@@ -13,6 +13,8 @@ ANGLE = np.deg2rad(25.0)
 class OpenDoor(Task):
     """The leaf must swing by 25 degrees; it is held until the lever has been turned down by 25 degrees once."""
 
+    solved_by_chance = True
+
     def init_task(self) -> None:
         """Success is a swing of the leaf by 25 degrees."""
         self.leaf = self.world.joint("door/leaf_hinge")

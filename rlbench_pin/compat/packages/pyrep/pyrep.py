@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -105,16 +106,13 @@ class PyRep:
         """Nothing: there is no window, and pictures show the present instant in any case."""
 
     def set_simulation_timestep(self, dt: float) -> None:
-        """Accept the length of a control tick that is used.
-
-        Raises:
-            UnsupportedCall: Another length.
-        """
-        if abs(dt - self.get_simulation_timestep()) > 1e-9:
-            raise UnsupportedCall(
-                f"set_simulation_timestep({dt})",
-                "control ticks are 0.05 s long.",
-                "Step several times, or build `rlbench_pin.sim.World` alone.",
+        """Warn when `dt` [s] is not the length of a control tick, which stays what it is; physics runs in finer steps inside."""
+        tick = self.get_simulation_timestep()
+        if abs(dt - tick) > 1e-9:
+            warnings.warn(
+                f"`set_simulation_timestep({dt})` changes nothing: a step stays {tick} s long, physics is finer inside. "
+                "Step several times for a longer one.",
+                stacklevel=2,
             )
 
     def get_simulation_timestep(self) -> float:

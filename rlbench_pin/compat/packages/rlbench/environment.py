@@ -166,8 +166,17 @@ class Environment:
 
     # Tasks ----------------------------------------------------------------------------------------------------------
 
-    def get_task(self, task_class: type[Task]) -> TaskEnvironment:
-        """Load a task and return its environment; the previous task is unloaded. Launches first where that was not done."""
+    def get_task(self, task_class: type[Task] | str) -> TaskEnvironment:
+        """Load a task and return its environment; the previous task is unloaded. Launches first where that was not done.
+
+        Args:
+            task_class: The class of the task, or its name in snake case.
+
+        Raises:
+            UnknownTaskName: No task has that name (also a RuntimeError).
+        """
+        if isinstance(task_class, str):
+            task_class = self._string_to_task(task_class)
         if self._pyrep is None or self._scene is None or self._robot is None:
             self.launch()
         assert self._pyrep is not None and self._robot is not None and self._scene is not None

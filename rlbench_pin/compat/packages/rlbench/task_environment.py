@@ -230,7 +230,9 @@ class TaskEnvironment:
         for _ in range(max_attempts):
             try:
                 self.reset()
-                return self._scene.get_demo(callable_each_step=callable_each_step)
+                demo: Demo = self._scene.get_demo(callable_each_step=callable_each_step)
+                self._scene.sign(demo)
+                return demo
             except RlbenchPinError as error:
                 causes.append(str(error))
         raise DemosFailed(self.get_name(), self._variation_number, causes)

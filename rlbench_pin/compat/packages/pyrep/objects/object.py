@@ -208,11 +208,12 @@ class Object(PoseMethods, Switches):
     # Models ----------------------------------------------------------------------------------------------------------
 
     def is_model(self) -> bool:
-        """Whether anything hangs on it."""
-        return bool(self.table.children(self.element))
+        """Whether it is a model: what `set_model` said, otherwise whether anything hangs on it."""
+        return self.flag("model", default=bool(self.table.children(self.element)))
 
     def set_model(self, value: bool) -> None:
-        """Accepted; here everything with children is a model."""
+        """Say whether `is_model` calls it a model; nothing else depends on that."""
+        self.set_flag("model", value)
 
     def set_model_renderable(self, value: bool) -> None:
         """Show it and all that hangs on it to cameras, or hide it."""

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from pyrep.errors import UnsupportedCall
 from pyrep.objects.object import Object
 from rlbench_pin.compat.things import physics
 from rlbench_pin.sim import Body
+from rlbench_pin.spatial import FloatArray
+
+Numbers = Sequence[float] | FloatArray
 
 
 class ShapePhysics(Object):
@@ -63,16 +66,38 @@ class ShapePhysics(Object):
         """Set the mass from a density [kg/m^3] and the volume of its solid parts; its inertia grows alike."""
         self.set_mass(density * physics.volume(self.thing))
 
-    def add_force(self, position: Any, force: Any, reset_force_torque: bool = False) -> None:
-        """Refused: forces of programs are not part of the simulation."""
-        raise UnsupportedCall("add_force", "forces of programs are not simulated.", "Give it a velocity with `set_velocity`.")
+    def add_force(self, position: Numbers, force: Numbers, reset_force_torque: bool = False) -> None:
+        """Push it during the next step. The push acts as an impulse at once; call it before each step to go on pushing.
 
-    def add_force_and_torque(self, force: Any, torque: Any, reset_force: bool = False, reset_torque: bool = False) -> None:
-        """Refused as `add_force` is."""
-        raise UnsupportedCall(
-            "add_force_and_torque", "forces of programs are not simulated.", "Give it a velocity with `set_velocity`."
-        )
+        Args:
+            position: Where, in its own frame (3,) [m].
+            force: How, along its own axes (3,) [N].
+            reset_force_torque: Accepted; what was added before has acted already.
+        """
+        T_world_shape = self.get_matrix()
+        at = T_world_shape @ np.append(_three(position), 1.0)
+        physics.push(self.table, self.element, T_world_shape[:3, :3] @ _three(force), np.zeros(3), at[:3])
+
+    def add_force_and_torque(
+        self, force: Numbers, torque: Numbers, reset_force: bool = False, reset_torque: bool = False
+    ) -> None:
+        """Push and turn it about its centre of mass during the next step, as `add_force` does.
+
+        Args:
+            force: Along the axes of the world (3,) [N].
+            torque: About the axes of the world (3,) [N m].
+            reset_force: Accepted; what was added before has acted already.
+            reset_torque: Accepted.
+        """
+        physics.push(self.table, self.element, _three(force), _three(torque))
 
     def set_velocity(self, linear: Any, angular: Any = (0.0, 0.0, 0.0)) -> None:
         """Set linear (3,) [m/s] and angular (3,) [rad/s] velocity in world axes."""
         self.body("set_velocity").set_velocity(np.concatenate([np.asarray(linear, float), np.asarray(angular, float)]))
+
+
+def _three(values: Numbers) -> FloatArray:
+    numbers = np.asarray(values, dtype=float).reshape(-1)
+    if numbers.shape != (3,) or not np.isfinite(numbers).all():
+        raise ValueError(f"A position, force or torque has 3 finite numbers, not {numbers.tolist()}.")
+    return numbers

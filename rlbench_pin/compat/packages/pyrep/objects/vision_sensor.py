@@ -199,6 +199,10 @@ class VisionSensor(Object):
         if self.element.kind == "placed":
             self.change(explicit_handling=bool(value))
 
+    def get_entity_to_render(self) -> int:
+        """Return -1: cameras see everything."""
+        return -1
+
     def set_entity_to_render(self, entity_to_render: Object | int | None) -> None:
         """Accept everything (None or -1).
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
@@ -17,15 +17,17 @@ from rlbench.backend.scene import Scene
 from rlbench.const import SUPPORTED_ROBOTS
 from rlbench_pin.compat import actions
 from rlbench_pin.compat.actions import (
+    Action,
     RelativeFrame,
     ScenePart,
+    UserMode,
     assert_action_shape,
     calculate_delta_pose,
     pose_in_end_effector_frame,
 )
 from rlbench_pin.compat.unwrap import SceneLike, runtime_of
 from rlbench_pin.environment.actions import joint, pose
-from rlbench_pin.environment.actions.arm_mode import assert_unit_quaternion
+from rlbench_pin.environment.actions.arm_mode import as_frame, assert_unit_quaternion
 from rlbench_pin.observation import Observation
 from rlbench_pin.spatial import FloatArray, compose
 
@@ -52,35 +54,9 @@ __all__ = [
     "takes_ignore_collisions",
 ]
 
-Action = Sequence[float] | FloatArray
 
-
-class ArmActionMode:
+class ArmActionMode(UserMode):
     """Turns numbers into motion of the arm. Derive from it, or from one of the classes below."""
-
-    def action(self, scene: SceneLike, action: Action) -> None:
-        """Run one action to its end."""
-        raise NotImplementedError(f"{type(self).__name__} needs a method `action(scene, action)`.")
-
-    def action_pre_step(self, scene: SceneLike, action: Action) -> None:
-        """Command the arm, before the simulation is stepped."""
-        raise NotImplementedError(f"{type(self).__name__} has no method `action_pre_step`.")
-
-    def action_step(self, scene: SceneLike, action: Action) -> None:
-        """Step the simulation."""
-        raise NotImplementedError(f"{type(self).__name__} has no method `action_step`.")
-
-    def action_post_step(self, scene: SceneLike, action: Action) -> None:
-        """Bring the arm to rest, after the simulation was stepped."""
-        raise NotImplementedError(f"{type(self).__name__} has no method `action_post_step`.")
-
-    def action_shape(self, scene: SceneLike | None = None) -> tuple[int, ...]:
-        """Return the shape of an action."""
-        raise NotImplementedError(f"{type(self).__name__} needs a method `action_shape(scene)` that returns a tuple.")
-
-    def action_bounds(self, scene: SceneLike | None = None) -> tuple[FloatArray, FloatArray]:
-        """Return lowest and highest values of an action, each of shape (n,)."""
-        raise NotImplementedError(f"{type(self).__name__} needs a method `action_bounds()` for this use, such as gymnasium.")
 
     def set_control_mode(self, robot: Robot) -> None:
         """Drive the arm as the mode needs it: here by positions."""
@@ -123,6 +99,10 @@ class JointPosition(JointPart, joint.JointPosition, ArmActionMode):
     def _absolute_mode(self) -> bool:
         return self.absolute_mode
 
+    @_absolute_mode.setter
+    def _absolute_mode(self, value: bool) -> None:
+        self.absolute_mode = value
+
 
 class JointTorque(JointPart, joint.JointTorque, ArmActionMode):
     """Joint torques [N m], with gravity, for one step; a positive torque turns a joint the positive way. Then the arm stops."""
@@ -139,13 +119,25 @@ class PosePart(ScenePart, pose.PoseMode):
     def _absolute_mode(self) -> bool:
         return self.absolute_mode
 
+    @_absolute_mode.setter
+    def _absolute_mode(self, value: bool) -> None:
+        self.absolute_mode = value
+
     @property
     def _frame(self) -> RelativeFrame:
         return RelativeFrame(int(self.frame))
 
+    @_frame.setter
+    def _frame(self, value: RelativeFrame | str) -> None:
+        self.frame = as_frame(value)
+
     @property
     def _collision_checking(self) -> bool:
         return self.collision_checking
+
+    @_collision_checking.setter
+    def _collision_checking(self, value: bool) -> None:
+        self.collision_checking = value
 
     def _pose_in_end_effector_frame(self, robot: Robot, action: Action) -> FloatArray:
         """Return the world pose (7,) of a pose that is given in the frame of the tip."""
@@ -179,7 +171,7 @@ class EndEffectorPoseViaPlanning(PosePart, pose.EndEffectorPoseViaPlanning, ArmA
         """
         target = self.target(runtime_of(scene), self.values(scene, action))
         ignore = not self.collision_checking if ignore_collisions is None else bool(ignore_collisions)
-        plan = actions.plan_motion(target, ignore, second_try=ignore_collisions is not None)
+        plan = actions.plan_motion(scene, target, ignore, second_try=ignore_collisions is not None)
         actions.run(scene, plan, self._callable_each_step)
 
     def set_callable_each_step(self, callable_each_step: Callable[[Observation], object] | None) -> None:

@@ -2,48 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from rlbench.backend.exceptions import InvalidActionError
-from rlbench_pin.compat.actions import ScenePart, assert_action_shape
+from rlbench_pin.compat.actions import ScenePart, UserMode, assert_action_shape
 from rlbench_pin.compat.unwrap import SceneLike, runtime_of
 from rlbench_pin.environment.actions import gripper as native
 from rlbench_pin.environment.motion import hold_or_release
+from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.spatial import FloatArray
 
 __all__ = ["Discrete", "GripperActionMode", "GripperJointPosition", "InvalidActionError", "assert_action_shape"]
 
-Action = Sequence[float] | FloatArray
 
-
-class GripperActionMode:
+class GripperActionMode(UserMode):
     """Turns numbers into motion of the hand. Derive from it, or from one of the classes below."""
-
-    def action(self, scene: SceneLike, action: Action) -> None:
-        """Run one action to its end."""
-        raise NotImplementedError(f"{type(self).__name__} needs a method `action(scene, action)`.")
-
-    def action_pre_step(self, scene: SceneLike, action: Action) -> None:
-        """Command the hand, before the simulation is stepped."""
-        raise NotImplementedError(f"{type(self).__name__} has no method `action_pre_step`.")
-
-    def action_step(self, scene: SceneLike, action: Action) -> None:
-        """Step the simulation."""
-        raise NotImplementedError(f"{type(self).__name__} has no method `action_step`.")
-
-    def action_post_step(self, scene: SceneLike, action: Action) -> None:
-        """Bring the hand to rest, after the simulation was stepped."""
-        raise NotImplementedError(f"{type(self).__name__} has no method `action_post_step`.")
-
-    def action_shape(self, scene: SceneLike | None = None) -> tuple[int, ...]:
-        """Return the shape of an action."""
-        raise NotImplementedError(f"{type(self).__name__} needs a method `action_shape(scene)` that returns a tuple.")
-
-    def action_bounds(self, scene: SceneLike | None = None) -> tuple[FloatArray, FloatArray]:
-        """Return lowest and highest values of an action, each of shape (n,)."""
-        raise NotImplementedError(f"{type(self).__name__} needs a method `action_bounds()` for this use, such as gymnasium.")
 
 
 class HandPart(ScenePart, native.GripperMode):
@@ -53,18 +26,30 @@ class HandPart(ScenePart, native.GripperMode):
     def _attach_grasped_objects(self) -> bool:
         return self.attach_grasped_objects is not False
 
+    @_attach_grasped_objects.setter
+    def _attach_grasped_objects(self, value: bool) -> None:
+        self.attach_grasped_objects = value
+
     @property
     def _detach_before_open(self) -> bool:
         return self.detach_before_open
 
+    @_detach_before_open.setter
+    def _detach_before_open(self, value: bool) -> None:
+        self.detach_before_open = value
+
 
 class Discrete(HandPart, native.Discrete, GripperActionMode):
-    """One number: above 0.5 opens the hand, otherwise closes it. Does nothing when the hand is already as asked.
+    """One number, any finite one: above 0.5 opens the hand, otherwise closes it. Does nothing when the hand is already as asked.
 
     Args:
         attach_grasped_objects: Fix graspable objects between the fingers to the hand; None leaves it to the environment.
         detach_before_open: Let go before the fingers open; otherwise after.
     """
+
+    def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
+        """Return the number as it is: networks deliver values beyond 0 and 1, and they mean shut and open as well."""
+        return values
 
     def action(self, scene: SceneLike, action: object) -> None:
         """Open or close until the fingers stand.

@@ -57,6 +57,26 @@ class NativeCondition(tasks.Condition):
         self._memory.set_state(state)
 
 
+class LibraryCondition(Condition):
+    """A condition of a task of the library, as programs ask it."""
+
+    def __init__(self, condition: tasks.Condition) -> None:
+        self.condition = condition
+
+    def condition_met(self) -> Answer:
+        """Return whether the condition is met now, and that the episode goes on."""
+        return self.condition.met(), False
+
+    def reset(self) -> None:
+        """Reset the condition."""
+        self.condition.reset()
+
+
+def condition_of(native: tasks.Condition) -> Condition:
+    """Return a condition that a task registered: that of a program itself, one of the library's as programs ask it."""
+    return native.condition if isinstance(native, NativeCondition) else LibraryCondition(native)
+
+
 class JointCondition(Condition):
     """Met while a joint is more than `position` [rad] or [m] away from where it was when the condition was made."""
 

@@ -14,7 +14,7 @@ from rlbench.backend.robot import Robot
 from rlbench.backend.task import Task
 from rlbench.demo import Demo
 from rlbench.observation_config import ObservationConfig
-from rlbench_pin.compat.scenes.frames import with_frames
+from rlbench_pin.compat.scenes import frames as made_frames
 from rlbench_pin.compat.scenes.parts import SceneParts
 from rlbench_pin.compat.scenes.runtime import SceneRuntime
 from rlbench_pin.compat.scenes.starts import Starts
@@ -58,7 +58,6 @@ class Scene(SceneParts):
         self._obs_config = ObservationConfig() if obs_config is None else obs_config
         self._observed: dict[str, Any] | None = None
         self._frame: Observation | None = None
-        self._placement: np.random.Generator | None = None
         self._next_demo: Demo | None = None
         self._starts = Starts()
         self._forget_task()
@@ -100,7 +99,7 @@ class Scene(SceneParts):
         self.task = task
         task.bind(self._runtime.task)
         self._runtime.world.end_building()
-        self._initial_task_pose = self._runtime.world.root.pose
+        self._initial_task_pose = task.boundary_root().get_orientation()
 
     def unload(self) -> None:
         """Go back to the empty table; without a task nothing happens."""
@@ -176,6 +175,12 @@ class Scene(SceneParts):
             raise NotReset("get_task_descriptions")
         return list(self._origin.instructions)
 
+    def sign(self, demo: Demo) -> None:
+        """Tell a demonstration that a program made of bare observations how its episode began."""
+        if self._origin is not None and demo.random_seed is None:
+            made_frames.sign(demo, self._origin, self.task.get_name(), self._variation_index)
+            self.remember_start(demo)
+
     def _before_episode(self) -> None:
         """Called before an episode is laid out."""
 
@@ -191,16 +196,17 @@ class Scene(SceneParts):
 
     def _place_task(self) -> None:
         """Put the task at a random place on the table. Every placement of an episode comes here, unless it is static."""
-        rng = np.random.default_rng(int(np.random.randint(2**31))) if self._placement is None else self._placement
-        self._runtime.task.place(rng)
+        root, world = self.task.boundary_root(), self._runtime.world
+        if root == self.task.get_base() and not np.array_equal(world.root.pose, world.spec.placement.pose):
+            world.place_root(world.spec.placement.pose)
+        low, high = self.task.base_rotation_bounds()
+        self._workspace_boundary.clear()
+        self._workspace_boundary.sample(root, min_rotation=low, max_rotation=high)
 
     def place(self, rng: np.random.Generator) -> None:
         """Put the task at a random place on the table, drawn from `rng`."""
-        self._placement = rng
-        try:
+        with self._workspace_boundary.drawing_from(rng):
             self._place_task()
-        finally:
-            self._placement = None
 
     def _loaded(self, call: str) -> Any:
         if self.task is None:
@@ -271,7 +277,7 @@ class Scene(SceneParts):
         if outcome.demo is None:
             raise DemoError(f"Task '{task.get_name()}' was not demonstrated: {outcome.cause}", task)
         self.remember_start(outcome.demo)
-        return with_frames(outcome.demo, frames)
+        return made_frames.with_frames(outcome.demo, frames)
 
     def _keep_frame(
         self, frame: Observation, frames: list[Observation], record: bool, func: Callable[[Observation], None] | None

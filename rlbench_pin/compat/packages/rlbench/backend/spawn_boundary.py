@@ -105,8 +105,9 @@ class BoundaryObject:
             1 when placed, -1 when it did not fit, -2 when it would touch something, -3 when it would be too near to something.
         """
         start = np.asarray(obj.get_pose(relative_to=self._boundary), dtype=float)
-        quaternion = rotated(np.random.uniform(list(min_rotation), list(max_rotation)), start[3:])
-        own = bounding_box(obj)
+        turn = self.draw(np.asarray(min_rotation, dtype=float), np.asarray(max_rotation, dtype=float))
+        quaternion = rotated(turn, start[3:])
+        own = self._box(obj)
         box = own.rotate(quaternion)
         position = np.asarray(self._get_position_within_boundary(obj, box), dtype=float)
         if not box.moved(position).within_boundary(self._boundary_bbox, self._is_plane):
@@ -125,11 +126,18 @@ class BoundaryObject:
         """Return why a place is not free, or None."""
         for other in others:
             pose = np.asarray(other.get_pose(relative_to=self._boundary), dtype=float)
-            if box.overlaps(OrientedBox.of(bounding_box(other).corners, pose)):
+            if box.overlaps(OrientedBox.of(self._box(other).corners, pose)):
                 return TOUCHES
             if np.linalg.norm(position - pose[:3]) < min_distance:
                 return TOO_NEAR
         return None
+
+    def _box(self, obj: Object) -> BoundingBox:
+        return bounding_box(obj)
+
+    def draw(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Return numbers (n,), each drawn between its bounds."""
+        return np.random.uniform(low, high)
 
     def _get_position_within_boundary(self, obj: Object, obj_bbox: BoundingBox) -> list[float]:
         """Draw a place for an object, [x, y, z] in the frame of the boundary [m].
@@ -140,7 +148,7 @@ class BoundaryObject:
         """
         low = self._boundary_bbox.corners[0] - obj_bbox.corners[0]
         high = self._boundary_bbox.corners[1] - obj_bbox.corners[1]
-        place = np.random.uniform(np.minimum(low, high), np.maximum(low, high))
+        place = self.draw(np.minimum(low, high), np.maximum(low, high))
         if self._is_plane:
             place[2] = obj.get_position(relative_to=self._boundary)[2]
         return [float(x) for x in place]
@@ -189,9 +197,7 @@ class SpawnBoundary:
         others = [thing for boundary in self._boundaries for thing in boundary.contained_objects]
         answers = []
         for _ in range(self.MAX_SAMPLES):
-            index = int(np.random.choice(len(self._boundaries), p=self._probabilities))
-            boundary = self._boundaries[index]
-            answers.append(boundary.add(obj, ignore_collisions, min_rotation, max_rotation, min_distance, others))
+            answers.append(self._choose().add(obj, ignore_collisions, min_rotation, max_rotation, min_distance, others))
             if answers[-1] > 0:
                 return
         raise BoundaryError(
@@ -199,6 +205,9 @@ class SpawnBoundary:
             f"{answers.count(TOUCHES)} times it would touch what was placed before, {answers.count(TOO_NEAR)} times it was "
             f"within {min_distance} m of it. Call clear() at the start of every episode, or enlarge the boundary."
         )
+
+    def _choose(self) -> BoundaryObject:
+        return self._boundaries[int(np.random.choice(len(self._boundaries), p=self._probabilities))]
 
     def clear(self) -> None:
         """Forget what was placed; call it at the start of every episode."""

@@ -10,9 +10,10 @@ import numpy as np
 from pyrep.objects.dummy import Dummy
 from pyrep.objects.object import Object
 from pyrep.objects.shape import Shape
-from rlbench.backend.conditions import Condition, NativeCondition
+from rlbench.backend.conditions import Condition, NativeCondition, condition_of
 from rlbench.backend.waypoints import Waypoint, waypoint_of
 from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.compat.tasks.belongings import belonging
 from rlbench_pin.compat.tasks.library import check_present, library_task
 from rlbench_pin.compat.tasks.paper import PaperTask, adapter_of
 from rlbench_pin.compat.tasks.tree import TreeState, restore_tree, save_tree, thing_name
@@ -54,6 +55,24 @@ class Task:
         self.pyrep, self.robot = pyrep, robot
         self.name = snake_case(type(self).__name__) if name is None else name
         self._native: NativeTask | None = None
+
+    def __getattr__(self, name: str) -> Any:
+        """Return a thing that a loaded task of the library keeps, such as `target` of `reach_target`, as an object.
+
+        A task of a program's own may keep what it likes under the same names.
+
+        Raises:
+            AttributeError: The task keeps nothing of that name.
+        """
+        native = vars(self).get("_native")
+        if native is not None and name == "_success_conditions":
+            return [condition_of(condition) for condition in native.get_success_conditions()]
+        if native is not None and name == "_graspable_objects":
+            return self.get_graspable_objects()
+        try:
+            return belonging(native, name)
+        except AttributeError:
+            raise AttributeError(f"'{type(self).__name__}' object has no attribute '{name}'", name=name, obj=self) from None
 
     # The task behind it -----------------------------------------------------------------------------------------------
 
@@ -109,8 +128,9 @@ class Task:
         return origin.variation_count(object.__new__(origin) if self._native is None else self._native)
 
     def get_low_dim_state(self) -> FloatArray:
-        """Return the state of the objects, shape (n,): poses of all bodies by name, then all joint values."""
-        return type(self).native_origin().get_low_dim_state(self.native)
+        """Return poses of bodies by name, joint values, poses of shapes that `init_task` hung in the task, shape (n,)."""
+        state, native = type(self).native_origin().get_low_dim_state(self.native), self.native
+        return np.concatenate([state, native.poses_of_made()]) if isinstance(native, PaperTask) else state
 
     def step(self) -> None:
         """Run after every simulation step."""

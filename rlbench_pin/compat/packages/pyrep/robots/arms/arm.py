@@ -156,13 +156,13 @@ class Arm(KinematicArm):
         ignore_collisions: bool,
         algorithm: Algos = Algos.SBL,
     ) -> ArmConfigurationPath:
-        pose = arm_planning.world_pose(*target)
         try:
+            pose = arm_planning.world_pose(*target)
             plan = arm_planning.plan_to(
                 Simulator.current(), pose, straight=straight, ignore_collisions=ignore_collisions, algorithm=algorithm.name
             )
             return self._timed(plan)
-        except PlanningError as error:
+        except (PlanningError, ValueError) as error:
             raise ConfigurationPathError(f"No path to the pose: {error}") from error
 
     def _timed(self, plan: Plan) -> ArmConfigurationPath:

@@ -13,6 +13,7 @@ from pyrep.robots.robot_component import RobotComponent
 from rlbench_pin.compat import arm_planning
 from rlbench_pin.compat.motors import ArmMotors
 from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.compat.things import Element
 from rlbench_pin.errors import PlanningError
 from rlbench_pin.spatial import FloatArray
 
@@ -45,7 +46,7 @@ class KinematicArm(RobotComponent):
 
     def get_tip(self) -> Dummy:
         """Return the tip: the frame between the fingers, z out of the hand."""
-        return Dummy(self._tip_name)
+        return Dummy(Element("tip", self._tip_name))  # not looked up by name: programs ask in every step
 
     def get_jacobian(self) -> FloatArray:
         """Return the Jacobian (n, 6) at the present posture: row i is the tip's `[linear, angular]` velocity per unit of joint i.
@@ -67,12 +68,12 @@ class KinematicArm(RobotComponent):
         """Return the joint positions [rad] that a descent from the present posture finds for a pose.
 
         Raises:
-            IKError: The descent does not reach the pose.
+            IKError: The descent does not reach the pose, or it is no pose.
         """
-        pose = arm_planning.world_pose(position, euler, quaternion, relative_to)
         try:
+            pose = arm_planning.world_pose(position, euler, quaternion, relative_to)
             return arm_planning.nearest_configuration(Simulator.current().runtime, pose).tolist()
-        except PlanningError as error:
+        except (PlanningError, ValueError) as error:
             raise IKError(f"No joint positions near the present ones reach the pose: {error}") from error
 
     def solve_ik(
@@ -111,14 +112,14 @@ class KinematicArm(RobotComponent):
             relative_to: See the class.
 
         Raises:
-            ConfigurationError: No configuration was found, or all collide.
+            ConfigurationError: No configuration was found, all collide, or it is no pose.
         """
-        pose = arm_planning.world_pose(position, euler, quaternion, relative_to)
         try:
+            pose = arm_planning.world_pose(position, euler, quaternion, relative_to)
             found = arm_planning.configurations(
                 Simulator.current(), pose, ignore_collisions=ignore_collisions, starts=trials, most=max_configs
             )
-        except PlanningError as error:
+        except (PlanningError, ValueError) as error:
             raise ConfigurationError(f"No configuration was found for the pose: {error}") from error
         return np.array(found)
 

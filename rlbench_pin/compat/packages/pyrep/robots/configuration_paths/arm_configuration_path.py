@@ -81,6 +81,21 @@ class ArmConfigurationPath(ConfigurationPath):
         """Return configuration `i`, shape (n,), or several, shape (m, n), [rad]."""
         return self._configurations()[i].copy()
 
+    @property
+    def trajectory(self) -> Trajectory:
+        """When the arm is where; worked out again for points that were replaced.
+
+        Raises:
+            ConfigurationPathError: No timing keeps the limits of the arm.
+        """
+        if self._trajectory is None or self._timed_points is not self._path_points:
+            try:
+                self._trajectory = arm_planning.timed(Simulator.current().runtime, self._configurations(), self._arm.pace)
+            except RetimingError as error:
+                raise ConfigurationPathError(f"The path cannot be followed: {error}") from error
+            self._timed_points = self._path_points
+        return self._trajectory
+
     def step(self) -> bool:
         """Command the next configuration; the simulation is stepped by the caller.
 
@@ -94,7 +109,7 @@ class ArmConfigurationPath(ConfigurationPath):
         if self._path_done:
             raise RuntimeError("The path was followed to its end already. Call `set_to_start()`, or plan another path.")
         if self._tracker is None:
-            self._tracker = TrajectoryTracker(self._timing(), Simulator.current().world.control_dt)
+            self._tracker = TrajectoryTracker(self.trajectory, Simulator.current().world.control_dt)
         if self._tracker.done:
             self._settling += 1
         else:
@@ -129,16 +144,6 @@ class ArmConfigurationPath(ConfigurationPath):
 
     def _configurations(self) -> FloatArray:
         return np.reshape(np.asarray(self._path_points, dtype=float), (-1, self._num_joints))
-
-    def _timing(self) -> Trajectory:
-        """Return when the arm is where; worked out again for points that were replaced."""
-        if self._trajectory is None or self._timed_points is not self._path_points:
-            try:
-                self._trajectory = arm_planning.timed(Simulator.current().runtime, self._configurations(), self._arm.pace)
-            except RetimingError as error:
-                raise ConfigurationPathError(f"The path cannot be followed: {error}") from error
-            self._timed_points = self._path_points
-        return self._trajectory
 
     def _arrives(self) -> bool:
         """Whether the coming tick brings the arm to the last command."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyrep.objects.object import Object
+from pyrep.objects.proximity_sensor import ProximitySensor
 from pyrep.objects.shape import Shape
 from pyrep.robots.robot_component import RobotComponent
 from rlbench_pin.compat.motors import FingerMotors
@@ -48,6 +49,11 @@ class Gripper(RobotComponent):
     def motors(self) -> FingerMotors:
         """What drives the fingers."""
         return FingerMotors()
+
+    @property
+    def _proximity_sensor(self) -> ProximitySensor:
+        """What sees things between the fingertips, by the name that programs know."""
+        return ProximitySensor(f"{self.get_name()}_attachProxSensor")
 
     # Holding ---------------------------------------------------------------------------------------------------------
 
