@@ -40,6 +40,7 @@ class UnknownSetting(UnknownName, AttributeError):  # type: ignore[misc]  # both
     def __init__(self, record: str, name: str, known: Collection[str]) -> None:
         self.record = record
         super().__init__(f"setting of {record}", name, known)
+        self.name = name  # AttributeError forgets it
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Say how the error is made again: `name` is kept by AttributeError, beside the other attributes."""

@@ -23,7 +23,7 @@ FrameChoice = RelativeFrame | Literal["world", "end effector"]
 _FRAME_WORDS = {"world": RelativeFrame.WORLD, "end effector": RelativeFrame.EE}
 
 
-def as_frame(frame: FrameChoice) -> RelativeFrame:
+def as_frame(frame: FrameChoice | int | str) -> RelativeFrame:
     """Accept the enum or its words."""
     if isinstance(frame, str):
         if frame not in _FRAME_WORDS:
