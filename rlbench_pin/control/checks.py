@@ -10,9 +10,17 @@ from numpy.typing import ArrayLike
 
 from rlbench_pin import values
 from rlbench_pin.errors import InvalidTarget
+from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_record
 
 _FLOAT = np.dtype(float)
+
+
+def check_made_of(model: object, config: object = None, kind: type = object) -> None:
+    """Raise InvalidValue unless `model` is an arm and `config` a record of `kind`."""
+    as_record(model, RobotModel, "model")
+    as_record(config, kind, "config")
 
 
 def as_vector(value: ArrayLike, size: int, what: str) -> FloatArray:

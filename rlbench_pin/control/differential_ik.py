@@ -28,7 +28,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from rlbench_pin.control.checks import as_pose, as_state, as_vector
+from rlbench_pin.control.checks import as_pose, as_state, as_vector, check_made_of
 from rlbench_pin.control.qp.constraints import HOLDS, HeldQuantity, JointBounds
 from rlbench_pin.control.qp.objectives import Manipulability, PostureObjective, TipApproach, TipObjective, moved
 from rlbench_pin.control.qp.placo_arm import PlacoArm
@@ -89,10 +89,11 @@ class TipController:
             limits: Joint limits; None takes the arm's.
             posture: Preferred configuration (n,), [rad]; None takes the arm's home.
         """
+        check_made_of(model, config, DifferentialIKConfig)
         self.model, self.config = model, config
         self._approach = TipApproach(config.tip, config.dt)
         self._manipulability = Manipulability(model.size)
-        self.bounds = JointBounds(limits or model.limits, config.dt, config.hold, config.limit_margin)
+        self.bounds = JointBounds(model.limits if limits is None else limits, config.dt, config.hold, config.limit_margin)
         self.posture = as_vector(model.home if posture is None else posture, model.size, "posture").copy()
 
     def velocity_to_pose(self, q: ArrayLike, v: ArrayLike, pose: ArrayLike) -> FloatArray:

@@ -18,7 +18,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rlbench_pin.control.checks import as_state
+from rlbench_pin.control.checks import as_state, check_made_of
 from rlbench_pin.control.qp.constraints import HeldQuantity, JointBounds
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.model import RobotModel
@@ -58,6 +58,7 @@ class ComputedTorque:
 
     def __init__(self, model: RobotModel, dt: float = 1.0 / 240.0, frequency: float = 20.0) -> None:
         """Choose the tick [s] and omega [rad/s]."""
+        check_made_of(model)
         self.model, self.dt = model, as_number(dt, "the control tick dt [s]", above=0.0)
         self.frequency = as_number(frequency, "frequency", least=0.0)
 

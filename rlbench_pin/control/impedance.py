@@ -25,7 +25,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 from scipy.linalg import eigh
 
-from rlbench_pin.control.checks import as_placement, as_state, as_vector
+from rlbench_pin.control.checks import as_placement, as_state, as_vector, check_made_of
 from rlbench_pin.control.qp.constraints import JointBounds
 from rlbench_pin.errors import InvalidTarget
 from rlbench_pin.robot.model import RobotModel
@@ -89,6 +89,7 @@ class JointImpedance:
 
     def __init__(self, model: RobotModel, stiffness: ArrayLike = 100.0, damping_ratio: float = 1.0, dt: float = TICK) -> None:
         """Choose stiffness [N m/rad]: one number, (n,) or (n, n); the damping ratio; and how long torques are held [s]."""
+        check_made_of(model)
         self.model, self.damping_ratio = model, as_number(damping_ratio, "damping_ratio", least=0.0)
         self.stiffness = stiffness
         self._stop_in_time = StopInTime(model, dt)
@@ -154,6 +155,7 @@ class CartesianImpedance:
             posture: Where it pulls (n,), [rad]; None is home.
             dt: How long torques are held [s].
         """
+        check_made_of(model)
         self.model, self.damping_ratio = model, as_number(damping_ratio, "damping_ratio", least=0.0)
         self.posture_stiffness = as_number(posture_stiffness, "posture_stiffness", least=0.0)
         self.posture = as_vector(model.home if posture is None else posture, model.size, "posture").copy()

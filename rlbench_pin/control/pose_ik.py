@@ -19,7 +19,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from rlbench_pin.control.checks import as_placement, as_vector
+from rlbench_pin.control.checks import as_placement, as_vector, check_made_of
 from rlbench_pin.control.qp.placo_arm import PlacoArm
 from rlbench_pin.errors import NoIkSolution
 from rlbench_pin.robot.model import RobotModel
@@ -80,6 +80,7 @@ class PoseIK:
 
     def __init__(self, model: RobotModel, config: PoseIKConfig = PoseIKConfig()) -> None:
         """Prepare the solver."""
+        check_made_of(model, config, PoseIKConfig)
         self.model, self.config = model, config
         self._arm, self._data = PlacoArm(model), model.arm.createData()
         solver = self._arm.solver

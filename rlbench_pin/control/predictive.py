@@ -27,7 +27,7 @@ import osqp
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from rlbench_pin.control.checks import as_placement, as_state, as_vector
+from rlbench_pin.control.checks import as_placement, as_state, as_vector, check_made_of
 from rlbench_pin.control.qp.constraints import JointBounds
 from rlbench_pin.control.qp.osqp_solver import FIXED
 from rlbench_pin.control.qp.predictive_program import PredictiveProgram, ProgramSize
@@ -118,8 +118,9 @@ class CartesianMPC:
             limits: Joint limits; None takes the arm's.
             posture: Preferred configuration (n,), [rad]; None takes the arm's home.
         """
+        check_made_of(model, config, PredictiveConfig)
         self.model, self.config, self.distances = model, config, distances
-        self.bounds = JointBounds(limits or model.limits, config.dt)
+        self.bounds = JointBounds(model.limits if limits is None else limits, config.dt)
         self.posture = as_vector(model.home if posture is None else posture, model.size, "posture").copy()
         size = ProgramSize(model.size, config.horizon, config.pairs if distances is not None else 0)
         self._program = PredictiveProgram(size, self.bounds, config.change_weight, config.final_weight, config.slack_weight)

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rlbench_pin.control.braking import BrakingCheck
-from rlbench_pin.control.checks import as_state, as_vector
+from rlbench_pin.control.checks import as_state, as_vector, check_made_of
 from rlbench_pin.control.qp.constraints import HOLDS, HeldQuantity, JointBounds
 from rlbench_pin.control.qp.osqp_solver import OsqpSolver
 from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram
@@ -157,12 +157,14 @@ class SafetyFilter:
             solver: Solves the QP; None is OSQP.
             counts: Where to count, which several filters may share; None is a new one.
         """
+        check_made_of(model, config, SafetyConfig)
         self.model, self.config = model, config
-        self.bounds = JointBounds(limits or model.limits, config.dt, config.hold, config.limit_margin)
+        self.bounds = JointBounds(model.limits if limits is None else limits, config.dt, config.hold, config.limit_margin)
         self.distances = DistanceModel(model)
         self.counts = FilterCounts() if counts is None else counts
         self._braking = BrakingCheck(self.distances, self.bounds)
-        self._solver: QPSolver = solver or OsqpSolver(self.bounds.velocity, ROWS, rho=0.1, tolerance=1e-6, iterations=4000)
+        default = OsqpSolver(self.bounds.velocity, ROWS, rho=0.1, tolerance=1e-6, iterations=4000) if solver is None else solver
+        self._solver: QPSolver = default
         self._weight = self.bounds.velocity**-2.0
         self._counts: NDArray[np.bool_] | None = None
         self._allowed = np.zeros(0)

@@ -76,7 +76,7 @@ class PlannerConfig:
         Raises:
             InvalidValue: A number is NaN, of a wrong kind, or outside its range (also a ValueError).
         """
-        if self.algorithm not in ALGORITHMS:
+        if not isinstance(self.algorithm, str) or self.algorithm not in ALGORITHMS:
             raise InvalidValue("PlannerConfig.algorithm", self.algorithm, f"is one of {', '.join(ALGORITHMS)}")
         check_settings(self, _RULES)
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from rlbench_pin.errors import InvalidRequest, OutsideJointLimits
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, PoseLike
-from rlbench_pin.values import SMALLEST_NORM, as_array, as_finite, as_vector
+from rlbench_pin.values import SMALLEST_NORM, as_array, as_finite, as_names, as_vector
 
 FORGIVEN = 1e-3
 """How far beyond its limits a joint may be at the ends of a motion, which then begins or ends at the limit [rad]."""
@@ -67,5 +67,4 @@ def check_generator(rng: object) -> None:
 def check_options(rng: object, allowed: Collection[str]) -> None:
     """Raise InvalidRequest unless `rng` is a generator and `allowed` a collection of names; a text would be its letters."""
     check_generator(rng)
-    if isinstance(allowed, str | bytes) or not isinstance(allowed, Collection) or not all(isinstance(n, str) for n in allowed):
-        raise InvalidRequest("allowed", allowed, "has to be a list of names of bodies", "Write ['cup'] for one.")
+    as_names(allowed, "allowed, the bodies that may be touched,", InvalidRequest)

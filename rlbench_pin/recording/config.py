@@ -13,11 +13,11 @@ from rlbench_pin.environment.episode import drawn_variations
 from rlbench_pin.environment.observations.camera_config import RenderMode
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.errors import InvalidArgument, InvalidCamera, TaskEnvironmentError, UnknownName
+from rlbench_pin.errors import InvalidArgument, InvalidCamera, TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS, PRODUCTS
 from rlbench_pin.sim import RENDERERS, RendererName
 from rlbench_pin.tasks import find_task
-from rlbench_pin.values import as_flag, as_number, as_picture_size, as_seed, as_whole
+from rlbench_pin.values import as_choice, as_flag, as_names, as_number, as_picture_size, as_seed, as_whole
 
 MOST = 10_000_000
 """Episodes, tries and variations of one recording at most."""
@@ -46,7 +46,7 @@ class PictureConfig:
         object.__setattr__(self, "image_size", as_picture_size(self.image_size, "PictureConfig.image_size", InvalidCamera))
         _check_names("camera", self.cameras, CAMERAS)
         _check_names("product", self.products, PRODUCTS)
-        _check_names("renderer", (self.renderer,), RENDERERS)
+        as_choice(self.renderer, "renderer", RENDERERS)
         self.obs_config().check()
 
     def obs_config(self) -> ObservationConfig:
@@ -111,9 +111,7 @@ class RecordConfig:
             as_number(getattr(self, name), name, InvalidArgument, above=0.0)
         for name in ("per_variation", "draw_variations"):
             as_flag(getattr(self, name), name, InvalidArgument)
-        if isinstance(self.tasks, str):
-            raise InvalidArgument("tasks", self.tasks, "has to be a list of names", f"Write ('{self.tasks}',).")
-        if not self.tasks:
+        if not as_names(self.tasks, "tasks", InvalidArgument):
             raise TaskEnvironmentError("No task was named. `rlbench-pin list` prints them.")
 
 
@@ -196,6 +194,5 @@ def item_seed(seed: int, task: str, variation: int, index: int) -> int:
 
 
 def _check_names(kind: str, names: Sequence[str], known: Sequence[str]) -> None:
-    for name in names:
-        if name not in known:
-            raise UnknownName(kind, name, tuple(known))
+    for name in as_names(names, f"PictureConfig.{kind}s", InvalidArgument):
+        as_choice(name, kind, known)

@@ -8,7 +8,7 @@ from functools import partial
 from typing import ClassVar
 
 from rlbench_pin.errors import InvalidValue, UnknownSetting
-from rlbench_pin.values.single import as_flag, as_number, as_whole
+from rlbench_pin.values.single import as_flag, as_number, as_record, as_whole
 
 Rule = Callable[[object, str], object]
 """Takes a value and what it is called; returns the value as it is kept, or raises InvalidValue."""
@@ -38,9 +38,7 @@ def record_of(kind: type) -> Rule:
     """Return the rule of records of one class."""
 
     def rule(value: object, what: str) -> object:
-        if not isinstance(value, kind):
-            raise InvalidValue(what, value, f"has to be a {kind.__name__}")
-        return value
+        return as_record(value, kind, what)
 
     return rule
 

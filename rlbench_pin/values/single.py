@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
+from typing import TypeVar
 
 import numpy as np
 
 from rlbench_pin.errors import InvalidValue, UnknownName
 
+KindT = TypeVar("KindT")
 LARGEST_SEED = 2**63 - 1
 """Stored episodes keep their seed in 64 bits, with a sign."""
 LARGEST_SIDE = 8192
@@ -101,9 +103,10 @@ def as_interval(
     value: object, what: str, error: type[InvalidValue] = InvalidValue, *, finite: bool = True
 ) -> tuple[float, float]:
     """Return a lower and an upper bound, of which the upper is not below the lower; or raise InvalidValue."""
-    if isinstance(value, str | bytes) or not isinstance(value, Sequence | np.ndarray) or len(value) != 2:
+    bounds = items_of(value)
+    if len(bounds) != 2:
         raise error(what, value, "has to be two numbers, the lower bound and the upper bound")
-    low, high = (as_number(bound, what, error, finite=finite) for bound in value)
+    low, high = (as_number(bound, what, error, finite=finite) for bound in bounds)
     if low > high:
         raise error(what, value, "has its lower bound above its upper bound", "Exchange the two.")
     return low, high
@@ -111,11 +114,39 @@ def as_interval(
 
 def as_picture_size(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> tuple[int, int]:
     """Return width and height of a picture [px], from a pair or from one number for both; or raise InvalidValue."""
-    sides = (value, value) if isinstance(value, int | np.integer) else value
-    if isinstance(sides, str | bytes) or not isinstance(sides, Sequence | np.ndarray) or len(sides) != 2:
+    sides = (value, value) if isinstance(value, int | np.integer) else items_of(value)
+    if len(sides) != 2:
         raise error(what, value, "has to be width and height, two whole numbers, or one for both")
     width, height = (as_whole(side, what, error, least=1, most=LARGEST_SIDE) for side in sides)
     return width, height
+
+
+def as_names(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> tuple[str, ...]:
+    """Return a list of names as a tuple, or raise InvalidValue; a single text would mean its letters."""
+    names = tuple(value) if isinstance(value, set | frozenset | dict) else items_of(value)
+    if not all(isinstance(name, str) for name in names) or (not names and not _is_empty(value)):
+        raise error(what, value, "has to be a list of names")
+    if isinstance(value, str | bytes):
+        raise error(what, value, "has to be a list of names", f"Write [{value!r}] for one.")
+    return tuple(str(name) for name in names)
+
+
+def _is_empty(value: object) -> bool:
+    return value.shape == (0,) if isinstance(value, np.ndarray) else isinstance(value, Collection) and len(value) == 0
+
+
+def items_of(value: object) -> tuple[object, ...]:
+    """Return the items of a list, a tuple or a one-dimensional array; nothing for everything else, text among it."""
+    if isinstance(value, np.ndarray):
+        return tuple(value) if value.ndim == 1 else ()
+    return tuple(value) if isinstance(value, Sequence) and not isinstance(value, str | bytes) else ()
+
+
+def as_record(value: object, kind: type[KindT], what: str, error: type[InvalidValue] = InvalidValue) -> KindT:
+    """Return `value`, or raise InvalidValue when it is no `kind`."""
+    if not isinstance(value, kind):
+        raise error(what, value, f"has to be a {kind.__name__}")
+    return value
 
 
 def _range_text(least: float, most: float, above: float = -math.inf) -> str:

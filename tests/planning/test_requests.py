@@ -145,7 +145,7 @@ def test_other_arguments(planner: MotionPlanner) -> None:
         with pytest.raises(InvalidRequest, match="default_rng"):
             planner.plan_to_pose(home, pose, rng=rng)  # type: ignore[arg-type]
     for allowed in ("cup", 5, [1]):
-        with pytest.raises(InvalidRequest, match="names of bodies"):
+        with pytest.raises(InvalidRequest, match="list of names"):
             planner.plan_to_pose(home, pose, rng=_rng(), allowed=allowed)  # type: ignore[arg-type]
     with pytest.raises(InvalidRequest, match="PlannerConfig"):
         MotionPlanner(model, {})  # type: ignore[arg-type]

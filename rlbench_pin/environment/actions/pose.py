@@ -17,12 +17,12 @@ from rlbench_pin.environment.actions.mode import PartMode, as_action, checked
 from rlbench_pin.environment.actions.specification import POSE_NAMES, POSE_UNITS, ActionSpec
 from rlbench_pin.environment.motion import follow
 from rlbench_pin.environment.runtime import TIP_WORKSPACE, Runtime
-from rlbench_pin.errors import InvalidActionError, PlanningError
+from rlbench_pin.errors import InvalidActionError, PlanningError, shown
 from rlbench_pin.planning.kinematics.ik import solve_ik
 from rlbench_pin.planning.kinematics.pinned_ik import solve_pinned_ik
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.values import as_flag, as_number, as_whole
+from rlbench_pin.values import as_flag, as_number, as_whole, items_of
 
 IK_DONE = 0.01
 """Joint error at which an IK action ends [rad]."""
@@ -177,10 +177,11 @@ class ERJointViaIK(PoseMode):
         delta_angle: bool = False,
     ) -> None:
         super().__init__(absolute_mode, frame, collision_checking)
-        self.commanded_joints = tuple(as_whole(joint, "a commanded joint", least=0, most=99) for joint in commanded_joints)
+        joints = items_of(commanded_joints)
+        self.commanded_joints = tuple(as_whole(joint, "a commanded joint", least=0, most=99) for joint in joints)
         self.eps, self.delta_angle = as_number(eps, "eps", above=0.0), as_flag(delta_angle, "delta_angle")
-        if len(set(self.commanded_joints)) != len(self.commanded_joints):
-            raise InvalidActionError(f"Joints are commanded once each, not {self.commanded_joints}.")
+        if len(set(joints)) != len(joints) or (not joints and not isinstance(commanded_joints, list | tuple)):
+            raise InvalidActionError(f"commanded_joints are indices of joints, each once, not {shown(commanded_joints)}.")
         if delta_angle and absolute_mode:
             raise InvalidActionError("delta_angle=True needs absolute_mode=False.")
 

@@ -76,5 +76,5 @@ class CameraConfig(Settings):
         width, height = self.image_size
         if width < 1 or height < 1:
             raise CameraError(f"Camera '{name}' has image_size {self.image_size}; width and height must be at least 1 px.")
-        if self.render_mode not in ("opengl", "opengl3"):
+        if not isinstance(self.render_mode, str) or self.render_mode not in ("opengl", "opengl3"):
             raise UnknownName("render mode", str(self.render_mode), ("opengl", "opengl3"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from fnmatch import fnmatchcase
@@ -12,8 +12,8 @@ from typing import ClassVar
 import numpy as np
 
 from rlbench_pin.assets import asset_path
-from rlbench_pin.errors import CameraError, InvalidValue, TaskEnvironmentError, shown
-from rlbench_pin.values import FLAG, NOT_NEGATIVE, Rule, Settings, as_interval, ruled
+from rlbench_pin.errors import CameraError, InvalidValue, TaskEnvironmentError
+from rlbench_pin.values import FLAG, NOT_NEGATIVE, Rule, Settings, as_interval, as_names, ruled
 
 _PICTURES = (".png", ".jpg", ".jpeg")
 
@@ -44,8 +44,10 @@ class NoTextures(CameraError, RuntimeError):
 def _as_patterns(value: object, what: str) -> object:
     if value is None:
         return None
-    if isinstance(value, str | bytes) or not isinstance(value, Collection) or not all(isinstance(v, str) for v in value):
-        raise RandomizationMisused(f"{what} has to be a list of names, or None. Got {shown(value)}.")
+    try:
+        as_names(value, what)
+    except InvalidValue as error:
+        raise RandomizationMisused(str(error)) from error
     return value
 
 
@@ -123,6 +125,8 @@ class VisualRandomizationConfig(RandomizationConfig):
         camera_shift: float = 0.0,
         camera_turn: float = 0.0,
     ) -> None:
+        if image_directory is not None and not isinstance(image_directory, str | Path):
+            raise RandomizationMisused(f"image_directory is the path of a folder, or None, not {image_directory!r}.")
         super().__init__(whitelist=whitelist, blacklist=blacklist, randomize_arm=randomize_arm)
         self.image_directory = asset_path("textures") if image_directory is None else Path(image_directory)
         self.textures, self.light, self.camera_shift, self.camera_turn = textures, light, camera_shift, camera_turn

@@ -56,7 +56,7 @@ class Lighting:
     """Brightness of a white surface that no light reaches."""
 
     def __post_init__(self) -> None:
-        if not isinstance(self.key, Light) or not all(isinstance(fill, Light) for fill in self.fills):
+        if not isinstance(self.fills, tuple | list) or not all(isinstance(light, Light) for light in (self.key, *self.fills)):
             raise CameraError("The key light and the fills of a `Lighting` are `Light`s.")
         as_number(self.ambient, "Lighting.ambient", InvalidCamera)
         if not 0.0 < self.ambient <= 1.0:
