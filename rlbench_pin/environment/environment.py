@@ -30,7 +30,7 @@ from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import RENDERERS, RendererName, World
 from rlbench_pin.tasks import Task, task_class
-from rlbench_pin.values import as_choice, as_number, as_seed
+from rlbench_pin.values import as_choice, as_number, as_record, as_seed
 
 _SCENE_DATA = {"intrinsics": "intrinsics", "extrinsics": "extrinsics", "near_plane": "near", "far_plane": "far"}
 """Name in the data of a scene -> name in `misc`."""
@@ -138,6 +138,8 @@ class Environment:
             UnknownName: No task has this name; names the nearest.
         """
         chosen = task_class(task) if isinstance(task, str) else task
+        if not isinstance(chosen, type) or not issubclass(chosen, Task):
+            raise InvalidArgument("task", task, "has to be the name of a task, or its class", "`rlbench-pin list` has the names.")
         if self._model is None:
             self.launch()
         assert self._model is not None
@@ -188,7 +190,7 @@ class Environment:
             UnknownName: No task has this name.
         """
         wanted = StoredSelection(amount, variation_number, image_paths, random_selection, from_episode_number)
-        name = task_class(task_name).get_name()
+        name = task_class(as_record(task_name, str, "task_name", InvalidArgument)).get_name()
         return read_stored_demos(self._dataset_root, name, wanted, self._obs_config, self._seeds)
 
     def get_task_descriptions_with_episode(self, task_name: str, episode_number: int) -> list[str]:
@@ -198,7 +200,8 @@ class Environment:
             DatasetError: There is no dataset root, or no such episode.
             UnknownName: No task has this name.
         """
-        return read_stored_descriptions(self._dataset_root, task_class(task_name).get_name(), episode_number)
+        name = task_class(as_record(task_name, str, "task_name", InvalidArgument)).get_name()
+        return read_stored_descriptions(self._dataset_root, name, episode_number)
 
     # What it offers ---------------------------------------------------------------------------------------------
 

@@ -10,7 +10,7 @@ from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.environment import demos
 from rlbench_pin.environment.actions.action_mode import ActionMode
 from rlbench_pin.environment.demonstrate import DemoOutcome
-from rlbench_pin.environment.episode import EnvironmentState, EpisodeOrigin, EpisodeRandom, checked_seed, demo_seeds
+from rlbench_pin.environment.episode import MOST_DEMOS, EnvironmentState, EpisodeOrigin, EpisodeRandom, checked_seed, demo_seeds
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.randomization.randomizer import Randomizer
 from rlbench_pin.environment.reset import start_episode
@@ -20,7 +20,7 @@ from rlbench_pin.errors import InvalidArgument, NoShapedReward, NotReset, TaskEn
 from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.sim import World
 from rlbench_pin.tasks import Task
-from rlbench_pin.values import LARGEST_SEED, as_whole
+from rlbench_pin.values import LARGEST_SEED, as_record, as_whole
 
 MAX_DEMO_ATTEMPTS = 10
 """Tries per live demonstration."""
@@ -141,7 +141,7 @@ class TaskEnvironment:
             ResetError: The task could not be placed.
         """
         if demo is not None:
-            return self.reset_to_demo(demo)
+            return self.reset_to_demo(as_record(demo, Demo, "demo", InvalidArgument))
         if variation is not None:
             self.set_variation(variation)
         seed = int(self._seeds.integers(2**31)) if seed is None else checked_seed(seed)
@@ -251,7 +251,7 @@ class TaskEnvironment:
             lambda s, attempt: self.try_demo(seed=s, attempt=attempt, on_frame=callable_each_step),
             self.task,
             demo_seeds(amount, seed, self._seeds),
-            as_whole(max_attempts, "max_attempts", InvalidArgument, least=1),
+            as_whole(max_attempts, "max_attempts", InvalidArgument, least=1, most=MOST_DEMOS),
         )
 
     def try_demo(

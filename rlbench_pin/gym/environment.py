@@ -29,7 +29,7 @@ from rlbench_pin.gym.window import Window, why_no_window
 from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.sim import CameraView, RendererName, look_at
 from rlbench_pin.tasks import Task
-from rlbench_pin.values import as_picture_size, as_whole
+from rlbench_pin.values import as_picture_size, as_record, as_whole
 
 OBSERVATION_MODES = ("state", "vision")
 RENDER_MODES = ("rgb_array", "human")
@@ -225,7 +225,7 @@ def _own_copy(mode: ActionMode | None) -> ActionMode:
 
 
 def _checked_options(options: Mapping[str, Any] | None) -> Mapping[str, Any]:
-    chosen = dict(options or {})
+    chosen = dict(as_record({} if options is None else options, Mapping, "options", InvalidArgument))  # type: ignore[type-abstract]
     for name in chosen:
         if name not in RESET_OPTIONS:
             raise UnknownName("reset option", str(name), RESET_OPTIONS)
@@ -243,5 +243,5 @@ class UnknownChoice(UnknownName, ValueError):
 
 
 def _check_choice(kind: str, value: object, choices: tuple[str, ...]) -> None:
-    if value not in choices:
+    if not isinstance(value, str) or value not in choices:
         raise UnknownChoice(kind, str(value), choices)

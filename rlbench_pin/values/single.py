@@ -150,7 +150,6 @@ def as_record(value: object, kind: type[KindT], what: str, error: type[InvalidVa
 
 
 def _range_text(least: float, most: float, above: float = -math.inf) -> str:
-    parts = [f">= {least:.16g}"] if least > -math.inf else []
-    parts += [f"> {above:.16g}"] if above > -math.inf else []
-    parts += [f"<= {most:.16g}"] if most < math.inf else []
-    return "".join(f"{' and' if i else ''} {part}" for i, part in enumerate(parts))
+    bounds = ((">=", least), (">", above), ("<=", most))
+    parts = [f"{sign} {bound if isinstance(bound, int) else f'{bound:.6g}'}" for sign, bound in bounds if not math.isinf(bound)]
+    return f" {' and '.join(parts)}" if parts else ""

@@ -141,3 +141,30 @@ def test_motions_begin_where_motors_have_overshot(reach: TaskEnvironment) -> Non
     runtime.robot.reset_configuration(q)
     with pytest.raises(OutsideJointLimits, match="panda_joint4"):
         runtime.planner.plan_to_configuration(runtime.measured_start, home, rng=np.random.default_rng(0))
+
+
+@pytest.mark.simulation
+def test_every_call_refuses_by_an_error_of_ours(reach: TaskEnvironment) -> None:
+    """Whatever is given in place of a seed, a number, a demonstration, a task or a name of a camera."""
+    hostile = (None, float("nan"), -2, 1.5, "x", [], {}, object(), 10**400, 1j, int, np.ma.masked, np.datetime64("now"))
+    calls = {
+        "demo": lambda x: reach.reset(x if x is not None else 3),
+        "variation": reach.set_variation,
+        "step": reach.step,
+        "state": reach.set_state,
+        "seed": lambda x: reach.try_demo(seed=x, record=False),
+        "attempt": lambda x: reach.try_demo(seed=0, attempt=x, record=False),
+        "stored": reach.get_demos,
+        "live": lambda x: reach.get_demos(x, live_demos=True),
+        "tries": lambda x: reach.get_demos(1, live_demos=True, max_attempts=x),
+        "camera": lambda x: reach.runtime.cameras[x],
+        "camera pose": lambda x: reach.runtime.cameras["front"].set_pose(x),
+    }
+    with Environment(MoveArmThenGripper(JointPosition(), Discrete())) as environment:
+        calls["task"] = environment.get_task
+        calls["name"] = lambda x: environment.get_demos(x, 1)
+        for name, call in calls.items():
+            for value in hostile:
+                with pytest.raises(RlbenchPinError):
+                    call(value)
+                    pytest.fail(f"{name} takes {value!r}")

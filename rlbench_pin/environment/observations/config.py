@@ -18,7 +18,7 @@ from rlbench_pin.robot import RobotModel
 from rlbench_pin.sim import Lighting, World
 from rlbench_pin.spatial import FloatArray, pose_to_matrix
 from rlbench_pin.tasks import Task
-from rlbench_pin.values import FLAG, Rule, Settings, record_of, ruled
+from rlbench_pin.values import FLAG, Rule, Settings, as_choice, record_of, ruled
 
 JOINT_SPEED = 100.0
 """The simulator lets no joint turn faster [rad/s]."""
@@ -171,9 +171,7 @@ class ObservationConfig(Settings):
             UnknownName: There is no such camera; names the nearest.
         """
         known = self.all_cameras()
-        if name not in known:
-            raise UnknownName("camera", name, tuple(known))
-        return known[name]
+        return known[as_choice(name, "camera", tuple(known))]
 
     def add_camera(self, name: str, camera: ExtraCamera) -> ExtraCamera:
         """Add a camera; its pictures become attributes `<name>_rgb` and so on of observations.
