@@ -13,6 +13,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from rlbench_pin.errors import InvalidValue
+
 FloatArray = NDArray[np.float64]
 PoseLike = Sequence[float] | FloatArray
 
@@ -30,9 +32,20 @@ IDENTITY.setflags(write=False)
 
 
 def pose_to_se3(pose: PoseLike) -> pin.SE3:
-    """Convert a pose (7,) to `pin.SE3`; the quaternion is normalised."""
+    """Convert a pose (7,) to `pin.SE3`; the quaternion is normalised.
+
+    Raises:
+        InvalidValue: It has another shape, or its quaternion is zero or not finite (also a ValueError).
+    """
     p = np.asarray(pose, dtype=float)
-    return pin.XYZQUATToSE3(np.concatenate([p[:3], p[3:] / np.linalg.norm(p[3:])]))
+    if p.shape != (7,):
+        raise InvalidValue("A pose", pose, f"has to have shape (7,), not {p.shape}", "Write [x, y, z, qx, qy, qz, qw].")
+    norm = np.linalg.norm(p[3:])
+    if not 0.0 < norm < np.inf:
+        raise InvalidValue(
+            "A pose", pose, f"has a quaternion of norm {norm}", "No rotation is [0, 0, 0, 1]; the order is x, y, z, w."
+        )
+    return pin.XYZQUATToSE3(np.concatenate([p[:3], p[3:] / norm]))
 
 
 def se3_to_pose(transform: pin.SE3) -> FloatArray:

@@ -97,7 +97,7 @@ def plan_to(
     planner = _planner(runtime, algorithm)
     planner.update(runtime.world.snapshot())
     allowed = () if ignore_collisions else may_be_touched(simulator)
-    q, rng = runtime.robot.joint_positions, runtime.planning_rng
+    q, rng = runtime.measured_start, runtime.planning_rng
     return planner.plan_to_pose(q, pose, straight=straight, ignore_collisions=ignore_collisions, allowed=allowed, rng=rng)
 
 
@@ -115,7 +115,7 @@ def uncollidable(simulator: Simulator) -> list[str]:
 def plan_along(runtime: Runtime, poses: Sequence[FloatArray]) -> Plan:
     """Plan a motion whose tip passes poses (7,) without stopping, as if nothing could be touched."""
     runtime.refresh_planner()
-    return runtime.planner.plan_curve(runtime.robot.joint_positions, list(poses))
+    return runtime.planner.plan_curve(runtime.measured_start, list(poses))
 
 
 def timed(runtime: Runtime, points: FloatArray, pace: Pace) -> Trajectory:

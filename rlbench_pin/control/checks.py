@@ -8,12 +8,19 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from rlbench_pin import values
 from rlbench_pin.errors import InvalidTarget
+from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_record
 
 _FLOAT = np.dtype(float)
-SMALLEST_NORM = 1e-3
-"""A quaternion shorter than this has no direction worth trusting."""
+
+
+def check_made_of(model: object, config: object = None, kind: type = object) -> None:
+    """Raise InvalidValue unless `model` is an arm and `config` a record of `kind`."""
+    as_record(model, RobotModel, "model")
+    as_record(config, kind, "config")
 
 
 def as_vector(value: ArrayLike, size: int, what: str) -> FloatArray:
@@ -22,17 +29,7 @@ def as_vector(value: ArrayLike, size: int, what: str) -> FloatArray:
     Raises:
         InvalidTarget: It has another shape, or holds NaN or infinity.
     """
-    if type(value) is np.ndarray and value.dtype is _FLOAT and value.shape == (size,) and math.isfinite(sum(value.tolist())):
-        return value
-    try:
-        vector = np.asarray(value, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise InvalidTarget(what, value, f"takes {size} numbers") from error
-    if vector.shape != (size,):
-        raise InvalidTarget(what, vector.shape, f"has to have shape ({size},)")
-    if not np.isfinite(vector).all():
-        raise InvalidTarget(what, vector, "has to be finite")
-    return vector
+    return values.as_vector(value, size, what, InvalidTarget)
 
 
 def as_state(q: ArrayLike, v: ArrayLike, size: int) -> tuple[FloatArray, FloatArray]:
@@ -67,7 +64,7 @@ def as_pose(pose: ArrayLike, what: str = "target pose") -> list[float]:
         raise InvalidTarget(what, vector, "has to be finite")
     if -1e-9 < square - 1.0 < 1e-9:
         return numbers
-    if square < SMALLEST_NORM**2:
-        raise InvalidTarget(what, vector, "has a quaternion of norm zero; the order is x, y, z, w")
+    if square < values.SMALLEST_NORM**2:
+        raise InvalidTarget(what, vector, "has a quaternion of norm zero", "The order is x, y, z, w.")
     length = math.sqrt(square)
     return [x, y, z, qx / length, qy / length, qz / length, qw / length]

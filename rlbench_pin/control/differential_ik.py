@@ -28,17 +28,26 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from rlbench_pin.control.checks import as_pose, as_state, as_vector
-from rlbench_pin.control.qp.constraints import HeldQuantity, JointBounds
+from rlbench_pin.control.checks import as_pose, as_state, as_vector, check_made_of
+from rlbench_pin.control.qp.constraints import HOLDS, HeldQuantity, JointBounds
 from rlbench_pin.control.qp.objectives import Manipulability, PostureObjective, TipApproach, TipObjective, moved
 from rlbench_pin.control.qp.placo_arm import PlacoArm
 from rlbench_pin.errors import InfeasibleControl
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, as_choice, check_settings, one_of, record_of, ruled
 
 Target = Callable[[pin.SE3], tuple[pin.SE3, float]]
 """T_world_tip now -> where it should be after the tick, and the larger of distance [m] and angle [rad] to there."""
+
+_RULES = ruled(
+    (POSITIVE, "dt"),
+    (NOT_NEGATIVE, "limit_margin"),
+    (record_of(TipObjective), "tip"),
+    (record_of(PostureObjective), "posture"),
+    (one_of(*HOLDS), "hold"),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,6 +64,10 @@ class DifferentialIKConfig:
     """Distance kept from the joint position limits [rad]."""
     hold: HeldQuantity = "velocity"
     """Whether a velocity command is reached at once and held, linearly over the tick, or anywhere between."""
+
+    def __post_init__(self) -> None:
+        """Raise InvalidValue for a number that is NaN, of a wrong kind, or outside its range (also a ValueError)."""
+        check_settings(self, _RULES)
 
 
 class TipController:
@@ -76,10 +89,11 @@ class TipController:
             limits: Joint limits; None takes the arm's.
             posture: Preferred configuration (n,), [rad]; None takes the arm's home.
         """
+        check_made_of(model, config, DifferentialIKConfig)
         self.model, self.config = model, config
         self._approach = TipApproach(config.tip, config.dt)
         self._manipulability = Manipulability(model.size)
-        self.bounds = JointBounds(limits or model.limits, config.dt, config.hold, config.limit_margin)
+        self.bounds = JointBounds(model.limits if limits is None else limits, config.dt, config.hold, config.limit_margin)
         self.posture = as_vector(model.home if posture is None else posture, model.size, "posture").copy()
 
     def velocity_to_pose(self, q: ArrayLike, v: ArrayLike, pose: ArrayLike) -> FloatArray:
@@ -112,6 +126,7 @@ class TipController:
             InvalidTarget: NaN or a wrong shape.
         """
         q, v = as_state(q, v, self.model.size)
+        as_choice(frame, "frame", ("world", "tip"))
         step = self.config.dt * as_vector(twist, 6, "twist")
 
         def target(now: pin.SE3) -> tuple[pin.SE3, float]:

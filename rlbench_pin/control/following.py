@@ -18,12 +18,13 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rlbench_pin.control.checks import as_state
+from rlbench_pin.control.checks import as_state, check_made_of
 from rlbench_pin.control.qp.constraints import HeldQuantity, JointBounds
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_number
 
 
 class FollowingBackend(Protocol):
@@ -41,7 +42,7 @@ class VelocityFollowing:
 
     def __init__(self, limits: JointLimits, dt: float = 0.05, gain: float = 5.0, hold: HeldQuantity = "velocity") -> None:
         """Choose the tick [s] and the share of the error to remove per second [1/s]."""
-        self.dt, self.gain = dt, gain
+        self.dt, self.gain = dt, as_number(gain, "gain", least=0.0)
         self.bounds = JointBounds(limits, dt, hold)
 
     def command(self, trajectory: Trajectory, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
@@ -57,7 +58,9 @@ class ComputedTorque:
 
     def __init__(self, model: RobotModel, dt: float = 1.0 / 240.0, frequency: float = 20.0) -> None:
         """Choose the tick [s] and omega [rad/s]."""
-        self.model, self.dt, self.frequency = model, dt, frequency
+        check_made_of(model)
+        self.model, self.dt = model, as_number(dt, "the control tick dt [s]", above=0.0)
+        self.frequency = as_number(frequency, "frequency", least=0.0)
 
     def command(self, trajectory: Trajectory, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
         """Return the joint torques (n,), [N m], within the effort limits."""

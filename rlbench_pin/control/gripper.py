@@ -17,7 +17,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 from rlbench_pin.control.checks import as_vector
+from rlbench_pin.errors import InvalidTarget
 from rlbench_pin.robot.description import RobotDescription
+from rlbench_pin.values import POSITIVE, check_settings
 
 GripperState = Literal["moving", "reached", "holding", "stalled"]
 
@@ -51,10 +53,8 @@ class GripperConfig:
         return cls(widest=2.0 * robot.gripper_open, force=robot.gripper_force, dt=dt)
 
     def __post_init__(self) -> None:
-        """Refuse numbers that cannot work."""
-        for name, value in vars(self).items():
-            if not value > 0.0:
-                raise ValueError(f"{name} has to be > 0, not {value}")
+        """Raise InvalidValue for a number that is not finite and > 0 (also a ValueError)."""
+        check_settings(self, dict.fromkeys(vars(self), POSITIVE))
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,12 +93,11 @@ class GripperController:
         """Go to a width [m] between 0 and the widest, with at most `force` [N].
 
         Raises:
-            InvalidTarget: NaN or infinity.
-            ValueError: The force is not > 0.
+            InvalidTarget: NaN or infinity, or a force that is not > 0 (also a ValueError).
         """
         width, limit = as_vector([width, self.config.force if force is None else force], 2, "gripper goal").tolist()
         if limit <= 0.0:
-            raise ValueError(f"a gripping force is > 0 N, not {limit}")
+            raise InvalidTarget("a gripping force [N]", limit, "has to be > 0")
         self.target, self.force = min(max(width, 0.0), self.config.widest), min(limit, self.config.force)
         self.state: GripperState = "moving"
         self._last: float | None = None

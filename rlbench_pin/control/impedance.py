@@ -25,11 +25,12 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 from scipy.linalg import eigh
 
-from rlbench_pin.control.checks import as_placement, as_state, as_vector
+from rlbench_pin.control.checks import as_placement, as_state, as_vector, check_made_of
 from rlbench_pin.control.qp.constraints import JointBounds
 from rlbench_pin.errors import InvalidTarget
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_array, as_number
 
 SINGULAR = 1e-6
 """Added to J M^-1 J^T: bounds Lambda near singularities."""
@@ -52,9 +53,11 @@ def as_stiffness(value: ArrayLike, size: int) -> FloatArray:
     Raises:
         InvalidTarget: It is not finite, not symmetric, or negative in some direction.
     """
-    array = np.asarray(value, dtype=float)
+    array = as_array(value, "stiffness", InvalidTarget)
+    if array.shape not in ((), (size,), (size, size)):
+        raise InvalidTarget("stiffness", value, f"has to be finite: a number, ({size},) or ({size}, {size})")
     matrix = array if array.ndim == 2 else np.diag(np.broadcast_to(array, size))
-    if matrix.shape != (size, size) or not np.isfinite(matrix).all():
+    if not np.isfinite(matrix).all():
         raise InvalidTarget("stiffness", value, f"has to be finite: a number, ({size},) or ({size}, {size})")
     if not np.allclose(matrix, matrix.T) or np.linalg.eigvalsh(matrix)[0] < 0.0:
         raise InvalidTarget("stiffness", value, "has to be symmetric and without negative directions")
@@ -86,7 +89,8 @@ class JointImpedance:
 
     def __init__(self, model: RobotModel, stiffness: ArrayLike = 100.0, damping_ratio: float = 1.0, dt: float = TICK) -> None:
         """Choose stiffness [N m/rad]: one number, (n,) or (n, n); the damping ratio; and how long torques are held [s]."""
-        self.model, self.damping_ratio = model, damping_ratio
+        check_made_of(model)
+        self.model, self.damping_ratio = model, as_number(damping_ratio, "damping_ratio", least=0.0)
         self.stiffness = stiffness
         self._stop_in_time = StopInTime(model, dt)
 
@@ -151,7 +155,9 @@ class CartesianImpedance:
             posture: Where it pulls (n,), [rad]; None is home.
             dt: How long torques are held [s].
         """
-        self.model, self.damping_ratio, self.posture_stiffness = model, damping_ratio, posture_stiffness
+        check_made_of(model)
+        self.model, self.damping_ratio = model, as_number(damping_ratio, "damping_ratio", least=0.0)
+        self.posture_stiffness = as_number(posture_stiffness, "posture_stiffness", least=0.0)
         self.posture = as_vector(model.home if posture is None else posture, model.size, "posture").copy()
         self.stiffness = stiffness
         self._stop_in_time = StopInTime(model, dt)

@@ -27,7 +27,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from rlbench_pin.control.checks import as_placement, as_state, as_vector
+from rlbench_pin.control.checks import as_placement, as_state, as_vector, check_made_of
 from rlbench_pin.control.qp.constraints import JointBounds
 from rlbench_pin.control.qp.osqp_solver import OsqpSolver
 from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram
@@ -35,6 +35,12 @@ from rlbench_pin.errors import InfeasibleControl
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, check_settings, ruled
+
+_RULES = ruled(
+    (POSITIVE, "dt tip_frequency pull turning_pull rotation_weight"),
+    (NOT_NEGATIVE, "posture_frequency posture_weight limit_margin"),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,6 +63,10 @@ class OperationalSpaceConfig:
     """w."""
     limit_margin: float = 0.0
     """Distance kept from the joint position limits [rad]."""
+
+    def __post_init__(self) -> None:
+        """Raise InvalidValue for a number that is NaN, of a wrong kind, or outside its range (also a ValueError)."""
+        check_settings(self, _RULES)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -92,12 +102,13 @@ class OperationalSpaceQP:
             posture: Preferred configuration (n,), [rad]; None takes the arm's home.
             solver: Solves the QP; None is OSQP.
         """
+        check_made_of(model, config, OperationalSpaceConfig)
         self.model, self.config = model, config
-        self.limits = limits or model.limits
+        self.limits = model.limits if limits is None else limits
         self.posture = as_vector(model.home if posture is None else posture, model.size, "posture").copy()
         self.bounds = JointBounds(self.limits, config.dt, "acceleration", config.limit_margin)
         default = OsqpSolver(self.limits.acceleration, model.size, rho=3e-3, tolerance=1e-7, iterations=10_000)
-        self._solver: QPSolver = solver or default
+        self._solver: QPSolver = default if solver is None else solver
         self._weights = np.repeat([1.0, config.rotation_weight], 3)
 
     def command(

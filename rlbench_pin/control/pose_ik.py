@@ -19,11 +19,18 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from rlbench_pin.control.checks import as_placement, as_vector
+from rlbench_pin.control.checks import as_placement, as_vector, check_made_of
 from rlbench_pin.control.qp.placo_arm import PlacoArm
 from rlbench_pin.errors import NoIkSolution
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, check_settings, counted, ruled
+
+_RULES = ruled(
+    (POSITIVE, "position_tolerance rotation_tolerance rotation_weight step"),
+    (NOT_NEGATIVE, "damping"),
+    (counted(1), "steps patience starts"),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,6 +54,10 @@ class PoseIKConfig:
     starts: int = 60
     """Descents at most; the first begins at the given configuration."""
 
+    def __post_init__(self) -> None:
+        """Raise InvalidValue for a number that is NaN, of a wrong kind, or outside its range (also a ValueError)."""
+        check_settings(self, _RULES)
+
 
 @dataclass(frozen=True, eq=False)
 class PoseSolution:
@@ -69,6 +80,7 @@ class PoseIK:
 
     def __init__(self, model: RobotModel, config: PoseIKConfig = PoseIKConfig()) -> None:
         """Prepare the solver."""
+        check_made_of(model, config, PoseIKConfig)
         self.model, self.config = model, config
         self._arm, self._data = PlacoArm(model), model.arm.createData()
         solver = self._arm.solver

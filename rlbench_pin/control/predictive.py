@@ -27,7 +27,7 @@ import osqp
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from rlbench_pin.control.checks import as_placement, as_state, as_vector
+from rlbench_pin.control.checks import as_placement, as_state, as_vector, check_made_of
 from rlbench_pin.control.qp.constraints import JointBounds
 from rlbench_pin.control.qp.osqp_solver import FIXED
 from rlbench_pin.control.qp.predictive_program import PredictiveProgram, ProgramSize
@@ -36,6 +36,15 @@ from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, as_array, check_settings, counted, ruled
+
+_RULES = ruled(
+    (POSITIVE, "dt tolerance"),
+    (NOT_NEGATIVE, "position_weight rotation_weight change_weight posture_weight final_weight slack_weight margin self_margin"),
+    (counted(1, 1000), "horizon"),
+    (counted(0, 1000), "pairs"),
+    (counted(1, 10_000_000), "iterations"),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,6 +77,10 @@ class PredictiveConfig:
     """Residual at which OSQP stops."""
     iterations: int = 4000
     """Iterations of OSQP at most."""
+
+    def __post_init__(self) -> None:
+        """Raise InvalidValue for a number that is NaN, of a wrong kind, or outside its range (also a ValueError)."""
+        check_settings(self, _RULES)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -105,8 +118,9 @@ class CartesianMPC:
             limits: Joint limits; None takes the arm's.
             posture: Preferred configuration (n,), [rad]; None takes the arm's home.
         """
+        check_made_of(model, config, PredictiveConfig)
         self.model, self.config, self.distances = model, config, distances
-        self.bounds = JointBounds(limits or model.limits, config.dt)
+        self.bounds = JointBounds(model.limits if limits is None else limits, config.dt)
         self.posture = as_vector(model.home if posture is None else posture, model.size, "posture").copy()
         size = ProgramSize(model.size, config.horizon, config.pairs if distances is not None else 0)
         self._program = PredictiveProgram(size, self.bounds, config.change_weight, config.final_weight, config.slack_weight)
@@ -166,7 +180,7 @@ class CartesianMPC:
         return PredictiveCommand(velocity, nominal + deviations, float(slacks.max(initial=0.0)), False)
 
     def _goals(self, reference: ArrayLike) -> list[pin.SE3]:
-        poses = np.asarray(reference, dtype=float)
+        poses = as_array(reference, "reference", InvalidTarget)
         if poses.ndim == 1:
             return [as_placement(poses, "reference")] * self.config.horizon
         if poses.shape != (self.config.horizon, 7):

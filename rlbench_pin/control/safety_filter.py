@@ -29,8 +29,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rlbench_pin.control.braking import BrakingCheck
-from rlbench_pin.control.checks import as_state, as_vector
-from rlbench_pin.control.qp.constraints import HeldQuantity, JointBounds
+from rlbench_pin.control.checks import as_state, as_vector, check_made_of
+from rlbench_pin.control.qp.constraints import HOLDS, HeldQuantity, JointBounds
 from rlbench_pin.control.qp.osqp_solver import OsqpSolver
 from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram
 from rlbench_pin.errors import InfeasibleControl
@@ -39,6 +39,7 @@ from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.robot.motion_bounds import IndexArray
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, check_settings, one_of, ruled
 
 Reason = Literal["limits", "distance", "braking", "infeasible"]
 """Why a command was changed: joint limits; velocity dampers; the way to standstill was not clear; the QP had no solution."""
@@ -49,6 +50,12 @@ ROWS = 32
 NO_PAIRS: IndexArray = np.zeros(0, dtype=np.intp)
 SLACK = 1e-5
 """How much nearer than it is a pair below the minimum may come [m]."""
+
+_RULES = ruled(
+    (POSITIVE, "dt gain"),
+    (NOT_NEGATIVE, "margin self_margin buffer influence recovery_speed limit_margin"),
+    (one_of(*HOLDS), "hold"),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,6 +80,10 @@ class SafetyConfig:
     """Speed at which pairs below the minimum are made to separate, at most [m/s]."""
     limit_margin: float = 0.0
     """Distance kept from the joint position limits [rad]."""
+
+    def __post_init__(self) -> None:
+        """Raise InvalidValue for a number that is NaN, of a wrong kind, or outside its range (also a ValueError)."""
+        check_settings(self, _RULES)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -146,12 +157,14 @@ class SafetyFilter:
             solver: Solves the QP; None is OSQP.
             counts: Where to count, which several filters may share; None is a new one.
         """
+        check_made_of(model, config, SafetyConfig)
         self.model, self.config = model, config
-        self.bounds = JointBounds(limits or model.limits, config.dt, config.hold, config.limit_margin)
+        self.bounds = JointBounds(model.limits if limits is None else limits, config.dt, config.hold, config.limit_margin)
         self.distances = DistanceModel(model)
         self.counts = FilterCounts() if counts is None else counts
         self._braking = BrakingCheck(self.distances, self.bounds)
-        self._solver: QPSolver = solver or OsqpSolver(self.bounds.velocity, ROWS, rho=0.1, tolerance=1e-6, iterations=4000)
+        default = OsqpSolver(self.bounds.velocity, ROWS, rho=0.1, tolerance=1e-6, iterations=4000) if solver is None else solver
+        self._solver: QPSolver = default
         self._weight = self.bounds.velocity**-2.0
         self._counts: NDArray[np.bool_] | None = None
         self._allowed = np.zeros(0)
@@ -185,9 +198,10 @@ class SafetyFilter:
 
     def filter_acceleration(self, q: ArrayLike, v: ArrayLike, wanted: ArrayLike) -> SafeCommand:
         """Like `filter` for a wanted joint acceleration (n,), [rad/s^2]; the command is the velocity at the end of the tick."""
-        return self.filter(
-            q, v, np.asarray(v, dtype=float) + self.config.dt * as_vector(wanted, self.model.size, "wanted acceleration")
+        now, change = (
+            as_vector(x, self.model.size, what) for x, what in ((v, "joint velocity"), (wanted, "wanted acceleration"))
         )
+        return self.filter(q, now, now + self.config.dt * change)
 
     # Proposing ----------------------------------------------------------------------------------------------------
 

@@ -6,8 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from rlbench_pin.errors import InvalidValue
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_number
+
+MOST_TICKS = 10_000_000
 
 
 class TrajectoryTracker(Iterator[FloatArray]):
@@ -19,8 +23,10 @@ class TrajectoryTracker(Iterator[FloatArray]):
 
     def __init__(self, trajectory: Trajectory, dt: float, least_speed: float = 0.0) -> None:
         """Start before the first command; a command per `dt` [s]; `least_speed` in [rad/s]."""
-        if dt <= 0.0:
-            raise ValueError(f"the control tick is > 0 s, not {dt}")
+        as_number(dt, "the control tick dt [s]", above=0.0)
+        as_number(least_speed, "least_speed", least=0.0)
+        if trajectory.duration > MOST_TICKS * dt:
+            raise InvalidValue("the control tick dt [s]", dt, f"makes too many commands of {trajectory.duration:.4g} s")
         self.trajectory, self.dt = trajectory, dt
         self._times = _even_times(trajectory, dt) if least_speed <= 0.0 else _brisk_times(trajectory, dt, least_speed)
         self.ticks = len(self._times)

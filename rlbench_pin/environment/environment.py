@@ -24,7 +24,7 @@ from rlbench_pin.environment.randomization.randomizer import Randomizer
 from rlbench_pin.environment.runtime import EmptyTable, Runtime, build_runtime
 from rlbench_pin.environment.stored import StoredSelection, read_stored_demos, read_stored_descriptions
 from rlbench_pin.environment.task_environment import TaskEnvironment
-from rlbench_pin.errors import DatasetError, EnvironmentClosed, TaskEnvironmentError, UnknownName
+from rlbench_pin.errors import DatasetError, EnvironmentClosed, InvalidArgument, TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS, Demo
 from rlbench_pin.planning.planner import PlannerConfig
 from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
@@ -32,6 +32,7 @@ from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import RENDERERS, RendererName, World
 from rlbench_pin.tasks import Task, find_task
+from rlbench_pin.values import as_choice, as_number, as_record, as_seed
 
 _SCENE_DATA = {"intrinsics": "intrinsics", "extrinsics": "extrinsics", "near_plane": "near", "far_plane": "far"}
 """Name in the data of a scene -> name in `misc`."""
@@ -60,6 +61,7 @@ class Environment:
 
     Raises:
         DatasetError: `dataset_root` does not exist (also a RuntimeError).
+        InvalidArgument: A number, a seed or a record of settings is none (also a ValueError).
         UnknownRobot: No such arm (also a ValueError).
     """
 
@@ -83,22 +85,22 @@ class Environment:
         seed: int | None = None,
         renderer: RendererName = "cpu",
     ) -> None:
-        if dataset_root and not Path(dataset_root).is_dir():
-            raise DatasetError(f"The dataset root '{dataset_root}' does not exist. Create it, or pass dataset_root=''.")
+        _check_given(action_mode, dataset_root)
         check_randomization(randomize_every, frequency, visual_randomization_config, dynamics_randomization_config)
         self._action_mode, self._dataset_root = action_mode, str(dataset_root)
-        self._obs_config = ObservationConfig() if obs_config is None else obs_config
-        self._obs_config.check()
+        self._obs_config = _checked_settings(obs_config)
         self._randomize_every, self._frequency = randomize_every, frequency
         self._visual, self._dynamics = visual_randomization_config, dynamics_randomization_config
-        if renderer not in RENDERERS:
-            raise UnknownName("renderer", str(renderer), RENDERERS)
+        as_choice(renderer, "renderer", RENDERERS)
         self._renderer = renderer
         self._static_positions, self._shaped_rewards = static_positions, shaped_rewards
         self._robot = robot_description(robot_setup)
         self._attach_grasped_objects = attach_grasped_objects
-        self._planner_config = PlannerConfig(max_velocity=arm_max_velocity, max_acceleration=arm_max_acceleration)
-        self._seeds = np.random.default_rng(seed)
+        self._planner_config = PlannerConfig(
+            max_velocity=as_number(arm_max_velocity, "arm_max_velocity", InvalidArgument, above=0.0),
+            max_acceleration=as_number(arm_max_acceleration, "arm_max_acceleration", InvalidArgument, above=0.0),
+        )
+        self._seeds = np.random.default_rng(None if seed is None else as_seed(seed, "seed", InvalidArgument))
         self._places = CameraPlaces()
         self._model: RobotModel | None = None
         self._runtime: Runtime | None = None
@@ -142,6 +144,10 @@ class Environment:
             TaskError: The file does not exist, cannot be run, or holds no task class named after it.
         """
         chosen = find_task(task) if isinstance(task, str | PathLike) else task
+        if not isinstance(chosen, type) or not issubclass(chosen, Task):
+            raise InvalidArgument(
+                "task", task, "has to be the name of a task, its file, or its class", "`rlbench-pin list` has the names."
+            )
         if self._model is None:
             self.launch()
         assert self._model is not None
@@ -205,6 +211,7 @@ class Environment:
 
     def _stored_name(self, task: str) -> str:
         """Return the name under which demonstrations of a task are stored; no code of a dataset is needed to read them."""
+        task = as_record(task, str, "task_name", InvalidArgument)
         is_stored = self._dataset_root and task.isidentifier() and (Path(self._dataset_root) / task / MANIFEST).is_file()
         return task if is_stored else find_task(task).get_name()
 
@@ -246,6 +253,24 @@ class Environment:
         with World(SceneSpec(format=1), self._robot) as world:
             cameras = Cameras(world, self._robot, self._obs_config, self._places)
             return {f"{name}_camera": _camera_data(cameras[name]) for name in CAMERAS}
+
+
+def _check_given(mode: object, root: object) -> None:
+    if not isinstance(mode, ActionMode):
+        hint = "For example `MoveArmThenGripper(JointVelocity(), Discrete())`."
+        raise InvalidArgument("action_mode", mode, "has to be an ActionMode", hint)
+    if not isinstance(root, str | Path):
+        raise InvalidArgument("dataset_root", root, "has to be the path of a folder, or ''")
+    if root and not Path(root).is_dir():
+        raise DatasetError(f"The dataset root '{root}' does not exist. Create it, or pass dataset_root=''.")
+
+
+def _checked_settings(config: ObservationConfig | None) -> ObservationConfig:
+    if config is not None and not isinstance(config, ObservationConfig):
+        raise InvalidArgument("obs_config", config, "has to be an ObservationConfig, or None for the default settings")
+    chosen = ObservationConfig() if config is None else config
+    chosen.check()
+    return chosen
 
 
 def _camera_data(camera: Camera) -> dict[str, Any] | None:

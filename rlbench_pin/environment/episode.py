@@ -11,7 +11,11 @@ import numpy as np
 
 from rlbench_pin.environment.randomization.sample import RandomizationSample
 from rlbench_pin.environment.runtime import RuntimeState
-from rlbench_pin.errors import TaskEnvironmentError
+from rlbench_pin.errors import InvalidArgument
+from rlbench_pin.values import as_seed, as_whole
+
+MOST_DEMOS = 10_000_000
+"""Live demonstrations of one call at most."""
 
 
 @dataclass(frozen=True)
@@ -63,24 +67,23 @@ def checked_seed(seed: object) -> int:
     """Return `seed` as an int.
 
     Raises:
-        TaskEnvironmentError: It is no whole number, or negative.
+        InvalidArgument: It is no whole number, or not between 0 and 2^63 - 1 (also a TaskEnvironmentError and a ValueError).
     """
-    if not isinstance(seed, int | np.integer) or seed < 0:
-        raise TaskEnvironmentError(f"A seed is a whole number >= 0, not {seed!r}.")
-    return int(seed)
+    return as_seed(seed, "A seed", InvalidArgument)
 
 
 def demo_seeds(amount: int, seed: int | None, rng: np.random.Generator) -> list[int]:
     """Return the seeds of `amount` live demonstrations: counted from `seed`, or drawn when it is None.
 
     Raises:
-        TaskEnvironmentError: `amount` is less than 1, or the seed is no whole number >= 0.
+        InvalidArgument: `amount` is less than 1, or the seed is no whole number >= 0, or one of the others would be too large.
     """
-    if amount < 1:
-        raise TaskEnvironmentError(f"Live demonstrations need an amount of at least 1, not {amount}.")
+    amount = as_whole(amount, "The amount of live demonstrations", InvalidArgument, least=1, most=MOST_DEMOS)
     if seed is None:
         return [int(s) for s in rng.integers(2**31, size=amount)]
-    return list(range(checked_seed(seed), seed + amount))
+    first = checked_seed(seed)
+    checked_seed(first + amount - 1)
+    return list(range(first, first + amount))
 
 
 def drawn_variations(count: int, most: int) -> tuple[int, ...]:

@@ -49,7 +49,7 @@ class LegPlanner:
     def _rank(self, run: Sequence[Waypoint]) -> list[float]:
         runtime = self._runtime
         kept = [w for w in run if not w.skip]
-        choices = rank_turns(runtime.planner, kept, runtime.robot.joint_positions, runtime.robot.tip_pose(), runtime.planning_rng)
+        choices = rank_turns(runtime.planner, kept, runtime.measured_start, runtime.robot.tip_pose(), runtime.planning_rng)
         return [choice.turn for choice in choices]
 
     def plan(self, waypoint: Waypoint, rest: Sequence[Waypoint], turns: Sequence[float]) -> Plan:
@@ -91,7 +91,7 @@ class LegPlanner:
     def _other_goals(self, waypoint: Waypoint, rest: Sequence[Waypoint], turns: Sequence[float]) -> Iterator[tuple[float, Plan]]:
         """Yield plans to other configurations at the same pose, from which the arm can go on, with their turns."""
         runtime, rng = self._runtime, self._runtime.planning_rng
-        q, tip, allowed = runtime.robot.joint_positions, runtime.robot.tip_pose(), runtime.touching()
+        q, tip, allowed = runtime.measured_start, runtime.robot.tip_pose(), runtime.touching()
         limits, ignore = runtime.planner.limits, waypoint.ignore_collisions
         for _ in range(_OTHER_GOALS):
             start = rng.uniform(limits.lower, limits.upper)
@@ -109,7 +109,7 @@ class LegPlanner:
 
     def _plan_turn(self, waypoint: Waypoint, turn: float) -> Plan:
         runtime, rng = self._runtime, self._runtime.planning_rng
-        q = runtime.robot.joint_positions
+        q = runtime.measured_start
         poses = poses_of(waypoint, turn, runtime.robot.tip_pose())
         if waypoint.path == "curve":
             return runtime.planner.plan_curve(q, poses, ignore_collisions=True, rng=rng)

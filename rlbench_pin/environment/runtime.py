@@ -16,6 +16,7 @@ from rlbench_pin.environment.observations.placing import CameraPlaces, Cameras
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.observation import Observation
 from rlbench_pin.planning.planner import MotionPlanner, PlannerConfig
+from rlbench_pin.planning.requests import FORGIVEN
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.spec import SceneSpec
@@ -25,6 +26,8 @@ from rlbench_pin.tasks import Task, task_scene
 
 TIP_WORKSPACE = np.array([[-0.274, -0.655, TABLE_HEIGHT], [0.774, 0.655, TABLE_HEIGHT + 1.0]])
 """Lowest and highest corner of the box that tip targets must lie in [m]."""
+OVERSHOOT = 0.05
+"""How far motors may carry a joint beyond its limit [rad]."""
 
 BoundT = TypeVar("BoundT", covariant=True)
 RuntimeT = TypeVar("RuntimeT", bound="Runtime")
@@ -107,6 +110,17 @@ class Runtime:
     def planning_rng(self) -> np.random.Generator:
         """A generator for one plan. All plans of an episode begin with the same draws: asked again, a motion comes out alike."""
         return np.random.default_rng(self._planning_seed)
+
+    @property
+    def measured_start(self) -> FloatArray:
+        """Where a motion begins: the measured joint positions (n,), [rad], at the limit where motors have overshot one a little.
+
+        Positions farther outside than `OVERSHOOT`, where only a reset can put the arm, stay as they are: planners refuse them.
+        """
+        q, limits = self.robot.joint_positions, self.model.limits
+        if limits.contains(q, FORGIVEN) or not limits.contains(q, OVERSHOOT):
+            return q
+        return np.clip(q, limits.lower, limits.upper)
 
     def instruct(self, instructions: Sequence[str]) -> None:
         """Take over the sentences that say what to do in this episode."""

@@ -13,8 +13,9 @@ from rlbench_pin.datasets.formats.rlbench_reader import folder_demos, folder_des
 from rlbench_pin.datasets.reader import check_there, counted_files
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.stored_pictures import fit, wanted_fields
-from rlbench_pin.errors import DatasetError
+from rlbench_pin.errors import DatasetError, InvalidArgument
 from rlbench_pin.observation import Demo
+from rlbench_pin.values import as_flag, as_whole
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,13 @@ class StoredSelection:
     """Pick at random."""
     from_episode_number: int
     """First episode when not picked at random: an index of the stored ones in natural order."""
+
+    def __post_init__(self) -> None:
+        """Raise InvalidArgument for what is no whole number, or no switch; ranges depend on what is stored."""
+        for name in ("amount", "variation", "from_episode_number"):
+            as_whole(getattr(self, name), name, InvalidArgument)
+        for name in ("image_paths", "random_selection"):
+            as_flag(getattr(self, name), name, InvalidArgument)
 
 
 def read_stored_demos(
@@ -68,7 +76,7 @@ def read_stored_descriptions(dataset_root: str, task_name: str, episode: int) ->
     Raises:
         DatasetError: There is no dataset root, or no such episode.
     """
-    root = _checked_root(dataset_root, "sentences")
+    root, episode = _checked_root(dataset_root, "sentences"), as_whole(episode, "episode", InvalidArgument)
     folders = _holds_folders(root, task_name)
     paths = folder_episodes(root, task_name) if folders else list(counted_files(root, task_name))
     if not 0 <= episode < len(paths):

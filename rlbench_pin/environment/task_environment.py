@@ -10,16 +10,17 @@ from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.environment import demos
 from rlbench_pin.environment.actions.action_mode import ActionMode
 from rlbench_pin.environment.demonstrate import DemoOutcome
-from rlbench_pin.environment.episode import EnvironmentState, EpisodeOrigin, EpisodeRandom, checked_seed, demo_seeds
+from rlbench_pin.environment.episode import MOST_DEMOS, EnvironmentState, EpisodeOrigin, EpisodeRandom, checked_seed, demo_seeds
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.randomization.randomizer import Randomizer
 from rlbench_pin.environment.reset import start_episode
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.stored import StoredSelection, read_stored_demos
-from rlbench_pin.errors import NoShapedReward, NotReset, TaskEnvironmentError
+from rlbench_pin.errors import InvalidArgument, NoShapedReward, NotReset, TaskEnvironmentError
 from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.sim import World
 from rlbench_pin.tasks import Task
+from rlbench_pin.values import LARGEST_SEED, as_record, as_whole
 
 MAX_DEMO_ATTEMPTS = 10
 """Tries per live demonstration."""
@@ -107,14 +108,15 @@ class TaskEnvironment:
         """Choose the variation of the next episodes; -1 draws one for each.
 
         Raises:
-            TaskEnvironmentError: The task has no such variation.
+            TaskEnvironmentError: The task has no such variation, or it is no whole number.
         """
         count = self.variation_count()
+        v = as_whole(v, f"A variation of '{self.get_name()}'", InvalidArgument)
         if not ALL_VARIATIONS <= v < count:
             raise TaskEnvironmentError(
                 f"Task '{self.get_name()}' has no variation {v}: choose 0 to {count - 1}, or -1 to draw one for each episode."
             )
-        self._variation_number = int(v)
+        self._variation_number = v
 
     def get_task_descriptions(self) -> list[str]:
         """Return the instructions of the present episode."""
@@ -139,7 +141,7 @@ class TaskEnvironment:
             ResetError: The task could not be placed.
         """
         if demo is not None:
-            return self.reset_to_demo(demo)
+            return self.reset_to_demo(as_record(demo, Demo, "demo", InvalidArgument))
         if variation is not None:
             self.set_variation(variation)
         seed = int(self._seeds.integers(2**31)) if seed is None else checked_seed(seed)
@@ -202,6 +204,8 @@ class TaskEnvironment:
 
     def set_state(self, state: EnvironmentState) -> Observation:
         """Go back to a moment from `get_state` and observe it."""
+        if not isinstance(state, EnvironmentState):
+            raise InvalidArgument("state", state, "has to be a moment from `get_state()`")
         if self._randomizer is not None:
             self._randomizer.remove()
         self._runtime.restore(state.runtime)
@@ -247,7 +251,7 @@ class TaskEnvironment:
             lambda s, attempt: self.try_demo(seed=s, attempt=attempt, on_frame=callable_each_step),
             self.task,
             demo_seeds(amount, seed, self._seeds),
-            max_attempts,
+            as_whole(max_attempts, "max_attempts", InvalidArgument, least=1, most=MOST_DEMOS),
         )
 
     def try_demo(
@@ -270,7 +274,7 @@ class TaskEnvironment:
         """
         if variation is not None:
             self.set_variation(variation)
-        episode = self._start(checked_seed(seed), attempt)
+        episode = self._start(checked_seed(seed), as_whole(attempt, "attempt", InvalidArgument, least=0, most=LARGEST_SEED))
         gripper = self._obs_config.record_gripper_closing
         return demos.play_demo(self._runtime, episode, record=record, record_gripper=gripper, on_frame=on_frame)
 

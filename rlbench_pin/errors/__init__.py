@@ -7,10 +7,13 @@ A few errors that one module alone raises are defined there, each derived from o
 from __future__ import annotations
 
 from rlbench_pin.errors.base import (
+    InvalidValue,
     MissingExtra,
     RlbenchPinError,
     UnknownName,
+    UnknownSetting,
     nearest_name,
+    shown,
 )
 from rlbench_pin.errors.control import (
     ControlError,
@@ -28,6 +31,8 @@ from rlbench_pin.errors.environment import (
     CameraError,
     EnvironmentClosed,
     InvalidActionError,
+    InvalidArgument,
+    InvalidCamera,
     NoShapedReward,
     NotReset,
     ResetError,
@@ -35,9 +40,11 @@ from rlbench_pin.errors.environment import (
 )
 from rlbench_pin.errors.planning import (
     GoalInCollision,
+    InvalidRequest,
     NoIkSolution,
     NoPath,
     NotStraight,
+    OutsideJointLimits,
     PlanningError,
     ProblemFileError,
     RetimingError,
@@ -71,7 +78,11 @@ __all__ = [
     "GoalInCollision",
     "InfeasibleControl",
     "InvalidActionError",
+    "InvalidArgument",
+    "InvalidCamera",
+    "InvalidRequest",
     "InvalidTarget",
+    "InvalidValue",
     "MissingExtra",
     "NoIkSolution",
     "NoPath",
@@ -79,6 +90,7 @@ __all__ = [
     "NoWaypointsError",
     "NotReset",
     "NotStraight",
+    "OutsideJointLimits",
     "PlanningError",
     "ProblemFileError",
     "ResetError",
@@ -91,7 +103,9 @@ __all__ = [
     "TaskEnvironmentError",
     "TaskError",
     "UnknownName",
+    "UnknownSetting",
     "UntrustedTaskFile",
     "WaypointError",
     "nearest_name",
+    "shown",
 ]

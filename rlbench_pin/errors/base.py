@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Collection, Sequence
+from typing import Any
 
 
 class RlbenchPinError(Exception):
@@ -31,6 +32,43 @@ def _listing(names: Sequence[str], limit: int = 12) -> str:
     shown = ", ".join(sorted(names)[:limit])
     more = len(names) - limit
     return f"{shown or 'none'}, and {more} more" if more > 0 else shown or "none"
+
+
+class UnknownSetting(UnknownName, AttributeError):  # type: ignore[misc]  # both have a `name`
+    """A record of settings has no attribute of that name."""
+
+    def __init__(self, record: str, name: str, known: Collection[str]) -> None:
+        self.record = record
+        super().__init__(f"setting of {record}", name, known)
+        self.name = name  # AttributeError forgets it
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Say how the error is made again: `name` is kept by AttributeError, beside the other attributes."""
+        return type(self), (self.record, self.name, self.known)
+
+
+class InvalidValue(RlbenchPinError, ValueError):
+    """A value cannot be used: a wrong kind, shape or size, NaN, outside its range.
+
+    Args:
+        what: What was given, as users call it.
+        value: The value.
+        problem: What it has to be, or what is wrong with it.
+        hint: What to do.
+    """
+
+    def __init__(self, what: str, value: object, problem: str, hint: str = "") -> None:
+        self.what, self.value, self.problem, self.hint = what, value, problem, hint
+        super().__init__(f"{what} {problem}. Got {shown(value)}.{f' {hint}' if hint else ''}")
+
+
+def shown(value: object, most: int = 120) -> str:
+    """Return a value as text of about `most` letters on one line, whatever it is."""
+    try:
+        text = " ".join(repr(value).split())
+    except Exception:  # objects of users may refuse to be shown
+        text = f"a {type(value).__name__}"
+    return text if len(text) <= most else f"{text[:most]}..."
 
 
 class MissingExtra(RlbenchPinError, ImportError):

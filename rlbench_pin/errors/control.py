@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from rlbench_pin.errors.base import RlbenchPinError
+from rlbench_pin.errors.base import InvalidValue, RlbenchPinError
 
 
 class ControlError(RlbenchPinError):
     """A controller cannot do what it was asked."""
 
 
-class InvalidTarget(ControlError, ValueError):
+class InvalidTarget(ControlError, InvalidValue):
     """A controller was given a target or a state that is not valid: NaN, a wrong shape, a quaternion of norm zero."""
-
-    def __init__(self, what: str, value: object, problem: str) -> None:
-        self.what, self.value = what, value
-        super().__init__(f"{what} {problem}. Got {value!r}.")
 
 
 class InfeasibleControl(ControlError):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rlbench_pin.errors.base import RlbenchPinError
+from rlbench_pin.errors.base import InvalidValue, RlbenchPinError
 
 
 class InvalidActionError(RlbenchPinError):
@@ -13,6 +13,10 @@ class InvalidActionError(RlbenchPinError):
 
 class TaskEnvironmentError(RlbenchPinError):
     """The environment was used in a way that it cannot serve."""
+
+
+class InvalidArgument(TaskEnvironmentError, InvalidValue):
+    """An environment was given a seed, a variation, a number or a setting that means nothing."""
 
 
 class NotReset(TaskEnvironmentError, RuntimeError):
@@ -45,3 +49,7 @@ class EnvironmentClosed(TaskEnvironmentError, RuntimeError):
 
 class CameraError(RlbenchPinError):
     """A camera was asked for something it cannot deliver."""
+
+
+class InvalidCamera(CameraError, InvalidValue):
+    """A camera was given a size, a pose or a setting with which no picture can be taken."""

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rlbench_pin.errors.base import RlbenchPinError
+from rlbench_pin.errors.base import InvalidValue, RlbenchPinError
 
 
 class PlanningError(RlbenchPinError):
@@ -19,6 +19,25 @@ class PlanningError(RlbenchPinError):
     def evidence(self) -> dict[str, object]:
         """What is known about the failure, by name."""
         return dict(vars(self))
+
+
+class InvalidRequest(PlanningError, InvalidValue):
+    """A planner was given something that is no configuration, no pose or no path: NaN, a wrong shape, text."""
+
+    reason = "invalid request"
+
+
+class OutsideJointLimits(PlanningError, ValueError):
+    """A configuration that a motion should begin or end in, or pass, is outside the joint limits."""
+
+    reason = "outside joint limits"
+
+    def __init__(self, what: str, joint: str, value: float, limit: float, tolerance: float) -> None:
+        self.what, self.joint, self.value, self.limit, self.tolerance = what, joint, value, limit, tolerance
+        super().__init__(
+            f"The {what} is outside the joint limits: {joint} is at {value:.6g} rad, {abs(value - limit):.3g} rad beyond its "
+            f"limit of {limit:.6g} rad; {tolerance:g} rad are forgiven. Bring it inside; `model.limits` has all limits."
+        )
 
 
 class NoIkSolution(PlanningError):

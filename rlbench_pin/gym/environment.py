@@ -14,8 +14,9 @@ from gymnasium.utils import EzPickle
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.environment.actions.action_mode import ActionMode, JointPositionActionMode
 from rlbench_pin.environment.environment import Environment
+from rlbench_pin.environment.episode import checked_seed
 from rlbench_pin.environment.task_environment import TaskEnvironment
-from rlbench_pin.errors import InvalidActionError, TaskEnvironmentError, UnknownName
+from rlbench_pin.errors import InvalidActionError, InvalidArgument, InvalidCamera, TaskEnvironmentError, UnknownName
 from rlbench_pin.gym.spaces import (
     VISION_CAMERAS,
     GymObservation,
@@ -29,6 +30,7 @@ from rlbench_pin.gym.window import Window, why_no_window
 from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.sim import CameraView, RendererName, look_at
 from rlbench_pin.tasks import Task
+from rlbench_pin.values import as_picture_size, as_record, as_whole
 
 OBSERVATION_MODES = ("state", "vision")
 RENDER_MODES = ("rgb_array", "human")
@@ -99,7 +101,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         self._window = Window(f"rlbench_pin: {task}") if render_mode == "human" else None
         self._invalid_action, self._shaped_rewards = invalid_action, shaped_rewards
         seen = tuple(cameras) if observation_mode == "vision" else ()
-        size = (int(image_size[0]), int(image_size[1]))
+        size = as_picture_size(image_size, "image_size", InvalidCamera)
         mode, settings = _own_copy(action_mode), observation_settings(seen, size)
         self._environment = Environment(mode, obs_config=settings, shaped_rewards=shaped_rewards, renderer=renderer)
         try:
@@ -141,7 +143,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
             TaskEnvironmentError: No such variation, no demonstration of this task, or both options at once.
             ResetError: The task could not be placed.
         """
-        super().reset(seed=seed)
+        super().reset(seed=None if seed is None else checked_seed(seed))
         chosen = _checked_options(options)
         demo = chosen.get("reset_to_demo")
         if demo is not None:
@@ -227,7 +229,7 @@ def _own_copy(mode: ActionMode | None) -> ActionMode:
 
 
 def _checked_options(options: Mapping[str, Any] | None) -> Mapping[str, Any]:
-    chosen = dict(options or {})
+    chosen = dict(as_record({} if options is None else options, Mapping, "options", InvalidArgument))  # type: ignore[type-abstract]
     for name in chosen:
         if name not in RESET_OPTIONS:
             raise UnknownName("reset option", str(name), RESET_OPTIONS)
@@ -236,8 +238,7 @@ def _checked_options(options: Mapping[str, Any] | None) -> Mapping[str, Any]:
         raise TaskEnvironmentError(f"options['reset_to_demo'] is a Demo, as `get_demos` returns, not {type(demo).__name__}.")
     if demo is not None and "variation" in chosen:
         raise TaskEnvironmentError("A demonstration brings its variation. Pass 'reset_to_demo' or 'variation', not both.")
-    if isinstance(variation, bool) or not isinstance(variation, int | np.integer):
-        raise TaskEnvironmentError(f"options['variation'] is a whole number, -1 to draw one, not {variation!r}.")
+    as_whole(variation, "options['variation'], -1 to draw one,", InvalidArgument)
     return chosen
 
 
@@ -246,5 +247,5 @@ class UnknownChoice(UnknownName, ValueError):
 
 
 def _check_choice(kind: str, value: object, choices: tuple[str, ...]) -> None:
-    if value not in choices:
+    if not isinstance(value, str) or value not in choices:
         raise UnknownChoice(kind, str(value), choices)

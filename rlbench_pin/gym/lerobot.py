@@ -20,13 +20,15 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from rlbench_pin.environment.actions.action_mode import ActionMode, MoveArmThenGripper
 from rlbench_pin.environment.actions.gripper import Discrete
 from rlbench_pin.environment.actions.joint import JointPosition
-from rlbench_pin.errors import TaskEnvironmentError
+from rlbench_pin.environment.episode import checked_seed
+from rlbench_pin.errors import InvalidArgument
 from rlbench_pin.gym.environment import GymnasiumEnv
 from rlbench_pin.gym.ids import MAX_EPISODE_STEPS
 from rlbench_pin.gym.spaces import VISION_CAMERAS, GymObservation
 from rlbench_pin.gym.vector import LazyAsyncVectorEnv
 from rlbench_pin.sim import RendererName
 from rlbench_pin.tasks import find_task, task_names, task_reference, usable_task_names
+from rlbench_pin.values import as_whole
 
 SUITE = "rlbench_pin"
 TASKS_VARIABLE = "RLBENCH_PIN_TASKS"
@@ -95,8 +97,7 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
             self, task, max_episode_steps=max_episode_steps, variation=variation, cameras=cameras, image_size=image_size,
             render_mode=render_mode, action_mode=action_mode, renderer=renderer, like=like,
         )  # fmt: skip
-        if max_episode_steps < 1:
-            raise TaskEnvironmentError(f"An episode has at least one step, not max_episode_steps={max_episode_steps}.")
+        max_episode_steps = as_whole(max_episode_steps, "max_episode_steps", InvalidArgument, least=1)
         self._make = partial(
             GymnasiumEnv,
             task,
@@ -133,7 +134,7 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
         self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, Any]]:
         """Start an episode; see `GymnasiumEnv.reset`."""
-        super().reset(seed=seed)
+        super().reset(seed=None if seed is None else checked_seed(seed))
         wanted = {name: value for name, value in (options or {}).items() if name != NEW_ROLLOUT}
         observation, info = self.world.reset(seed=seed, options=wanted)
         self._steps, self.task_description = 0, info["text_descriptions"][0]
@@ -182,13 +183,12 @@ def make_env(
     Raises:
         UnknownName: No task has this name.
         TaskError: A task file cannot be loaded.
-        TaskEnvironmentError: `n_envs` is less than 1.
+        InvalidArgument: `n_envs` is no whole number, or less than 1 (also a TaskEnvironmentError).
     """
-    if n_envs < 1:
-        raise TaskEnvironmentError(f"A vector environment has at least one environment, not n_envs={n_envs}.")
+    n_envs = as_whole(n_envs, "n_envs", InvalidArgument, least=1, most=10_000)
     names = tuple(dict.fromkeys(task_reference(find_task(name)) for name in (tasks or _wanted_tasks(cfg))))
     if isinstance(cfg, LimitsEpisodes) and cfg.episode_length is not None:
-        settings.setdefault("max_episode_steps", int(cfg.episode_length))
+        settings.setdefault("max_episode_steps", cfg.episode_length)
     probe = LeRobotEnv(names[0], **settings)
     probe.close()
     settings["like"] = (probe.observation_space, probe.action_space)

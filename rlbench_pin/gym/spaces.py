@@ -11,9 +11,10 @@ from gymnasium import spaces
 from rlbench_pin.environment.actions.specification import ActionSpec
 from rlbench_pin.environment.observations.config import LOW_DIM_FIELDS, Instant, ObservationConfig
 from rlbench_pin.environment.runtime import Runtime
-from rlbench_pin.errors import InvalidActionError, TaskError
+from rlbench_pin.errors import InvalidActionError, InvalidValue, TaskError, shown
 from rlbench_pin.observation import LOW_DIM, Observation
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_array
 
 VISION_CAMERAS = ("left_shoulder", "right_shoulder", "wrist", "front")
 """Cameras of vision observations unless others are asked for."""
@@ -99,10 +100,15 @@ def checked_action(action: object, spec: ActionSpec) -> FloatArray:
     Raises:
         InvalidActionError: The shape is wrong, or a number is NaN or infinite. That is the caller's mistake, not the robot's.
     """
-    values = np.array(action, dtype=np.float64)
+    try:
+        values = as_array(action, "An action").copy()
+    except InvalidValue as error:
+        raise InvalidActionError(f"{error} Check the policy's output.") from error
     if values.shape != (spec.size,) or not np.isfinite(values).all():
         names = ", ".join(spec.names)
-        raise InvalidActionError(f"An action is {spec.size} finite numbers ({names}), not {action!r}. Check the policy's output.")
+        raise InvalidActionError(
+            f"An action is {spec.size} finite numbers ({names}), not {shown(action)}. Check the policy's output."
+        )
     where = _quaternion_index(spec.names)
     norm = np.linalg.norm(values[where])
     if where and norm > 1e-6:

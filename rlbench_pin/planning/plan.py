@@ -3,13 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
+from rlbench_pin.errors import InvalidValue
 from rlbench_pin.planning.search.sampling import ALGORITHMS, Algorithm
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import FLAG, NOT_NEGATIVE, POSITIVE, as_number, check_settings, counted, ruled
 
 Method = Literal["straight", "direct", "sampled", "curve"]
+_RULES = ruled(
+    (POSITIVE, "max_velocity max_acceleration"),
+    (NOT_NEGATIVE, "jerk_time margin own_margin clearance"),
+    (partial(as_number, least=1e-4), "edge_step check_step"),
+    (counted(1), "checks ik_starts branches attempts certify_checks"),
+    (counted(0), "simplify_checks"),
+    (counted(0, 1000), "elbows"),
+    (counted(1, 10_000), "region_samples"),
+    (FLAG, "torque_limits certify measure_clearance"),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,13 +71,14 @@ class PlannerConfig:
     """Searches, ever finer, before giving up."""
 
     def __post_init__(self) -> None:
-        """Refuse values that cannot work."""
-        if self.algorithm not in ALGORITHMS:
-            raise ValueError(f"algorithm is one of {', '.join(ALGORITHMS)}, not '{self.algorithm}'")
-        numbers = ("max_velocity", "max_acceleration", "edge_step", "check_step", "checks", "ik_starts", "branches", "attempts")
-        for name in numbers:
-            if getattr(self, name) <= 0:
-                raise ValueError(f"{name} is > 0, not {getattr(self, name)}")
+        """Refuse values that cannot work.
+
+        Raises:
+            InvalidValue: A number is NaN, of a wrong kind, or outside its range (also a ValueError).
+        """
+        if not isinstance(self.algorithm, str) or self.algorithm not in ALGORITHMS:
+            raise InvalidValue("PlannerConfig.algorithm", self.algorithm, f"is one of {', '.join(ALGORITHMS)}")
+        check_settings(self, _RULES)
 
 
 @dataclass(frozen=True, kw_only=True)

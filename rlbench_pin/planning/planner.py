@@ -8,12 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rlbench_pin.errors import GoalInCollision, NoIkSolution, NoPath, NotStraight
+from rlbench_pin.errors import GoalInCollision, InvalidRequest, NoIkSolution, NoPath, NotStraight
 from rlbench_pin.planning.kinematics.goals import PoseRegion, self_motions
 from rlbench_pin.planning.kinematics.ik import cost, solve_ik
 from rlbench_pin.planning.listener import PlanningListeners, PlanRequest
 from rlbench_pin.planning.path import JointPath, along, edge_is_free, through
 from rlbench_pin.planning.plan import Method, Plan, PlannerConfig, PlanReport
+from rlbench_pin.planning.requests import as_configuration, as_goal_poses, check_options
 from rlbench_pin.planning.rules import Rules
 from rlbench_pin.planning.search.around import path_around
 from rlbench_pin.planning.stages import Stages
@@ -41,7 +42,9 @@ class MotionPlanner:
     def __init__(self, model: RobotModel, config: PlannerConfig | None = None) -> None:
         """Prepare a planner of one arm in an empty world; None takes the default settings."""
         self.model = model
-        self.config = config or PlannerConfig()
+        self.config = PlannerConfig() if config is None else config
+        if not isinstance(self.config, PlannerConfig):
+            raise InvalidRequest("config", config, "has to be a PlannerConfig, or None for the default settings")
         self.collision = CollisionModel(model)
         self.torque = TorqueLimits(model) if self.config.torque_limits else None
         self.limits = model.limits.capped(self.config.max_velocity, self.config.max_acceleration)
@@ -49,6 +52,8 @@ class MotionPlanner:
 
     def update(self, snapshot: WorldSnapshot) -> None:
         """Take over the world as it is now."""
+        if not isinstance(snapshot, WorldSnapshot):
+            raise InvalidRequest("snapshot", snapshot, "has to be a WorldSnapshot", "`world.snapshot()` makes one.")
         with self.listeners.update(snapshot):
             self.collision.update(snapshot)
             if self.torque is not None:
@@ -67,7 +72,7 @@ class MotionPlanner:
         """Plan a motion that brings the tip to a pose, or to one of several.
 
         Args:
-            q_start: Where the arm is (n,), [rad].
+            q_start: Where the arm is (n,), [rad]; at most 1e-3 rad beyond the joint limits, then the motion begins at them.
             pose: Goal of the tip in the world (7,), or a list of equally good ones, or a region of them.
             straight: True: only along a straight line of the tip; False: never tried; None: tried first.
             ignore_collisions: Plan as if nothing could be touched.
@@ -75,6 +80,7 @@ class MotionPlanner:
             rng: Draws IK starts, samples and shortcuts.
 
         Raises:
+            InvalidRequest: NaN, a wrong shape, or no numbers; OutsideJointLimits: the start is outside the joint limits.
             NoIkSolution: No pose is within reach.
             StartInCollision: The motion would begin in a forbidden contact.
             GoalInCollision: Every configuration at the goal collides.
@@ -82,9 +88,9 @@ class MotionPlanner:
             NoPath: The goal is free, but no way to it was found.
             RetimingError: The path cannot be timed.
         """
+        q = self._checked(q_start, rng, allowed)
+        poses = pose.sample(self.config.region_samples, rng) if isinstance(pose, PoseRegion) else as_goal_poses(pose)
         with self._open(PlanRequest("pose", q_start, pose, ignore_collisions, tuple(allowed))) as stages:
-            q = self._inside(q_start)
-            poses = pose.sample(self.config.region_samples, rng) if isinstance(pose, PoseRegion) else _as_poses(pose)
             rules = self._rules(stages, q, allowed, ignore_collisions)
             if straight is not False:
                 found = self._straight(stages, q, poses, rules, limit=len(poses) if straight else 2, must=bool(straight))
@@ -103,8 +109,8 @@ class MotionPlanner:
         rng: np.random.Generator,
     ) -> Plan:
         """Plan a motion to a joint configuration (n,), [rad]; raises as `plan_to_pose`."""
+        q, goal = self._checked(q_start, rng, allowed), self._checked(q_goal, rng, allowed, "goal configuration")
         with self._open(PlanRequest("configuration", q_start, q_goal, ignore_collisions, tuple(allowed))) as stages:
-            q, goal = self._inside(q_start), self._inside(q_goal)
             rules = self._rules(stages, q, allowed, ignore_collisions)
             if not ignore_collisions and self.collision.goal_in_collision(goal):
                 pairs, depths = self.collision.penetrations(goal)
@@ -120,13 +126,10 @@ class MotionPlanner:
         allowed: Collection[str] = (),
         rng: np.random.Generator | None = None,
     ) -> Plan:
-        """Plan a motion whose tip passes `poses` (7,), one after the other, without stopping.
-
-        Raises:
-            NotStraight: A joint limit, a singularity or a collision interrupts the curve.
-        """
+        """Plan a motion whose tip passes `poses` (7,) one after the other without stopping; raises as `plan_to_pose`."""
+        unused = np.random.default_rng(0) if rng is None else rng
+        q, poses = self._checked(q_start, unused, allowed), as_goal_poses(poses, "curve")
         with self._open(PlanRequest("curve", q_start, poses, ignore_collisions, tuple(allowed))) as stages:
-            q = self._inside(q_start)
             rules = self._rules(stages, q, allowed, ignore_collisions)
             with stages.stage("straight"):
                 path = through(curve_path(self.model, q, poses, None if rules is None else rules.is_free))
@@ -147,22 +150,23 @@ class MotionPlanner:
             NoIkSolution: None is within reach.
             GoalInCollision: Collisions count, and all configurations collide.
         """
-        collision = None if ignore_collisions else self.collision
+        collision, q = None if ignore_collisions else self.collision, self._checked(q_seed, rng, allowed, "seed configuration")
+        poses = as_goal_poses(pose)
         with self.listeners.reach():
             if collision is not None:
                 collision.clear()
                 collision.allow(allowed)
-            stages, q = Stages(checks=self.collision.checks), self._inside(q_seed)
-            return self._goals(stages, q, _as_poses(pose), rng, collision, branches=1)[0][0]
-
-    # Stages -------------------------------------------------------------------------------------------------------
+            return self._goals(Stages(checks=self.collision.checks), q, poses, rng, collision, branches=1)[0][0]
 
     def _open(self, request: PlanRequest) -> AbstractContextManager[Stages]:
         return self.listeners.plan(request, Stages(checks=self.collision.checks))
 
-    def _inside(self, q: FloatArray) -> FloatArray:
-        """Return the nearest configuration within the joint limits: measured joints may overshoot them a little."""
-        return np.clip(np.asarray(q, dtype=float), self.limits.lower, self.limits.upper)
+    def _checked(
+        self, q: FloatArray, rng: np.random.Generator, allowed: Collection[str], what: str = "start configuration"
+    ) -> FloatArray:
+        """Check what was given, and return the nearest configuration (n,) within the joint limits, at most `FORGIVEN` away."""
+        check_options(rng, allowed)
+        return np.clip(as_configuration(self.model, q, what), self.limits.lower, self.limits.upper)
 
     def _rules(self, stages: Stages, q: FloatArray, allowed: Collection[str], ignore_collisions: bool) -> Rules | None:
         if ignore_collisions:
@@ -291,8 +295,3 @@ class MotionPlanner:
     def _clearance(self, path: JointPath) -> float:
         """Return the smallest distance that counts along a path, looking every 0.1 rad [m]."""
         return min((d.distance for q in path.spread(0.1)[1] for d in self.collision.distances(q)[:1]), default=float("inf"))
-
-
-def _as_poses(pose: PoseLike | Sequence[PoseLike]) -> list[FloatArray]:
-    """Return a list of poses (7,) from one or several."""
-    return list(np.atleast_2d(np.asarray(pose, dtype=float)))

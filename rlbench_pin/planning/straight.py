@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation, RotationSpline
 from rlbench_pin.errors import NotStraight
 from rlbench_pin.planning.kinematics.ik import descend
 from rlbench_pin.planning.path import IsFree, JointPath, through
+from rlbench_pin.planning.requests import as_configuration, as_goal_pose, as_goal_poses
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3
 
@@ -20,6 +21,8 @@ STEP_POSITION = 0.02
 """Distance of the tip between two solved configurations [m]."""
 STEP_ROTATION = 0.1
 """Angle of the tip between two solved configurations [rad]."""
+MOST_STEPS = 5000
+"""Longer lines and curves, 100 m or 80 turns, are beyond any arm."""
 LARGEST_JUMP = 0.4
 """More joint motion than this in one step means that the arm would flip [rad]."""
 
@@ -28,8 +31,11 @@ def straight_path(model: RobotModel, q_start: FloatArray, goal: PoseLike, is_fre
     """Return configurations (m, n) whose tip goes straight, and turns evenly, from where it is to `goal` (7,).
 
     Raises:
+        InvalidRequest: NaN, a wrong shape, or no numbers.
+        OutsideJointLimits: The start is outside the joint limits.
         NotStraight: A joint limit, a singularity or a collision interrupts the line.
     """
+    q_start, goal = as_configuration(model, q_start, "start configuration"), as_goal_pose(goal)
     return _follow(model, q_start, _line(model.tip_se3(q_start), pose_to_se3(goal)), is_free)
 
 
@@ -37,8 +43,11 @@ def curve_path(model: RobotModel, q_start: FloatArray, poses: Sequence[PoseLike]
     """Return configurations (m, n) whose tip passes `poses` (7,) one after the other, on a smooth curve.
 
     Raises:
+        InvalidRequest: NaN, a wrong shape, or no poses.
+        OutsideJointLimits: As in `straight_path`.
         NotStraight: As in `straight_path`.
     """
+    q_start, poses = as_configuration(model, q_start, "start configuration"), as_goal_poses(poses, "curve")
     targets = _curve([model.tip_se3(q_start), *(pose_to_se3(pose) for pose in poses)])
     return _follow(model, q_start, targets, is_free)
 
@@ -53,7 +62,7 @@ def _line(start: pin.SE3, goal: pin.SE3) -> list[pin.SE3]:
     """Return the poses after `start` up to `goal`, evenly spaced, position and orientation interpolated separately."""
     shift = goal.translation - start.translation
     turn = pin.log3(start.rotation.T @ goal.rotation)
-    count = max(4, int(np.ceil(_size(start, goal))))
+    count = max(4, int(np.ceil(_checked_size(_size(start, goal)))))
     line = [pin.SE3(start.rotation @ pin.exp3(k / count * turn), start.translation + k / count * shift) for k in range(1, count)]
     return [*line, goal]
 
@@ -61,6 +70,7 @@ def _line(start: pin.SE3, goal: pin.SE3) -> list[pin.SE3]:
 def _curve(stations: Sequence[pin.SE3]) -> list[pin.SE3]:
     """Return the poses after the first station on a smooth curve through all of them; a line when there are only two."""
     gaps = [_size(a, b) for a, b in pairwise(stations)]
+    _checked_size(sum(gaps))
     stations = [stations[0], *(b for b, gap in zip(stations[1:], gaps, strict=True) if gap > 1e-3)]
     gaps = [gap for gap in gaps if gap > 1e-3]
     if len(stations) < 3:
@@ -77,6 +87,12 @@ def _size(a: pin.SE3, b: pin.SE3) -> float:
     """Return how many steps lie between two poses."""
     turn = np.linalg.norm(pin.log3(a.rotation.T @ b.rotation))
     return float(max(np.linalg.norm(b.translation - a.translation) / STEP_POSITION, turn / STEP_ROTATION))
+
+
+def _checked_size(steps: float) -> float:
+    if not steps <= MOST_STEPS:
+        raise NotStraight(0.0, f"it is {steps * STEP_POSITION:.4g} m long, or turns as much, and the arm ends before")
+    return steps
 
 
 def _follow(model: RobotModel, q_start: FloatArray, targets: Sequence[pin.SE3], is_free: IsFree | None) -> FloatArray:

@@ -6,8 +6,6 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.datasets.writer import Compression
 from rlbench_pin.environment.environment import Environment
@@ -15,11 +13,14 @@ from rlbench_pin.environment.episode import drawn_variations
 from rlbench_pin.environment.observations.camera_config import RenderMode
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.errors import TaskEnvironmentError, UnknownName
+from rlbench_pin.errors import InvalidArgument, InvalidCamera, TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS, PRODUCTS
 from rlbench_pin.sim import RENDERERS, RendererName
 from rlbench_pin.tasks import Task, find_task, task_digest
+from rlbench_pin.values import as_choice, as_flag, as_names, as_number, as_picture_size, as_seed, as_whole
 
+MOST = 10_000_000
+"""Episodes, tries and variations of one recording at most."""
 _SEED_BITS = 53  # so that JSON readers of every language keep the number
 
 
@@ -41,9 +42,11 @@ class PictureConfig:
     """`gzip` is small, `lzf` is fast."""
 
     def __post_init__(self) -> None:
+        """Raise UnknownName or InvalidCamera for what cannot be stored."""
+        object.__setattr__(self, "image_size", as_picture_size(self.image_size, "PictureConfig.image_size", InvalidCamera))
         _check_names("camera", self.cameras, CAMERAS)
         _check_names("product", self.products, PRODUCTS)
-        _check_names("renderer", (self.renderer,), RENDERERS)
+        as_choice(self.renderer, "renderer", RENDERERS)
         self.obs_config().check()
 
     def obs_config(self) -> ObservationConfig:
@@ -98,17 +101,17 @@ class RecordConfig:
     """Which pictures the episodes hold."""
 
     def __post_init__(self) -> None:
-        least = {"episodes": 1, "variations": ALL_VARIATIONS, "seed": 0, "max_attempts": 1}
-        for name, low in least.items():
-            value = getattr(self, name)
-            if value < low or (name == "variations" and value == 0):
-                raise TaskEnvironmentError(
-                    f"{name}={value} records nothing; it must be at least {low or 0}, and not 0 variations."
-                )
+        """Raise InvalidArgument for a number that records nothing (also a TaskEnvironmentError)."""
+        as_seed(self.seed, "seed", InvalidArgument)
+        for name, least in (("episodes", 1), ("max_attempts", 1), ("variations", ALL_VARIATIONS)):
+            as_whole(getattr(self, name), name, InvalidArgument, least=least, most=MOST)
+        if self.variations == 0:
+            raise InvalidArgument("variations", 0, "records nothing", "Write -1 for all variations.")
         for name in ("max_velocity", "max_acceleration"):
-            if not 0.0 < getattr(self, name) < np.inf:
-                raise TaskEnvironmentError(f"{name}={getattr(self, name)} moves no arm; it must be above 0.")
-        if not self.tasks:
+            as_number(getattr(self, name), name, InvalidArgument, above=0.0)
+        for name in ("per_variation", "draw_variations"):
+            as_flag(getattr(self, name), name, InvalidArgument)
+        if not as_names(self.tasks, "tasks", InvalidArgument):
             raise TaskEnvironmentError("No task was named. `rlbench-pin list` prints them.")
 
 
@@ -198,6 +201,5 @@ def item_seed(seed: int, task: str, variation: int, index: int) -> int:
 
 
 def _check_names(kind: str, names: Sequence[str], known: Sequence[str]) -> None:
-    for name in names:
-        if name not in known:
-            raise UnknownName(kind, name, tuple(known))
+    for name in as_names(names, f"PictureConfig.{kind}s", InvalidArgument):
+        as_choice(name, kind, known)

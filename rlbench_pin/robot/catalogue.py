@@ -74,7 +74,7 @@ def robot_description(name: str) -> RobotDescription:
     Raises:
         UnknownRobot: The catalogue has no such arm; a ValueError as well.
     """
-    key = name.lower()
+    key = name.lower() if isinstance(name, str) else ""
     if key not in SUPPORTED_ROBOTS:
-        raise UnknownRobot("robot", name, tuple(SUPPORTED_ROBOTS))
+        raise UnknownRobot("robot", str(name), tuple(SUPPORTED_ROBOTS))
     return SUPPORTED_ROBOTS[key]

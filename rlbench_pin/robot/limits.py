@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rlbench_pin.errors import InvalidValue
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_array, as_number
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,17 +27,25 @@ class JointLimits:
     """Largest torque [N m] or force [N]."""
 
     def __post_init__(self) -> None:
-        """Copy every field into a read-only float array of one shape."""
-        size = len(self.lower)
+        """Copy every field into a read-only float array of one shape; raise InvalidValue where that cannot be."""
+        size = np.size(self.lower)
         for name in ("lower", "upper", "velocity", "acceleration", "effort"):
-            array = np.array(getattr(self, name), dtype=float)
-            if array.shape != (size,):
-                raise ValueError(f"limit '{name}' has shape {array.shape}, not ({size},)")
+            array = as_array(getattr(self, name), f"JointLimits.{name}").copy()
+            if array.shape != (size,) or np.isnan(array).any():
+                raise InvalidValue(f"JointLimits.{name}", array, f"has to have shape ({size},), not {array.shape}, without NaN")
             array.setflags(write=False)
             object.__setattr__(self, name, array)
+        if np.any(self.lower > self.upper):
+            raise InvalidValue("JointLimits.lower", self.lower, f"has to be below `upper`, which is {self.upper}")
 
     def capped(self, velocity: float, acceleration: float) -> JointLimits:
-        """Return these limits with no joint faster than `velocity` [rad/s] or accelerating beyond `acceleration` [rad/s^2]."""
+        """Return these limits with no joint faster than `velocity` [rad/s] or accelerating beyond `acceleration` [rad/s^2].
+
+        Raises:
+            InvalidValue: One of them is not > 0 (also a ValueError).
+        """
+        for value, what in ((velocity, "velocity"), (acceleration, "acceleration")):
+            as_number(value, what, above=0.0, finite=False)
         return JointLimits(
             self.lower, self.upper, np.minimum(self.velocity, velocity), np.minimum(self.acceleration, acceleration), self.effort
         )

@@ -8,7 +8,7 @@ from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from rlbench_pin.errors import SceneFileError, nearest_name
+from rlbench_pin.errors import SceneFileError, nearest_name, shown
 from rlbench_pin.scene.checks import check_scene
 from rlbench_pin.scene.short_forms import POSED_TABLES, ShortFormError, placement_from_file, short_keys, write_out
 from rlbench_pin.scene.spec import FORMAT, SceneSpec
@@ -49,14 +49,16 @@ def _parse(path: Path) -> Raw:
         raise SceneFileError(path, "file", f"'{path}' does not exist.", f"Did you mean '{near}'?" if near else "")
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:  # what is no TOML, no UTF-8, too deep, or a number of too many digits
         raise SceneFileError(path, "file", f"it is not valid TOML: {error}.") from error
+    except OSError as error:
+        raise SceneFileError(path, "file", f"it cannot be read: {error.strerror}.", "See who may read it.") from error
 
 
 def _check_format(path: Path, raw: Raw) -> None:
     if "format" not in raw:
         raise SceneFileError(path, "key 'format'", "it is missing.", f"Begin the file with `format = {FORMAT}`.")
-    if raw["format"] not in range(1, FORMAT + 1):
+    if isinstance(raw["format"], bool | float) or raw["format"] not in range(1, FORMAT + 1):
         hint = f"This version reads the formats 1 to {FORMAT}."
         raise SceneFileError(path, "key 'format'", f"{raw['format']!r} is not supported.", hint)
 
@@ -92,8 +94,8 @@ def _scene_file_error(path: Path, raw: Raw, error: ValidationError) -> SceneFile
         return SceneFileError(path, where, f"the key '{location[-1]}' is missing.")
     message = first["msg"].removeprefix("Value error, ")
     given = first["input"]
-    shown = "" if isinstance(given, dict) else f" (given: {given!r})"
-    return SceneFileError(path, where, f"{message}{shown}.")
+    value = "" if isinstance(given, dict) else f" (given: {shown(given)})"
+    return SceneFileError(path, where, f"{message}{value}.")
 
 
 def _known_keys(raw: Raw, location: tuple[int | str, ...]) -> str:

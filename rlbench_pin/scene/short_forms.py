@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from rlbench_pin.scene.spec import PlacementSpec, Pose
+from rlbench_pin.scene.spec import TURN, PlacementSpec, Pose, is_number
 from rlbench_pin.spatial import TABLE_HEIGHT, above_table, euler_to_quaternion
 
 Entry = dict[str, Any]
@@ -13,7 +13,7 @@ ARRAY_TABLES = ("body", "frame", "region", "sensor")
 """Tables whose entries may be arrays."""
 POSED_TABLES = (*ARRAY_TABLES, "waypoint")
 """Tables whose entries have a pose."""
-_NUMBERED = re.compile(r"(.*\D)(0|[1-9][0-9]*)")
+_NUMBERED = re.compile(r"(.*\D)(0|[1-9][0-9]{0,8})")
 _QUATERNION_DIGITS = 7
 _HEIGHT_DIGITS = 12
 
@@ -86,8 +86,10 @@ def _array(entry: Entry) -> list[Entry]:
 def _turned(entry: Entry) -> Entry:
     """Replace `rpy` by a quaternion, rounded to 1e-7: angles with seven digits suffice for exact right angles."""
     rpy, pose = entry["rpy"], entry.get("pose", [0.0, 0.0, 0.0])
-    if not isinstance(rpy, list) or len(rpy) != 3 or not all(isinstance(angle, int | float) for angle in rpy):
+    if not isinstance(rpy, list) or len(rpy) != 3 or not all(is_number(angle) for angle in rpy):
         raise ShortFormError("rpy", f"it is [roll, pitch, yaw], three angles in [rad], not {rpy!r}.")
+    if max(abs(angle) for angle in rpy) > TURN:
+        raise ShortFormError("rpy", f"angles are at most one turn, 2 pi = 6.2832 rad, not {rpy!r}.", "Were these degrees?")
     if not isinstance(pose, list) or len(pose) != 3:
         raise ShortFormError("rpy", "it goes with a pose [x, y, z].", "Leave the rotation out of the pose.")
     quaternion = [round(float(v), _QUATERNION_DIGITS) + 0.0 for v in euler_to_quaternion(*rpy)]

@@ -48,10 +48,10 @@ def test_several_tasks_and_the_same_one_twice() -> None:
     [
         ({"tasks": ("reach_targt",)}, UnknownName, "Did you mean 'reach_target'"),
         ({"tasks": ()}, TaskEnvironmentError, "rlbench-pin list"),
-        ({"episodes": 0}, TaskEnvironmentError, "episodes=0"),
-        ({"variations": 0}, TaskEnvironmentError, "variations=0"),
-        ({"seed": -1}, TaskEnvironmentError, "seed=-1"),
-        ({"max_attempts": 0}, TaskEnvironmentError, "max_attempts=0"),
+        ({"episodes": 0}, TaskEnvironmentError, "episodes .* Got 0"),
+        ({"variations": 0}, TaskEnvironmentError, "variations .* Got 0"),
+        ({"seed": -1}, TaskEnvironmentError, "seed .* Got -1"),
+        ({"max_attempts": 0}, TaskEnvironmentError, "max_attempts .* Got 0"),
     ],
 )
 def test_senseless_settings_are_refused(change: dict[str, object], error: type[Exception], words: str) -> None:

@@ -32,7 +32,9 @@ import numpy as np
 
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_choice, as_number, as_record
 
+HOLDS = ("velocity", "acceleration", "any")
 HeldQuantity = Literal["velocity", "acceleration", "any"]
 """What motors keep constant over a control tick: they reach the next velocity at its begin, at its end, or at any time in it."""
 
@@ -68,9 +70,14 @@ class JointBounds:
             hold: What stays constant over a tick.
             margin: Distance kept from the position limits [rad].
             sudden: The next velocity may be any from which the joints can stop in time, however far from the one now.
+
+        Raises:
+            InvalidValue: The tick is not > 0, the margin negative or wider than half of a joint's range (also a ValueError).
         """
-        if dt <= 0.0:
-            raise ValueError(f"the control tick is > 0 s, not {dt}")
+        as_number(dt, "the control tick dt [s]", above=0.0)
+        as_record(limits, JointLimits, "limits")
+        as_number(margin, "the margin of joint limits [rad]", least=0.0, most=0.5 * float((limits.upper - limits.lower).min()))
+        as_choice(hold, "held quantity", HOLDS)
         self.limits, self.dt, self.hold = limits, dt, hold
         self.velocity = np.array(limits.velocity)
         self.step = limits.acceleration * dt

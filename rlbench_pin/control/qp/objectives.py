@@ -29,6 +29,7 @@ from eigenpy import HouseholderQR
 
 from rlbench_pin.control.qp.constraints import largest_step, stopping_room
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, check_settings, ruled
 
 SMALL_STEP = 0.01
 """Steps of the tip shorter than this [m] or [rad] are damped less near singularities."""
@@ -52,10 +53,8 @@ class TipObjective:
     """Weight of 1 rad of error."""
 
     def __post_init__(self) -> None:
-        """Refuse what would divide by zero."""
-        for name, value in vars(self).items():
-            if not value > 0.0:
-                raise ValueError(f"{name} has to be > 0, not {value}")
+        """Raise InvalidValue for a number that is not finite and > 0 (also a ValueError)."""
+        check_settings(self, dict.fromkeys(vars(self), POSITIVE))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,6 +69,10 @@ class PostureObjective:
     """Damping in a singular configuration, for steps that are not small."""
     singular_below: float = 0.01
     """Manipulability sqrt(det(J J^T)) below which the damping rises from `weight` to `singular_weight`."""
+
+    def __post_init__(self) -> None:
+        """Raise InvalidValue for a number that is NaN, negative or zero (also a ValueError)."""
+        check_settings(self, ruled((NOT_NEGATIVE, "gain singular_weight"), (POSITIVE, "weight singular_below")))
 
     def damping(self, manipulability: float, step: float) -> float:
         """Return w: `weight`, and more where manipulability is lacking (Nakamura), in proportion to what is asked (Sugihara).

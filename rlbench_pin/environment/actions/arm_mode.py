@@ -8,7 +8,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from rlbench_pin.environment.actions.mode import ActionPart
-from rlbench_pin.errors import InvalidActionError
+from rlbench_pin.errors import InvalidActionError, shown
 from rlbench_pin.spatial import FloatArray, compose
 
 
@@ -23,13 +23,16 @@ FrameChoice = RelativeFrame | Literal["world", "end effector"]
 _FRAME_WORDS = {"world": RelativeFrame.WORLD, "end effector": RelativeFrame.EE}
 
 
-def as_frame(frame: FrameChoice) -> RelativeFrame:
+def as_frame(frame: FrameChoice | int | str) -> RelativeFrame:
     """Accept the enum or its words."""
     if isinstance(frame, str):
         if frame not in _FRAME_WORDS:
             raise InvalidActionError(f"No relative frame is called '{frame}'. Use 'world' or 'end effector'.")
         return _FRAME_WORDS[frame]
-    return RelativeFrame(frame)
+    try:
+        return RelativeFrame(frame)
+    except ValueError as error:
+        raise InvalidActionError(f"No relative frame is {shown(frame)}. Use 'world' or 'end effector'.") from error
 
 
 def assert_unit_quaternion(quaternion: FloatArray) -> None:

@@ -8,6 +8,7 @@ from rlbench_pin.environment.actions.mode import PartMode
 from rlbench_pin.environment.actions.specification import ActionSpec
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_flag
 
 
 class JointMode(PartMode):
@@ -20,7 +21,7 @@ class JointMode(PartMode):
     unit = ""
 
     def __init__(self, absolute_mode: bool = True) -> None:
-        self.absolute_mode = absolute_mode
+        self.absolute_mode = as_flag(absolute_mode, "absolute_mode")
 
     def bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
         """Return lowest and highest values."""

@@ -10,23 +10,24 @@ import numpy as np
 
 from rlbench_pin.environment.actions.specification import ActionSpec
 from rlbench_pin.environment.runtime import Runtime
-from rlbench_pin.errors import InvalidActionError
+from rlbench_pin.errors import InvalidActionError, InvalidValue, shown
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_array
 
 
 def as_action(action: object, size: int, what: str, more: int = 0) -> FloatArray:
     """Return `action` as a finite float64 vector of `size` numbers, or with `more` after them, or raise InvalidActionError."""
     try:
-        array = np.array(action, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise InvalidActionError(f"{what} takes {size} numbers, not {action!r}.") from error
+        array = as_array(action, what)
+    except InvalidValue as error:
+        raise InvalidActionError(f"{what} takes {size} numbers, not {shown(action)}. It {error.problem}.") from error
     if array.shape not in ((size,), (size + more,)):
         shapes = f"({size},)" if more == 0 else f"({size},) or ({size + more},)"
         raise InvalidActionError(f"{what} takes an array of shape {shapes}, not {array.shape}.")
     if not np.isfinite(array).all():
         bad = ", ".join(str(i) for i in np.flatnonzero(~np.isfinite(array)))
         raise InvalidActionError(f"{what} got NaN or infinity at index {bad}. Check the policy's output.")
-    return array
+    return array.copy()
 
 
 @runtime_checkable

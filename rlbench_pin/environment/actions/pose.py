@@ -17,11 +17,12 @@ from rlbench_pin.environment.actions.mode import PartMode, as_action, checked
 from rlbench_pin.environment.actions.specification import POSE_NAMES, POSE_UNITS, ActionSpec
 from rlbench_pin.environment.motion import follow
 from rlbench_pin.environment.runtime import TIP_WORKSPACE, Runtime
-from rlbench_pin.errors import InvalidActionError, PlanningError
+from rlbench_pin.errors import InvalidActionError, PlanningError, shown
 from rlbench_pin.planning.kinematics.ik import solve_ik
 from rlbench_pin.planning.kinematics.pinned_ik import solve_pinned_ik
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_flag, as_number, as_whole, items_of
 
 IK_DONE = 0.01
 """Joint error at which an IK action ends [rad]."""
@@ -43,7 +44,8 @@ class PoseMode(PartMode):
     def __init__(
         self, absolute_mode: bool = True, frame: FrameChoice = RelativeFrame.WORLD, collision_checking: bool = False
     ) -> None:
-        self.absolute_mode, self.frame, self.collision_checking = absolute_mode, as_frame(frame), collision_checking
+        self.absolute_mode, self.frame = as_flag(absolute_mode, "absolute_mode"), as_frame(frame)
+        self.collision_checking = as_flag(collision_checking, "collision_checking")
 
     @property
     def is_relative(self) -> bool:
@@ -130,7 +132,7 @@ class EndEffectorPoseViaPlanning(PoseMode):
         follow(runtime, plan.trajectory, until=lambda: runtime.task.success()[0])
 
     def _plan(self, runtime: Runtime, target: FloatArray, ignore_collisions: bool) -> Plan:
-        q, allowed, rng = runtime.robot.joint_positions, runtime.touching(), runtime.planning_rng
+        q, allowed, rng = runtime.measured_start, runtime.touching(), runtime.planning_rng
         try:
             return runtime.planner.plan_to_pose(q, target, ignore_collisions=ignore_collisions, allowed=allowed, rng=rng)
         except PlanningError:
@@ -175,7 +177,11 @@ class ERJointViaIK(PoseMode):
         delta_angle: bool = False,
     ) -> None:
         super().__init__(absolute_mode, frame, collision_checking)
-        self.commanded_joints, self.eps, self.delta_angle = tuple(commanded_joints), eps, delta_angle
+        joints = items_of(commanded_joints)
+        self.commanded_joints = tuple(as_whole(joint, "a commanded joint", least=0, most=99) for joint in joints)
+        self.eps, self.delta_angle = as_number(eps, "eps", above=0.0), as_flag(delta_angle, "delta_angle")
+        if len(set(joints)) != len(joints) or (not joints and not isinstance(commanded_joints, list | tuple)):
+            raise InvalidActionError(f"commanded_joints are indices of joints, each once, not {shown(commanded_joints)}.")
         if delta_angle and absolute_mode:
             raise InvalidActionError("delta_angle=True needs absolute_mode=False.")
 
@@ -184,6 +190,8 @@ class ERJointViaIK(PoseMode):
         joints, last = list(self.commanded_joints), runtime.model.size - 1
         if self.delta_angle and joints not in ([0], [last]):
             raise NotImplementedError(f"delta_angle is offered for one commanded joint, 0 or {last}.")
+        if max(joints, default=0) > last:
+            raise InvalidActionError(f"The arm has joints 0 to {last}, so joint {max(joints)} cannot be commanded.")
         limits = runtime.model.limits
         names = tuple(runtime.description.arm_joints[j] for j in joints)
         low, high = limits.lower[joints], limits.upper[joints]

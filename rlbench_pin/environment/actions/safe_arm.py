@@ -13,6 +13,7 @@ from rlbench_pin.environment.actions.specification import ActionSpec
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_record
 
 LIMIT_MARGIN = 0.02
 """Distance kept from joint limits, for what motors overshoot [rad]."""
@@ -51,7 +52,8 @@ class SafeArm(PartMode):
     """
 
     def __init__(self, mode: ArmActionMode, config: SafetyConfig | None = None) -> None:
-        self.mode, self.config = mode, config or SafetyConfig(limit_margin=LIMIT_MARGIN)
+        self.mode = mode
+        self.config = SafetyConfig(limit_margin=LIMIT_MARGIN) if config is None else as_record(config, SafetyConfig, "config")
         self.counts = FilterCounts()
         self.last: SafeCommand | None = None
 

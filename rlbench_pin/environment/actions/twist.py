@@ -13,6 +13,7 @@ from rlbench_pin.environment.actions.mode import BoundMode, PartMode
 from rlbench_pin.environment.actions.specification import TWIST_NAMES, TWIST_UNITS, ActionSpec
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_flag
 
 
 @dataclass
@@ -31,7 +32,7 @@ class EndEffectorVelocity(PartMode):
     """
 
     def __init__(self, absolute_mode: bool = True, frame: FrameChoice = RelativeFrame.WORLD) -> None:
-        self.absolute_mode, self.frame = absolute_mode, as_frame(frame)
+        self.absolute_mode, self.frame = as_flag(absolute_mode, "absolute_mode"), as_frame(frame)
 
     def bind(self, runtime: Runtime) -> BoundVelocity:
         """Make the solver of this arm and tick."""

@@ -2,19 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from functools import partial
+from typing import ClassVar, Literal
 
-from rlbench_pin.environment.observations.noise import Identity, NoiseModel
-from rlbench_pin.errors import CameraError, UnknownName
+from rlbench_pin.environment.observations.noise import Identity, NoiseModel, as_noise
+from rlbench_pin.errors import CameraError, InvalidCamera, UnknownName
+from rlbench_pin.values import FLAG, Rule, Settings, as_picture_size, ruled
 
 RenderMode = Literal["opengl", "opengl3"]
 """With shadows, `opengl3`, or without."""
 
+PICTURE_SIZE: Rule = partial(as_picture_size, error=InvalidCamera)
+
 
 @dataclass(kw_only=True)
-class CameraConfig:
-    """What one camera delivers at each observation."""
+class CameraConfig(Settings):
+    """What one camera delivers at each observation.
+
+    Raises:
+        InvalidValue: A setting is given a value that makes no sense, at any time.
+        UnknownSetting: There is no such setting (also an AttributeError).
+    """
+
+    rules: ClassVar[Mapping[str, Rule]] = ruled(
+        (FLAG, "rgb depth point_cloud mask masks_as_one_channel depth_in_meters"),
+        (as_noise, "rgb_noise depth_noise"),
+        (PICTURE_SIZE, "image_size"),
+    )
 
     rgb: bool = True
     """Colours, uint8 (h, w, 3)."""
@@ -29,7 +45,7 @@ class CameraConfig:
     mask: bool = True
     """Id of the thing seen by every pixel, int32 (h, w)."""
     image_size: tuple[int, int] = (128, 128)
-    """Width and height [px]."""
+    """Width and height [px]; one number stands for both."""
     render_mode: RenderMode = "opengl3"
     """`opengl3` draws shadows, `opengl` is faster without."""
     masks_as_one_channel: bool = True
@@ -60,5 +76,5 @@ class CameraConfig:
         width, height = self.image_size
         if width < 1 or height < 1:
             raise CameraError(f"Camera '{name}' has image_size {self.image_size}; width and height must be at least 1 px.")
-        if self.render_mode not in ("opengl", "opengl3"):
+        if not isinstance(self.render_mode, str) or self.render_mode not in ("opengl", "opengl3"):
             raise UnknownName("render mode", str(self.render_mode), ("opengl", "opengl3"))

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
 from rlbench_pin.environment.observations.camera_config import CameraConfig
 from rlbench_pin.environment.observations.extra_cameras import ExtraCamera
 from rlbench_pin.environment.observations.model_based import ModelObservationConfig
-from rlbench_pin.environment.observations.noise import Identity, NoiseModel
-from rlbench_pin.errors import CameraError, UnknownName
+from rlbench_pin.environment.observations.noise import Identity, NoiseModel, as_noise
+from rlbench_pin.errors import CameraError, InvalidCamera, UnknownName
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.robot import RobotModel
 from rlbench_pin.sim import Lighting, World
 from rlbench_pin.spatial import FloatArray, pose_to_matrix
 from rlbench_pin.tasks import Task
+from rlbench_pin.values import FLAG, Rule, Settings, as_choice, record_of, ruled
 
 JOINT_SPEED = 100.0
 """The simulator lets no joint turn faster [rad/s]."""
@@ -92,9 +94,37 @@ LOW_DIM_FIELDS: Mapping[str, LowDimField] = {
 """Every low-dimensional field, in the order in which their noise is drawn."""
 
 
+def _as_camera(value: object, what: str) -> CameraConfig:
+    if value is None:
+        return CameraConfig()
+    if not isinstance(value, CameraConfig):
+        raise InvalidCamera(what, value, "has to be a CameraConfig, or None for the default settings")
+    return value
+
+
+_SWITCHES = (
+    *LOW_DIM_FIELDS, "wrist_camera_matrix", "record_gripper_closing", "record_ignore_collisions", "joint_poses",
+)  # fmt: skip
+"""Every setting that is on or off."""
+
+
 @dataclass
-class ObservationConfig:
-    """Five cameras and the low-dimensional data of each observation. Every camera gets a fresh default."""
+class ObservationConfig(Settings):
+    """Five cameras and the low-dimensional data of each observation. Every camera gets a fresh default.
+
+    Raises:
+        InvalidValue: A setting is given a value that makes no sense, at any time.
+        UnknownSetting: There is no such setting (also an AttributeError).
+    """
+
+    rules: ClassVar[Mapping[str, Rule]] = ruled(
+        (_as_camera, " ".join(f"{name}_camera" for name in CAMERAS)),
+        (FLAG, " ".join(_SWITCHES)),
+        (as_noise, "joint_velocities_noise joint_positions_noise joint_forces_noise"),
+        (record_of(ModelObservationConfig), "model"),
+        (record_of(Lighting), "lighting"),
+        (record_of(dict), "extra_cameras"),
+    )
 
     left_shoulder_camera: CameraConfig = field(default_factory=CameraConfig)
     right_shoulder_camera: CameraConfig = field(default_factory=CameraConfig)
@@ -126,11 +156,6 @@ class ObservationConfig:
     extra_cameras: dict[str, ExtraCamera] = field(default_factory=dict)
     """Cameras beside the five; see `add_camera`."""
 
-    def __post_init__(self) -> None:
-        for name in CAMERAS:
-            if getattr(self, f"{name}_camera") is None:
-                setattr(self, f"{name}_camera", CameraConfig())
-
     def cameras(self) -> dict[str, CameraConfig]:
         """Return the five camera settings by name."""
         return {name: getattr(self, f"{name}_camera") for name in CAMERAS}
@@ -146,9 +171,7 @@ class ObservationConfig:
             UnknownName: There is no such camera; names the nearest.
         """
         known = self.all_cameras()
-        if name not in known:
-            raise UnknownName("camera", name, tuple(known))
-        return known[name]
+        return known[as_choice(name, "camera", tuple(known))]
 
     def add_camera(self, name: str, camera: ExtraCamera) -> ExtraCamera:
         """Add a camera; its pictures become attributes `<name>_rgb` and so on of observations.
@@ -156,8 +179,10 @@ class ObservationConfig:
         Raises:
             CameraError: The name is in use, or the camera makes no picture.
         """
-        if not name.isidentifier() or name in CAMERAS or name in self.extra_cameras:
+        if not isinstance(name, str) or not name.isidentifier() or name in CAMERAS or name in self.extra_cameras:
             raise CameraError(f"A camera cannot be called '{name}': choose an identifier that no other camera has.")
+        if not isinstance(camera, ExtraCamera):
+            raise InvalidCamera(f"Camera '{name}'", camera, "has to be an ExtraCamera")
         camera.check(name)
         self.extra_cameras[name] = camera
         return camera

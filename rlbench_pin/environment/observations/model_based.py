@@ -22,6 +22,12 @@ from rlbench_pin.robot.collision_geometry import Distance
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.sim import World
+from rlbench_pin.values import FLAG, check_settings, counted, ruled
+
+_RULES = ruled(
+    (FLAG, "tip_jacobian tip_jacobian_dot mass_matrix gravity coriolis manipulability"),
+    (counted(0), "world_distances self_distances"),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +44,10 @@ class ModelObservationConfig:
     """How many of the nearest pairs of arm and world."""
     self_distances: int = 0
     """How many of the nearest pairs of the arm with itself."""
+
+    def __post_init__(self) -> None:
+        """Raise InvalidValue for a switch that is none, or a number of pairs that is no whole number >= 0."""
+        check_settings(self, _RULES)
 
     @property
     def is_used(self) -> bool:

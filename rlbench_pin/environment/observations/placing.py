@@ -11,11 +11,12 @@ from rlbench_pin.environment.observations.camera_config import CameraConfig
 from rlbench_pin.environment.observations.cameras import camera_view
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.extra_cameras import HAND
-from rlbench_pin.errors import CameraError
+from rlbench_pin.errors import CameraError, InvalidCamera
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.sim import CameraView, World
 from rlbench_pin.spatial import FloatArray, compose, relative, se3_to_pose
+from rlbench_pin.values import as_vector
 
 _UNIT = 1e-3
 """How far the norm of a quaternion may be from 1."""
@@ -162,12 +163,7 @@ class Cameras:
 
 
 def _checked(name: str, pose: Sequence[float] | FloatArray) -> FloatArray:
-    try:
-        values = np.array(pose, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise CameraError(f"Camera '{name}' cannot stand at {pose!r}: a pose has seven numbers. `look_at` makes one.") from error
-    if values.shape != (7,) or not np.all(np.isfinite(values)):
-        raise CameraError(f"Camera '{name}' needs a pose of seven finite numbers, not {pose!r}. `look_at` makes one.")
+    values = as_vector(pose, 7, f"The pose of camera '{name}'", InvalidCamera).copy()
     norm = float(np.linalg.norm(values[3:]))
     if abs(norm - 1.0) > _UNIT:
         raise CameraError(

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from fnmatch import fnmatchcase
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
 from rlbench_pin.assets import asset_path
-from rlbench_pin.errors import CameraError, TaskEnvironmentError
+from rlbench_pin.errors import CameraError, InvalidValue, TaskEnvironmentError
+from rlbench_pin.values import FLAG, NOT_NEGATIVE, Rule, Settings, as_interval, as_names, ruled
 
 _PICTURES = (".png", ".jpg", ".jpeg")
 
@@ -39,9 +41,32 @@ class NoTextures(CameraError, RuntimeError):
     """The folder of textures has no pictures."""
 
 
+def _as_patterns(value: object, what: str) -> object:
+    if value is None:
+        return None
+    try:
+        as_names(value, what)
+    except InvalidValue as error:
+        raise RandomizationMisused(str(error)) from error
+    return value
+
+
+def _as_factors(value: object, what: str) -> tuple[float, float]:
+    try:
+        low, high = as_interval(value, what)
+    except InvalidValue as error:
+        raise RandomizationMisused(f"{error} Factors are 0 < lowest <= highest.") from error
+    if low <= 0.0:
+        name = what.rpartition(".")[2]
+        raise RandomizationMisused(f"The factors of {name} must be 0 < lowest <= highest, not ({low}, {high}).")
+    return low, high
+
+
 @dataclass
-class RandomizationConfig:
+class RandomizationConfig(Settings):
     """Which things may change. Names are those of bodies, of the room (`table`, `floor`, `wall_front`...) and of the robot."""
+
+    rules: ClassVar[Mapping[str, Rule]] = ruled((_as_patterns, "whitelist blacklist"), (FLAG, "randomize_arm"))
 
     whitelist: Sequence[str] | None = None
     """Only these change; `*` and `?` stand for other letters. None: all."""
@@ -76,6 +101,11 @@ class VisualRandomizationConfig(RandomizationConfig):
         NoTextures: It has no pictures (also a RuntimeError).
     """
 
+    rules: ClassVar[Mapping[str, Rule]] = {
+        **RandomizationConfig.rules,
+        **ruled((FLAG, "textures"), (NOT_NEGATIVE, "light camera_shift camera_turn")),
+    }
+
     image_directory: Path
     textures: bool
     light: float
@@ -95,6 +125,8 @@ class VisualRandomizationConfig(RandomizationConfig):
         camera_shift: float = 0.0,
         camera_turn: float = 0.0,
     ) -> None:
+        if image_directory is not None and not isinstance(image_directory, str | Path):
+            raise RandomizationMisused(f"image_directory is the path of a folder, or None, not {image_directory!r}.")
         super().__init__(whitelist=whitelist, blacklist=blacklist, randomize_arm=randomize_arm)
         self.image_directory = asset_path("textures") if image_directory is None else Path(image_directory)
         self.textures, self.light, self.camera_shift, self.camera_turn = textures, light, camera_shift, camera_turn
@@ -127,6 +159,11 @@ def _pictures_in(folder: Path) -> tuple[Path, ...]:
 class DynamicsRandomizationConfig(RandomizationConfig):
     """Factors that physical properties are multiplied by, drawn between a lowest and a highest value."""
 
+    rules: ClassVar[Mapping[str, Rule]] = {
+        **RandomizationConfig.rules,
+        **ruled((_as_factors, "mass friction damping gains")),
+    }
+
     mass: tuple[float, float] = (0.8, 1.25)
     """Of bodies that move; inertia follows."""
     friction: tuple[float, float] = (0.8, 1.25)
@@ -135,12 +172,6 @@ class DynamicsRandomizationConfig(RandomizationConfig):
     """Of the joints of bodies."""
     gains: tuple[float, float] = (0.9, 1.1)
     """Of the arm's motors, when `randomize_arm`."""
-
-    def __post_init__(self) -> None:
-        for name in ("mass", "friction", "damping", "gains"):
-            low, high = getattr(self, name)
-            if not 0.0 < low <= high < np.inf:
-                raise RandomizationMisused(f"The factors of {name} must be 0 < lowest <= highest, not ({low}, {high}).")
 
 
 def check_randomization(every: RandomizeEvery | None, frequency: int, visual: object | None, dynamics: object | None) -> None:
@@ -153,5 +184,7 @@ def check_randomization(every: RandomizeEvery | None, frequency: int, visual: ob
         raise RandomizationMisused(f"visual_randomization_config must be a VisualRandomizationConfig, not {visual!r}.")
     if dynamics is not None and not isinstance(dynamics, DynamicsRandomizationConfig):
         raise RandomizationMisused(f"dynamics_randomization_config must be a DynamicsRandomizationConfig, not {dynamics!r}.")
-    if frequency < 1:
-        raise RandomizationMisused(f"frequency counts events and is at least 1, not {frequency}.")
+    if every is not None and not isinstance(every, RandomizeEvery):
+        raise RandomizationMisused(f"randomize_every must be a RandomizeEvery such as RandomizeEvery.EPISODE, not {every!r}.")
+    if isinstance(frequency, bool) or not isinstance(frequency, int | np.integer) or frequency < 1:
+        raise RandomizationMisused(f"frequency counts events and is at least 1, not {frequency!r}.")

@@ -7,14 +7,21 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from rlbench_pin.errors import InvalidRequest
 from rlbench_pin.planning.kinematics.ik import SAME, descend
+from rlbench_pin.planning.requests import as_configuration, as_goal_pose
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3, se3_to_pose
+from rlbench_pin.values import as_number, as_vector, as_whole
 
 
 def symmetric_poses(pose: PoseLike, order: int) -> list[FloatArray]:
-    """Return the `order` poses (7,) that are alike for a hand or an object of that symmetry about the tip's z axis."""
-    T = pose_to_se3(pose)
+    """Return the `order` poses (7,) that are alike for a hand or an object of that symmetry about the tip's z axis.
+
+    Raises:
+        InvalidRequest: `pose` is none, or `order` no whole number from 1 to 360.
+    """
+    T, order = pose_to_se3(as_goal_pose(pose, "pose")), as_whole(order, "order", InvalidRequest, least=1, most=360)
     turns = (pin.SE3(pin.utils.rotate("z", 2.0 * np.pi * k / order), np.zeros(3)) for k in range(order))
     return [se3_to_pose(T * turn) for turn in turns]
 
@@ -30,6 +37,13 @@ class PoseRegion:
     rotation: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Largest rotation about each axis [rad]."""
 
+    def __post_init__(self) -> None:
+        """Raise InvalidRequest unless there is a centre, and no size is negative."""
+        as_goal_pose(self.center, "center of a region")
+        for name in ("position", "rotation"):
+            if as_vector(getattr(self, name), 3, f"PoseRegion.{name}", InvalidRequest).min() < 0.0:
+                raise InvalidRequest(f"PoseRegion.{name}", getattr(self, name), "has to be three numbers >= 0")
+
     def sample(self, count: int, rng: np.random.Generator) -> list[FloatArray]:
         """Return `count` poses of the region, its centre first."""
         T = pose_to_se3(self.center)
@@ -40,7 +54,14 @@ class PoseRegion:
 
 
 def self_motions(model: RobotModel, q: FloatArray, step: float = 0.3, count: int = 4) -> list[FloatArray]:
-    """Return up to `count` configurations (n,) on each side that hold the tip of `q` (n,) where it is, by moving the elbow."""
+    """Return up to `count` configurations (n,) on each side that hold the tip of `q` (n,) where it is, by moving the elbow.
+
+    Raises:
+        InvalidRequest: NaN, a wrong shape, or no numbers.
+        OutsideJointLimits: `q` is outside the joint limits.
+    """
+    q, step = as_configuration(model, q, "configuration"), as_number(step, "step", InvalidRequest, above=0.0)
+    count = as_whole(count, "count", InvalidRequest, least=0, most=1000)
     target = model.tip_se3(q)
     found: list[FloatArray] = []
     for sign in (1.0, -1.0):

@@ -9,10 +9,12 @@ import numpy as np
 import pinocchio as pin
 from scipy.linalg.lapack import dposv
 
-from rlbench_pin.errors import GoalInCollision, NoIkSolution
+from rlbench_pin.errors import GoalInCollision, InvalidRequest, NoIkSolution
+from rlbench_pin.planning.requests import as_goal_pose, check_generator
 from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3
+from rlbench_pin.values import as_vector, as_whole
 
 TOLERANCE = 1e-6
 """Norm of the remaining pose error, `[m, rad]` together."""
@@ -93,30 +95,49 @@ def solve_ik(
     Args:
         model: The arm.
         pose: Tip pose (7,) in the world.
-        seed_q: Where the search begins, shape (n,), [rad].
+        seed_q: Where the search begins, shape (n,), [rad]; brought within the joint limits.
         rng: Draws the other starts.
         starts: How many descents are tried at most.
         max_solutions: Enough solutions to stop, of different branches.
         collision: Drops configurations that collide; None accepts all.
 
     Raises:
+        InvalidRequest: NaN, a wrong shape, or no numbers.
         NoIkSolution: No descent reaches the pose; carries the smallest error.
         GoalInCollision: All configurations that reach it collide.
     """
+    target, seed_q = pose_to_se3(as_goal_pose(pose)), as_vector(seed_q, model.size, "seed_q", InvalidRequest)
+    check_generator(rng)
+    counts = ((starts, "starts"), (max_solutions, "max_solutions"))
+    starts, max_solutions = (as_whole(count, what, InvalidRequest, least=1) for count, what in counts)
+    found, colliding, failed = _descents(model, target, seed_q, rng, starts, max_solutions, collision)
+    if not found:
+        raise _colliding(model, seed_q, collision, colliding) if collision and colliding else _unreached(model, pose, failed)
+    return sorted(found, key=lambda q: cost(model, seed_q, q))
+
+
+def _descents(
+    model: RobotModel,
+    target: pin.SE3,
+    seed_q: FloatArray,
+    rng: np.random.Generator,
+    starts: int,
+    enough: int,
+    collision: CollisionModel | None,
+) -> tuple[list[FloatArray], list[FloatArray], list[Descent]]:
+    """Descend from one start after the other; return free configurations, colliding ones, and descents that failed."""
     found: list[FloatArray] = []
     colliding: list[FloatArray] = []
     failed: list[Descent] = []
     for k in range(starts):
-        end = descend(model, pose_to_se3(pose), seed_q if k == 0 else draw_start(model, seed_q, rng, k))
+        end = descend(model, target, seed_q if k == 0 else draw_start(model, seed_q, rng, k))
         if not end.converged:
             failed.append(end)
         elif not any(np.abs(end.q - q).max() < SAME for q in (*found, *colliding)):
             (colliding if collision is not None and collision.goal_in_collision(end.q) else found).append(end.q)
-            if len(found) >= max_solutions:
+            if len(found) >= enough:
                 break
-    if not found:
-        raise _colliding(model, seed_q, collision, colliding) if collision and colliding else _unreached(model, pose, failed)
-    return sorted(found, key=lambda q: cost(model, seed_q, q))
+    return found, colliding, failed
 
 
 def _colliding(model: RobotModel, seed_q: FloatArray, collision: CollisionModel, reached: list[FloatArray]) -> GoalInCollision:

@@ -7,9 +7,11 @@ from collections.abc import Mapping
 import numpy as np
 import pinocchio as pin
 
-from rlbench_pin.errors import NoIkSolution
+from rlbench_pin.errors import InvalidRequest, NoIkSolution
+from rlbench_pin.planning.requests import as_goal_pose
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3
+from rlbench_pin.values import as_vector, as_whole
 
 POSITION_TOLERANCE, ROTATION_TOLERANCE = 1e-4, 1e-3
 _ITERATIONS = 100
@@ -27,11 +29,13 @@ def solve_pinned_ik(model: RobotModel, pose: PoseLike, q_start: FloatArray, pinn
         pinned: Joint index -> angle [rad].
 
     Raises:
+        InvalidRequest: NaN, a wrong shape, no numbers, or a joint that there is not.
         NoIkSolution: The free joints cannot bring the tip there.
     """
-    target, limits = pose_to_se3(pose), model.limits
-    joints = list(pinned)
-    q = np.array(q_start, dtype=float)
+    target, limits = pose_to_se3(as_goal_pose(pose)), model.limits
+    joints = [as_whole(joint, "pinned joint", InvalidRequest, least=0, most=model.size - 1) for joint in pinned]
+    as_vector(list(pinned.values()), len(joints), "The angles of pinned joints", InvalidRequest)
+    q = as_vector(q_start, model.size, "q_start", InvalidRequest).copy()
     q[joints] = list(pinned.values())
     error = np.zeros(6)
     for _ in range(_ITERATIONS):

@@ -15,7 +15,9 @@ import numpy as np
 import toppra
 import toppra.constraint
 
+from rlbench_pin.errors import InvalidRequest
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_number
 
 _TINY = 1e-12
 
@@ -28,6 +30,11 @@ class ArcLimits:
     """Largest norm of the joint velocity [rad/s]."""
     acceleration: float
     """Largest change of that norm [rad/s^2]."""
+
+    def __post_init__(self) -> None:
+        """Raise InvalidRequest unless both are > 0."""
+        for name in ("velocity", "acceleration"):
+            as_number(getattr(self, name), f"ArcLimits.{name}", InvalidRequest, above=0.0, finite=False)
 
     def constraint(self, reserve: float) -> toppra.constraint.Constraint:
         """Return a share `reserve` of the limits as TOPPRA wants them."""

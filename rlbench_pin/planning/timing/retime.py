@@ -9,18 +9,23 @@ import toppra
 import toppra.algorithm
 import toppra.constraint
 
-from rlbench_pin.errors import RetimingError
+from rlbench_pin.errors import InvalidRequest, RetimingError
 from rlbench_pin.planning.path import JointPath, through
 from rlbench_pin.planning.timing.arc import ArcLimits
 from rlbench_pin.planning.timing.torque import TorqueLimits
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_number, as_rows, as_vector
 
 SAMPLE_DT = 1.0 / 240.0
 """Longest time between two samples of the trajectory [s]."""
 GRID_STEP = 0.04
 """Joint distance between grid points of the timing problem [rad]."""
+LONGEST = 3600.0
+"""Motions that take longer are refused: they have too many samples [s]."""
+LARGEST_LENGTH = 1e4
+"""Paths that are longer, the joints added up, are refused [rad]."""
 SHORT = 3e-3
 """Paths shorter than this in joint space are timed by a cubic polynomial [rad]."""
 _GRID_RANGE = (40, 160)
@@ -73,9 +78,11 @@ def retime(
         jerk_time: How long a change of acceleration takes at least [s]; 0 lets it jump. The motion takes that much longer.
 
     Raises:
-        RetimingError: No timing satisfies the limits.
+        InvalidRequest: NaN, a wrong shape, no numbers, or a limit that is not > 0.
+        RetimingError: No timing satisfies the limits, or the motion would take longer than `LONGEST`.
     """
-    smooth = path if isinstance(path, JointPath) else through(np.asarray(path, dtype=float))
+    smooth = _checked_path(path, limits)
+    as_number(jerk_time, "jerk_time", InvalidRequest, least=0.0, most=LONGEST)
     length = smooth.length()
     if length < SHORT:
         return _short_motion(smooth.start, smooth.end, limits, arc)
@@ -88,6 +95,31 @@ def retime(
     except RetimingError:
         logging.getLogger(__name__).debug("no timing keeps the torque limits; the motion is slowed down as a whole")
     return torque.slowed(trajectory)
+
+
+def _checked_path(path: JointPath | FloatArray, limits: JointLimits) -> JointPath:
+    """Return what is to be timed as a smooth path, when path and limits belong together."""
+    if not isinstance(limits, JointLimits):
+        raise InvalidRequest("limits", limits, "has to be JointLimits", "`model.limits` are those of an arm.")
+    if min(limits.velocity.min(), limits.acceleration.min()) <= 0.0:
+        raise InvalidRequest("limits", limits, "has to have velocities and accelerations > 0")
+    size = len(limits.lower)
+    if isinstance(path, JointPath):
+        as_vector(path.start, size, "The start of the path", InvalidRequest)
+        return path
+    points = as_rows(path, size, "The path", InvalidRequest)
+    length = float(np.abs(np.diff(points, axis=0)).sum())
+    if not length <= LARGEST_LENGTH:
+        raise InvalidRequest(
+            "The path", path, f"is {length:.4g} rad long, all joints together; {LARGEST_LENGTH:g} rad are possible"
+        )
+    return through(points)
+
+
+def _checked_duration(seconds: float) -> float:
+    if not seconds <= LONGEST:
+        raise RetimingError(f"the motion would take {seconds:.4g} s, and {LONGEST:g} s are possible; raise the limits")
+    return seconds
 
 
 def _timed(
@@ -120,7 +152,7 @@ def _solve_without_halt(path: JointPath, constraints: list[toppra.constraint.Con
             if finer == _FINER[-1] and best is None:
                 raise
             continue
-        duration = float((2.0 * np.diff(grid) / (speeds[:-1] + speeds[1:])).sum())
+        duration = _checked_duration(float((2.0 * np.diff(grid) / (speeds[:-1] + speeds[1:])).sum()))
         if best is None or duration < best[0]:
             best = duration, grid, speeds
         if speeds[1:-1].min() >= _HALT * speeds.max():
@@ -229,6 +261,7 @@ def _short_motion(start: FloatArray, end: FloatArray, limits: JointLimits, arc: 
         float((1.5 * np.abs(way) / limits.velocity).max()), float(np.sqrt((6.0 * np.abs(way) / limits.acceleration).max()))
     )
     slowest = slowest if arc is None else max(slowest, arc.shortest(way))
+    _checked_duration(slowest)
     if slowest < 1e-6:
         rest = np.zeros((1, len(end)))
         return Trajectory(np.zeros(1), end[None].copy(), rest, rest.copy())

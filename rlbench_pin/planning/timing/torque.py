@@ -10,6 +10,7 @@ import toppra.constraint
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_record
 
 DENSE = 1e-3
 """Time between two evaluations of the torques of a finished trajectory [s]."""
@@ -28,6 +29,7 @@ class TorqueLimits:
             model: The arm.
             payload: What it carries, in the frame of its last joint; None for nothing.
         """
+        as_record(model, RobotModel, "model")
         self._arm = pin.Model(model.arm)
         self._last, self._bare = model.size, model.arm.inertias[model.size].copy()
         self.limit = model.limits.effort
@@ -35,6 +37,8 @@ class TorqueLimits:
 
     def carry(self, payload: pin.Inertia | None) -> None:
         """Replace the payload."""
+        if payload is not None:
+            as_record(payload, pin.Inertia, "payload")
         loaded = payload is not None and payload.mass > 0.0
         self._arm.inertias[self._last] = self._bare + payload if loaded else self._bare.copy()
         self._data = self._arm.createData()

@@ -9,8 +9,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rlbench_pin.errors import CameraError
+from rlbench_pin.errors import CameraError, InvalidCamera
 from rlbench_pin.spatial import FloatArray, matrix_to_pose, pose_to_matrix
+from rlbench_pin.values import as_number, as_picture_size, as_vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,10 +30,11 @@ class CameraView:
     """Farthest distance along z that is seen [m]."""
 
     def __post_init__(self) -> None:
+        for name in ("fov", "near", "far"):
+            as_number(getattr(self, name), f"CameraView.{name}", InvalidCamera)
+        as_picture_size(self.size, "CameraView.size", InvalidCamera)
         if not (0.0 < self.fov < np.pi and 0.0 < self.near < self.far):
             raise CameraError(f"A camera needs 0 < fov < pi and 0 < near < far, not {self.fov}, {self.near}, {self.far}.")
-        if min(self.size) < 1:
-            raise CameraError(f"A picture has at least one pixel, not {self.size}.")
 
     def intrinsics(self) -> FloatArray:
         """Matrix (3, 3) with negative focal lengths [px]: picture u grows to the camera's -x, v to -y.
@@ -94,11 +96,12 @@ def look_at(eye: Sequence[float] | FloatArray, target: Sequence[float] | FloatAr
     """Pose (7,) of a camera at `eye` [m] that looks at `target` [m]: z forward, x left, y up.
 
     Raises:
-        CameraError: Both are the same point.
+        CameraError: Both are the same point, or one is no point.
     """
-    forward = np.subtract(target, eye).astype(float)
+    eye, target = as_vector(eye, 3, "eye", InvalidCamera), as_vector(target, 3, "target", InvalidCamera)
+    forward = np.subtract(target, eye)
     if not np.linalg.norm(forward) > 1e-9:
-        raise CameraError(f"A camera cannot look from {tuple(eye)} at {tuple(target)}: choose two different points.")
+        raise CameraError(f"A camera cannot look from {eye.tolist()} at {target.tolist()}: choose two different points.")
     forward = forward / np.linalg.norm(forward)
     up = np.array([0.0, 0.0, 1.0]) if abs(forward[2]) < 0.999 else np.array([1.0, 0.0, 0.0])
     up = up - up.dot(forward) * forward

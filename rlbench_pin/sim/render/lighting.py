@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from rlbench_pin.errors import CameraError
+from rlbench_pin.errors import CameraError, InvalidCamera
+from rlbench_pin.values import as_number, as_vector
 
 Vector = tuple[float, float, float]
 
@@ -24,8 +25,10 @@ class Light:
     """rgb in 0..1."""
 
     def __post_init__(self) -> None:
-        numbers = (*self.direction, self.intensity, *self.color)
-        if not np.all(np.isfinite(numbers)) or not np.linalg.norm(self.direction) > 1e-6:
+        for name in ("direction", "color"):
+            as_vector(getattr(self, name), 3, f"Light.{name}", InvalidCamera)
+        as_number(self.intensity, "Light.intensity", InvalidCamera)
+        if not np.linalg.norm(self.direction) > 1e-6:
             raise CameraError(f"A light needs a direction other than zero and finite numbers, not {self}.")
         if self.intensity < 0.0 or not all(0.0 <= c <= 1.0 for c in self.color):
             raise CameraError(f"A light has an intensity >= 0 and a colour in 0..1, not {self}.")
@@ -53,6 +56,9 @@ class Lighting:
     """Brightness of a white surface that no light reaches."""
 
     def __post_init__(self) -> None:
+        if not isinstance(self.fills, tuple | list) or not all(isinstance(light, Light) for light in (self.key, *self.fills)):
+            raise CameraError("The key light and the fills of a `Lighting` are `Light`s.")
+        as_number(self.ambient, "Lighting.ambient", InvalidCamera)
         if not 0.0 < self.ambient <= 1.0:
             raise CameraError(f"The ambient light lies above 0 and at most at 1, not at {self.ambient}.")
 

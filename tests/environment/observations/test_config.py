@@ -87,7 +87,10 @@ def test_noise_is_seeded_and_changes_no_argument() -> None:
 
 
 def test_empty_pictures_are_refused() -> None:
-    """Size 0 names the camera and the size."""
-    config = ObservationConfig(front_camera=CameraConfig(image_size=(0, 128)))
-    with pytest.raises(CameraError, match=r"Camera 'front' has image_size \(0, 128\)"):
-        Environment(MoveArmThenGripper(JointVelocity(), Discrete()), obs_config=config)
+    """Size 0 is refused where it enters, also later."""
+    with pytest.raises(CameraError, match=r"CameraConfig.image_size has to be a whole number >= 1 and <= 8192. Got 0"):
+        CameraConfig(image_size=(0, 128))
+    config = ObservationConfig()
+    with pytest.raises(CameraError, match="image_size"):
+        config.front_camera.image_size = (128, 0)
+    assert config.front_camera.image_size == (128, 128)

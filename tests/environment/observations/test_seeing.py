@@ -70,7 +70,7 @@ def test_unknown_and_impossible_cameras_are_refused():
         config.remove_camera("front")
     with pytest.raises(CameraError):
         config.add_camera("front", ExtraCamera(pose=SIDE_VIEW))
-    for change in ({"near": 2.0, "far": 1.0}, {"fov": 0.0}, {"pose": (0.0, 0.0)}, {"config": CameraConfig(image_size=(0, 10))}):
+    for change in ({"near": 2.0, "far": 1.0}, {"fov": 0.0}, {"pose": (0.0, 0.0)}, {"pose": (0.0,) * 7}):
         with pytest.raises(CameraError):
             config.add_camera("side", ExtraCamera(**{"pose": SIDE_VIEW, **change}))
     config.extra_cameras["side"] = ExtraCamera(pose=SIDE_VIEW, near=3.0, far=1.0)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from rlbench_pin.environment.observations import Identity as NativeIdentity
 from rlbench_pin.environment.observations import NoiseModel as NativeNoiseModel
 from rlbench_pin.environment.observations import ObservationConfig as NativeObservationConfig
 from rlbench_pin.errors import CameraError, UnknownName
+from rlbench_pin.values import Rule
 
 _SHADOWS = {"opengl": False, "opengl_auxiliary": False, "opengl3": True, "opengl3_windowed": True}
 """Name of a way to draw -> whether it draws shadows."""
@@ -43,8 +44,12 @@ def _adapted(model: Any) -> NativeNoiseModel:
 class CameraConfig(NativeCameraConfig):
     """What one camera delivers; see `rlbench_pin.CameraConfig`.
 
-    `render_mode` is a member of `pyrep.const.RenderMode`: OPENGL3 draws shadows, OPENGL is faster without.
+    `render_mode` is a member of `pyrep.const.RenderMode`: OPENGL3 draws shadows, OPENGL is faster without. As programs expect,
+    any attribute may be set.
     """
+
+    rules: ClassVar[Mapping[str, Rule]] = {}
+    closed: ClassVar[bool] = False
 
     def __init__(
         self,
@@ -99,8 +104,11 @@ class ObservationConfig(NativeObservationConfig):
     """Five cameras and the low-dimensional data of each observation; see `rlbench_pin.ObservationConfig`.
 
     A camera that is None gets a fresh default. `record_ignore_collisions` says whether observations of demonstrations carry the
-    flag of their leg.
+    flag of their leg. As programs expect, any attribute may be set.
     """
+
+    rules: ClassVar[Mapping[str, Rule]] = {}
+    closed: ClassVar[bool] = False
 
     def __init__(
         self,
