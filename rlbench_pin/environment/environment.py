@@ -28,7 +28,7 @@ from rlbench_pin.planning.planner import PlannerConfig
 from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.spec import SceneSpec
-from rlbench_pin.sim import RENDERERS, RendererName, World
+from rlbench_pin.sim import RENDERERS, RendererName, World, give_back_memory
 from rlbench_pin.tasks import Task, task_class
 
 _SCENE_DATA = {"intrinsics": "intrinsics", "extrinsics": "extrinsics", "near_plane": "near", "far_plane": "far"}
@@ -114,10 +114,12 @@ class Environment:
         self._model = RobotModel(self._robot)
 
     def shutdown(self) -> None:
-        """Free the world; safe to call repeatedly."""
-        if self._runtime is not None:
-            self._runtime.world.close()
-        self._runtime, self._model = None, None
+        """Free the world and give its memory back; safe to call repeatedly."""
+        runtime, self._runtime, self._model = self._runtime, None, None
+        if runtime is not None:
+            runtime.world.close()
+            del runtime
+            give_back_memory()
 
     def __enter__(self) -> Environment:
         if self._model is None:
