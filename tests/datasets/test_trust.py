@@ -215,7 +215,7 @@ SENSELESS = (
     {"frames": 0}, {"frames": 10**9}, {"frames": 1.0}, {"variation": 2**40}, {"variation": False}, {"episode": 10**30},
     {"random_seed": "1"}, {"random_seed": -1}, {"random_seed": 2**70}, {"random_seed": True}, {"num_bytes": -3},
     {"sha256": "abc"}, {"sha256": "Z" * 64}, {"instructions": "text"}, {"instructions": [1]}, {"instructions": None},
-    {"versions": []}, {"versions": {"numpy": 2}}, {"failures": {"a": 1}}, {"failures": [["deep"]]}, {"file": None}, {"file": ["x"]},
+    {"versions": []}, {"versions": {"numpy": 2}}, {"failures": {"a": 1}}, {"failures": [["deep"]]}, {"file": None},
 )  # fmt: skip
 
 
