@@ -105,3 +105,19 @@ def test_a_state_of_another_task_is_refused() -> None:
         other = environment.get_task("reach_target")
         with pytest.raises(TaskEnvironmentError, match="'push_button', this is 'reach_target'"):
             other.set_state(pickle.loads(pickled))
+
+
+def test_states_are_not_taken_for_each_other() -> None:
+    """Moments of one episode come back in any order, here and unpickled."""
+    with make_environment(low_dim_config()) as environment:
+        task = environment.get_task("take_lid_off_saucepan")
+        _, observation = task.reset(seed=2)
+        states = []
+        for action in actions(observation, 6):
+            task.step(action)
+            states.append(task.get_state())
+        here = [continued(task, state) for state in states]
+        for index in (3, 0, 5, 3):
+            assert_same(continued(task, states[index]), here[index])
+            assert_same(continued(task, pickle.loads(pickle.dumps(states[index]))), here[index])
+        assert any(not np.array_equal(a["joint_positions"], b["joint_positions"]) for a, b in zip(here[0][:-1], here[5][:-1]))
