@@ -55,7 +55,7 @@ HOMES: dict[str, tuple[str, ...]] = {
     "gymnasium": ("gym", "compat"),
     "trimesh": (),
     "manifold3d": (),
-    "pickle": ("datasets",),  # foreign files only; tests/datasets/formats/test_rlbench_folders.py says which module
+    "pickle": ("datasets", "errors"),  # foreign files; may evidence of errors travel?
 }
 
 

@@ -14,38 +14,49 @@ import numpy as np
 
 from rlbench_pin.datasets.manifest import digest
 from rlbench_pin.datasets.series import from_json, read_series
+from rlbench_pin.datasets.trust import Inspector
+from rlbench_pin.datasets.trust.head import Head, read_head
+from rlbench_pin.datasets.trust.inspection_child import is_oversized
+from rlbench_pin.datasets.trust.listing import altered, check_file
 from rlbench_pin.datasets.writer import DESCRIPTIONS, FORMAT, VERSION
 from rlbench_pin.errors import DatasetError, EpisodeFileError
-from rlbench_pin.observation import Demo, Observation, RandomState
+from rlbench_pin.observation import Demo, Observation
 
-_MAX_FRAMES = 10_000_000
+_GROUPS = ("observations", "misc")
+_JSON = ("instructions", "versions", "random_state")
+"""Attributes that are JSON."""
 
 
 class Episode:
     """An open episode file. Use it in a `with` block; `len(episode)` frames, `episode[i]` is one observation.
 
+    A file is opened when its SHA-256 is the one that its manifest lists, or when another process has survived reading it.
+
     Args:
         path: The file.
-        sha256: What its bytes must add up to; None leaves them unchecked, and reads only what is used.
+        sha256: What its bytes must add up to. With None it is looked up in the manifest of the dataset that the file lies in;
+            only what is used is kept in memory then.
+        inspector: Reads the file first when no manifest lists it; a process of its own does when None.
 
     Raises:
-        EpisodeFileError: The file is missing, truncated, damaged, altered, or of another format or version; names the file.
+        EpisodeFileError: The file is missing, truncated, damaged, altered, harmful, or of another format or version; names it.
     """
 
-    def __init__(self, path: Path, sha256: str | None = None) -> None:
+    def __init__(self, path: Path, sha256: str | None = None, inspector: Inspector | None = None) -> None:
         self.path, self._is_closed = Path(path), False
         if not self.path.is_file():
             raise EpisodeFileError(self.path, f"The episode '{self.path}' does not exist.")
         with self._named():
+            if sha256 is None:
+                check_file(self.path, inspector)
             source = self.path if sha256 is None else io.BytesIO(_checked_bytes(self.path, sha256))
             self._file = h5py.File(source, "r")
         try:
             with self._named():
                 self._check_version()
-                self._check_links()
-                self._length = int(self._file.attrs["frames"])
-                if not 0 < self._length <= _MAX_FRAMES:
-                    raise ValueError(f"{self._length} frames")
+                self._check_contents()
+                self._head = self._read_head()
+                self._length = self._head.frames
         except DatasetError:
             self._file.close()
             raise
@@ -70,19 +81,18 @@ class Episode:
     def task_name(self) -> str:
         """Snake-case task name."""
         with self._named():
-            return str(self._file.attrs["task"])
+            return self._head.task
 
     @property
     def variation(self) -> int:
         """Variation of the task."""
         with self._named():
-            return int(self._file.attrs["variation"])
+            return self._head.variation
 
     @property
     def instructions(self) -> tuple[str, ...]:
         """Sentences that describe the goal."""
-        with self._named():
-            return tuple(from_json(self._file.attrs["instructions"]))
+        return self._head.instructions
 
     @property
     def fields(self) -> tuple[str, ...]:
@@ -126,7 +136,7 @@ class Episode:
     def misc(self, key: str) -> list[Any]:
         """Read one key of `misc` for all frames; None where a frame has none, or all when no frame has it."""
         with self._named():
-            if key == DESCRIPTIONS and self._describes:
+            if key == DESCRIPTIONS and self._head.describes:
                 return [list(self.instructions) for _ in range(self._length)]
             group = self._file["misc"]
             return read_series(group, key, self._length) if key in group else [None] * self._length
@@ -139,30 +149,25 @@ class Episode:
             wanted = [name for name in self.fields if fields is None or name in fields]
             columns = {name: read_series(group, name, self._length, frames) for name in wanted}
             extras = {key: read_series(misc, key, self._length, frames) for key in misc if "@" not in key}
-            if self._describes:
+            if self._head.describes:
                 extras[DESCRIPTIONS] = [list(self.instructions) for _ in frames]
         return [_observation(columns, extras, i) for i in range(len(frames))]
 
     def demo(self, fields: Collection[str] | None = None) -> Demo:
         """Read everything, or everything but some fields."""
+        head = self._head
         with self._named():
-            attrs = self._file.attrs
             return Demo(
                 self.observations(fields=fields),
-                random_seed=_seed(attrs),
-                num_reset_attempts=_optional_int(attrs, "num_reset_attempts"),
-                variation_number=self.variation,
-                instructions=self.instructions,
+                random_seed=head.random_seed,
+                num_reset_attempts=head.num_reset_attempts,
+                variation_number=head.variation,
+                instructions=head.instructions,
                 state=_read_state(self._file),
-                versions=from_json(attrs["versions"]),
-                attempt=int(attrs["attempt"]),
-                task_name=self.task_name,
+                versions=head.versions,
+                attempt=head.attempt,
+                task_name=head.task,
             )
-
-    @property
-    def _describes(self) -> bool:
-        """Whether every frame has the instructions in its `misc`."""
-        return bool(self._file.attrs.get(DESCRIPTIONS, False))
 
     # Trust ------------------------------------------------------------------------------------------------------
 
@@ -171,7 +176,9 @@ class Episode:
             raise EpisodeFileError(
                 self.path, f"'{self.path}' is an HDF5 file, but not an episode. `rlbench-pin record` makes some."
             )
-        version = int(self._file.attrs.get("version", -1))
+        version = self._file.attrs.get("version", -1)
+        if not isinstance(version, int | np.integer):
+            raise ValueError("its version is no number")
         if version != VERSION:
             raise EpisodeFileError(
                 self.path,
@@ -179,9 +186,16 @@ class Episode:
                 "Read it with the release of rlbench_pin that wrote it, or record it again.",
             )
 
-    def _check_links(self) -> None:
-        """Refuse what would read other files: links out of the file, external storage, virtual datasets."""
-        for group in (self._file, *(self._file[name] for name in ("observations", "misc"))):
+    def _read_head(self) -> Head:
+        attrs = self._file.attrs
+        return read_head({name: from_json(attrs[name]) if name in _JSON else attrs[name] for name in attrs})
+
+    def _check_contents(self) -> None:
+        """Refuse what would read other files, or more than is there: links, external storage, virtual datasets, false sizes."""
+        groups = [self._file[name] for name in (*_GROUPS, *(["state"] if "state" in self._file else []))]
+        if not all(isinstance(group, h5py.Group) for group in groups):
+            raise ValueError("an array lies where a group belongs")
+        for group in (self._file, *groups):
             for name in group:
                 if not isinstance(group.get(name, getlink=True), h5py.HardLink):
                     raise EpisodeFileError(
@@ -190,6 +204,10 @@ class Episode:
                 thing = group[name]
                 if isinstance(thing, h5py.Dataset) and (thing.external or thing.is_virtual):
                     raise EpisodeFileError(self.path, f"'{self.path}' keeps '{name}' in another file. Do not trust it.")
+                if isinstance(thing, h5py.Dataset) and is_oversized(thing):
+                    raise ValueError(f"'{name}' claims more values than are stored")
+                if isinstance(thing, h5py.Dataset) == (group is self._file):
+                    raise ValueError(f"'{name}' is not what belongs there")
 
     @contextmanager
     def _named(self) -> Iterator[None]:
@@ -200,9 +218,9 @@ class Episode:
             )
         try:
             yield
-        except (OSError, KeyError, ValueError, TypeError, RuntimeError, MemoryError) as error:
-            if isinstance(error, DatasetError):
-                raise
+        except DatasetError:
+            raise
+        except Exception as error:  # damaged files raise nearly everything
             raise EpisodeFileError(
                 self.path, f"The episode '{self.path}' is truncated or damaged ({error}). Delete it and record it again."
             ) from error
@@ -211,9 +229,7 @@ class Episode:
 def _checked_bytes(path: Path, sha256: str) -> bytes:
     data = path.read_bytes()
     if digest(data) != sha256:
-        raise EpisodeFileError(
-            path, f"'{path}' is not the file its manifest describes: the SHA-256 differs. Delete it and record it again."
-        )
+        raise altered(path)
     return data
 
 
@@ -225,17 +241,9 @@ def _observation(columns: dict[str, list[Any]], extras: dict[str, list[Any]], in
     return observation
 
 
-def _seed(attrs: h5py.AttributeManager) -> int | RandomState | None:
-    return tuple(from_json(attrs["random_state"])) if "random_state" in attrs else _optional_int(attrs, "random_seed")
-
-
 def _read_state(file: h5py.File) -> dict[str, np.ndarray] | None:
     if "state" not in file:
         return None
     group = file["state"]
     names = sorted((name for name in group if "@" not in name), key=lambda n: int(n.removeprefix("array")))
     return {str(group[name].attrs["name"]): read_series(group, name, 1)[0] for name in names}
-
-
-def _optional_int(attrs: h5py.AttributeManager, name: str) -> int | None:
-    return int(attrs[name]) if name in attrs else None

@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
+from rlbench_pin.datasets.trust import check_inside
 from rlbench_pin.errors import DatasetError, nearest_name
 
 EPISODE_SUFFIX = ".h5"
@@ -44,6 +45,13 @@ def manifest_path(root: Path, task: str) -> Path:
     return Path(root) / checked_task_name(task) / MANIFEST
 
 
+def is_episode_place(path: Path) -> bool:
+    """Whether a path ends like one that `episode_path` gives."""
+    parts = path.parts[-4:]
+    checks = (_TASK, _VARIATION, re.compile("episodes"), _EPISODE)
+    return len(path.parts) > 4 and all(check.fullmatch(part) for check, part in zip(checks, parts))
+
+
 def episode_number(path: Path) -> int:
     """Return j of `episode<j>.h5`."""
     match = _EPISODE.fullmatch(Path(path).name)
@@ -60,10 +68,12 @@ def stored_tasks(root: Path, *, at_least_one: bool = False) -> tuple[str, ...]:
         at_least_one: Whether a folder without tasks is an error.
 
     Raises:
-        DatasetError: The root does not exist, or holds no task where there must be one.
+        DatasetError: The root does not exist, holds no task where there must be one, or the folder of a task is a link out of it.
     """
     folders = [p for p in _root_folder(root).iterdir() if p.is_dir() and _TASK.fullmatch(p.name)]
     tasks = sorted(p.name for p in folders if (p / MANIFEST).is_file() or any(p.glob("variation*/episodes")))
+    for task in tasks:
+        check_inside(root, Path(root) / task)
     if at_least_one and not tasks:
         raise DatasetError(f"'{root}' holds no demonstrations. `rlbench-pin record TASK --out {root}` makes some.")
     return tuple(tasks)
@@ -96,7 +106,10 @@ def episode_files(root: Path, task: str, variation: int = ALL_VARIATIONS) -> tup
     stored = stored_variations(root, task)
     check_variation(root, task, variation, stored)
     wanted = stored if variation == ALL_VARIATIONS else (variation,)
-    return tuple(path for v in wanted for path in _episodes_in(episode_path(root, task, v, 0).parent))
+    folders = [episode_path(root, task, v, 0).parent for v in wanted]
+    for folder in folders:
+        check_inside(root, folder)
+    return tuple(path for folder in folders for path in _episodes_in(folder))
 
 
 def check_variation(root: Path, task: str, variation: int, stored: Collection[int]) -> None:
@@ -121,6 +134,7 @@ def _task_folder(root: Path, task: str) -> Path:
     folder = _root_folder(root) / checked_task_name(task)
     if not folder.is_dir():
         raise _unknown_task(root, task, sorted(p.name for p in Path(root).iterdir() if p.is_dir()))
+    check_inside(root, folder)
     return folder
 
 

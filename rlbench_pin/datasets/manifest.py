@@ -10,19 +10,23 @@ import fcntl
 import hashlib
 import json
 import os
-from collections.abc import Iterator
+import re
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from rlbench_pin.datasets.layout import checked_task_name, episode_file, manifest_path
+from rlbench_pin.datasets.layout import episode_file, manifest_path
 from rlbench_pin.datasets.storage import storing, write_whole
+from rlbench_pin.datasets.trust import MAX_FRAMES, check_inside, is_text_map, is_texts, is_whole, parse_json, short
 from rlbench_pin.errors import EpisodeFileError
 
 VERSION = 1
 _BLOCK = 1 << 20
 _JOURNAL = ".manifest.journal"
+_SHA256 = re.compile("[0-9a-f]{64}")
+_MOST_EPISODES = 2**31 - 1
 
 Entries = dict[tuple[int, int], "EpisodeEntry"]
 
@@ -47,14 +51,34 @@ class EpisodeEntry:
 
     def check(self, manifest: Path) -> None:
         """Raise EpisodeFileError when the entry points anywhere but to its own place in the folder of the task."""
-        numbers = (self.variation, self.episode, self.frames, self.attempt, self.num_bytes)
-        if not all(type(n) is int and n >= 0 for n in numbers) or not isinstance(self.sha256, str):
-            raise EpisodeFileError(manifest, f"The manifest '{manifest}' has a damaged entry for {self.file!r}. Restore it.")
+        for name, is_right in _FIELDS.items():
+            if not is_right(value := getattr(self, name)):
+                raise EpisodeFileError(
+                    manifest,
+                    f"The manifest '{manifest}' has a damaged entry for {short(self.file)}: {name} = {short(value)}. Restore it.",
+                )
         expected = episode_file(self.variation, self.episode)
         if self.file != expected:
             raise EpisodeFileError(
-                manifest, f"The manifest '{manifest}' lists {self.file!r} where '{expected}' belongs. Do not trust this dataset."
+                manifest,
+                f"The manifest '{manifest}' lists {short(self.file)} where '{expected}' belongs. Do not trust this dataset.",
             )
+
+
+_FIELDS: dict[str, Callable[[object], bool]] = {
+    "file": lambda value: isinstance(value, str),
+    "variation": lambda value: is_whole(value, 0, _MOST_EPISODES),
+    "episode": lambda value: is_whole(value, 0, _MOST_EPISODES),
+    "frames": lambda value: is_whole(value, 1, MAX_FRAMES),
+    "random_seed": lambda value: value is None or is_whole(value),
+    "attempt": is_whole,
+    "num_bytes": is_whole,
+    "sha256": lambda value: isinstance(value, str) and _SHA256.fullmatch(value) is not None,
+    "instructions": is_texts,
+    "versions": is_text_map,
+    "failures": is_texts,
+}
+"""What each field of an entry may be."""
 
 
 def digest(data: bytes) -> str:
@@ -84,7 +108,7 @@ def read_manifest(root: Path, task: str) -> tuple[EpisodeEntry, ...]:
 def has_manifest(root: Path, task: str) -> bool:
     """Whether a task has a manifest, or the beginning of one."""
     path = manifest_path(root, task)
-    return path.exists() or _journal(path).exists()
+    return path.exists() or journal_path(path).exists()
 
 
 @contextmanager
@@ -95,7 +119,7 @@ def locked_manifest(root: Path, task: str) -> Iterator[Entries]:
         entries = _read(path, task)
         yield entries
         _write(path, task, entries)
-        _journal(path).unlink(missing_ok=True)
+        journal_path(path).unlink(missing_ok=True)
 
 
 def append_entry(root: Path, task: str, entry: EpisodeEntry) -> None:
@@ -106,31 +130,33 @@ def append_entry(root: Path, task: str, entry: EpisodeEntry) -> None:
     """
     path = manifest_path(root, task)
     line = json.dumps(asdict(entry)).encode() + b"\n"
-    with _lock(path), storing(_journal(path)), open(_journal(path), "ab") as file:
-        whole = _length_of_whole_lines(_journal(path))
+    with _lock(path), storing(journal_path(path)), open(journal_path(path), "ab") as file:
+        whole = _length_of_whole_lines(journal_path(path))
         file.truncate(whole)
         try:
             file.write(line)
             file.flush()
             os.fsync(file.fileno())
         except OSError:
-            os.truncate(_journal(path), whole)
+            os.truncate(journal_path(path), whole)
             raise
 
 
 def fold_journal(root: Path, task: str) -> None:
     """Put what the journal lists into the manifest."""
-    if _journal(manifest_path(root, task)).exists():
+    if journal_path(manifest_path(root, task)).exists():
         with locked_manifest(root, task):
             pass
 
 
-def _journal(manifest: Path) -> Path:
+def journal_path(manifest: Path) -> Path:
+    """Return the journal of a manifest."""
     return manifest.with_name(_JOURNAL)
 
 
 @contextmanager
 def _lock(path: Path) -> Iterator[None]:
+    _check_place(path)
     with storing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         lock = open(path.with_name(f".{path.name}.lock"), "w", encoding="utf-8")  # noqa: SIM115
@@ -139,7 +165,14 @@ def _lock(path: Path) -> Iterator[None]:
         yield
 
 
+def _check_place(manifest: Path) -> None:
+    """Refuse links out of the dataset, before anything is read or written."""
+    for path in (manifest, journal_path(manifest)):
+        check_inside(manifest.parents[1], path)
+
+
 def _read(path: Path, task: str) -> Entries:
+    _check_place(path)
     stored = [*_read_file(path, task), *_read_journal(path)]
     for entry in stored:
         entry.check(path)
@@ -150,35 +183,35 @@ def _read_file(path: Path, task: str) -> list[EpisodeEntry]:
     if not path.exists():
         return []
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = parse_json(path.read_text(encoding="utf-8"))
         version = content["version"]
         entries = [EpisodeEntry(**entry) for entry in content["episodes"]] if version == VERSION else []
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        named = content.get("task", task)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise EpisodeFileError(
             path, f"The manifest '{path}' cannot be read: {error}. Restore it, or delete it and record again."
         ) from error
     if version != VERSION:
         raise EpisodeFileError(
             path,
-            f"The manifest '{path}' has version {version}; this package reads version {VERSION}. "
+            f"The manifest '{path}' has version {short(version)}; this package reads version {VERSION}. "
             "Read it with the release of rlbench_pin that wrote it, or record again.",
         )
-    if checked_task_name(str(content.get("task", task))) != task:
-        raise EpisodeFileError(path, f"The manifest '{path}' is of the task '{content['task']}'. Name the folder like the task.")
+    if named != task:
+        raise EpisodeFileError(path, f"The manifest '{path}' is of the task {short(named)}. Name the folder like the task.")
     return entries
 
 
 def _read_journal(manifest: Path) -> list[EpisodeEntry]:
     """Read the whole lines of the journal; a last line that was cut off never counted."""
-    path = _journal(manifest)
-    try:
-        text = path.read_bytes()
-    except FileNotFoundError:
+    path = journal_path(manifest)
+    if not path.exists():
         return []
     try:
-        lines: list[dict[str, Any]] = [json.loads(line) for line in text[: text.rfind(b"\n") + 1].splitlines()]
+        text = path.read_bytes()
+        lines: list[dict[str, Any]] = [parse_json(line) for line in text[: text.rfind(b"\n") + 1].splitlines()]
         return [EpisodeEntry(**line) for line in lines]
-    except (ValueError, TypeError) as error:
+    except (OSError, ValueError, TypeError) as error:
         raise EpisodeFileError(
             path, f"The journal '{path}' cannot be read: {error}. Delete it and go on with `--resume`."
         ) from error
@@ -210,6 +243,7 @@ __all__ = [
     "file_digest",
     "fold_journal",
     "has_manifest",
+    "journal_path",
     "locked_manifest",
     "read_manifest",
 ]

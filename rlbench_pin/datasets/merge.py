@@ -11,6 +11,7 @@ from rlbench_pin.datasets.layout import episode_file, manifest_path, stored_task
 from rlbench_pin.datasets.manifest import EpisodeEntry, digest, fold_journal, read_manifest
 from rlbench_pin.datasets.storage import hold
 from rlbench_pin.datasets.task_copy import check_alike, copy_kept
+from rlbench_pin.datasets.trust import check_inside
 from rlbench_pin.datasets.writer import DatasetWriter
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 
@@ -75,7 +76,7 @@ def _plan_task(roots: Sequence[Path], out: Path, task: str) -> list[Move]:
         entries = read_manifest(root, task)
         for entry in entries:
             source = manifest_path(root, task).parent / entry.file
-            _check_inside(source, root, entry)
+            _check_there(source, root)
             if root is out:
                 known[(entry.variation, entry.random_seed)] = (entry, source)
             elif not _is_known(known, entry, source):
@@ -110,11 +111,10 @@ def _same_pictures(before: tuple[dict[str, tuple[int, ...]], Path] | None, path:
     return shapes, path
 
 
-def _check_inside(source: Path, root: Path, entry: EpisodeEntry) -> None:
+def _check_there(source: Path, root: Path) -> None:
     if not source.is_file():
         raise EpisodeFileError(source, f"'{source}' is listed in its manifest but does not exist. Record it again first.")
-    if not source.resolve().is_relative_to(root.resolve()):
-        raise EpisodeFileError(source, f"'{source}' leads out of '{root}', to '{source.resolve()}'. Do not trust this dataset.")
+    check_inside(root, source)
 
 
 def _checked_bytes(move: Move) -> bytes:

@@ -10,25 +10,34 @@ import numpy as np
 from rlbench_pin.datasets.episode import Episode
 from rlbench_pin.datasets.layout import ALL_VARIATIONS, check_variation, episode_files, manifest_path
 from rlbench_pin.datasets.manifest import has_manifest, read_manifest
+from rlbench_pin.datasets.trust import Inspector, check_inside
 from rlbench_pin.errors import DatasetError, EpisodeFileError
 from rlbench_pin.observation import CAMERAS, PRODUCTS, Demo
 
 PICTURES = tuple(f"{camera}_{product}" for camera in CAMERAS for product in PRODUCTS)
 
 
-def read_demo(path: Path, fields: Collection[str] | None = None, *, sha256: str | None = None, image_paths: bool = False) -> Demo:
+def read_demo(
+    path: Path,
+    fields: Collection[str] | None = None,
+    *,
+    sha256: str | None = None,
+    image_paths: bool = False,
+    inspector: Inspector | None = None,
+) -> Demo:
     """Read one episode.
 
     Args:
         path: An episode file.
         fields: Names of `Observation` fields to read; None reads all. `misc` always comes along.
-        sha256: What the bytes of the file must add up to; None leaves them unchecked.
+        sha256: What the bytes of the file must add up to; None looks it up in the manifest of the dataset that the file lies in.
         image_paths: Put into picture fields a text that `read_picture` turns into the picture, and leave the pictures unread.
+        inspector: Reads the file first when no manifest lists it; a process of its own does when None.
 
     Raises:
         DatasetError: The file is missing, truncated, damaged, or of another format or version; names the file.
     """
-    with Episode(path, sha256) as episode:
+    with Episode(path, sha256, inspector) as episode:
         if not image_paths:
             return episode.demo(fields)
         wanted = [name for name in episode.fields if fields is None or name in fields]
@@ -94,14 +103,15 @@ def stored_demos(
         list(sums), f"of variation {variation} of '{task}' in '{root}'", amount,
         random_selection=random_selection, from_episode_number=from_episode_number, rng=rng,
     )  # fmt: skip
-    return [counted_demo(path, sums[path], fields, image_paths) for path in files]
+    with Inspector() as inspector:
+        return [counted_demo(path, sums[path], fields, image_paths, inspector) for path in files]
 
 
 def counted_files(root: Path, task: str, variation: int = ALL_VARIATIONS) -> dict[Path, str | None]:
     """Return the episodes that count, in natural order, and the SHA-256 that each must have.
 
     With a manifest these are the ones that it lists, there or not: whatever else lies there was never finished, or does not
-    belong there. Without one, every episode file counts, unchecked.
+    belong there. Without one, every episode file counts.
 
     Raises:
         DatasetError: The root, the task or the variation is not stored there, or the manifest is damaged.
@@ -115,19 +125,26 @@ def counted_files(root: Path, task: str, variation: int = ALL_VARIATIONS) -> dic
 
 
 def check_there(path: Path) -> None:
-    """Raise EpisodeFileError unless a listed file is there."""
+    """Raise EpisodeFileError unless a listed file is there, and in its dataset: no link that leads elsewhere."""
     if not path.is_file():
         raise EpisodeFileError(
             path,
             f"'{path}' is listed in its manifest but does not exist. `rlbench-pin dataset verify` names all that are missing, "
             "`rlbench-pin record --resume` makes them again.",
         )
+    check_inside(path.parents[3], path)
 
 
-def counted_demo(path: Path, sha256: str | None, fields: Collection[str] | None, image_paths: bool = False) -> Demo:
+def counted_demo(
+    path: Path,
+    sha256: str | None,
+    fields: Collection[str] | None,
+    image_paths: bool = False,
+    inspector: Inspector | None = None,
+) -> Demo:
     """Return an episode of `counted_files`, with the checks of `check_there` and `read_demo`."""
     check_there(path)
-    return read_demo(path, fields, sha256=sha256, image_paths=image_paths)
+    return read_demo(path, fields, sha256=sha256, image_paths=image_paths, inspector=inspector)
 
 
 def select(

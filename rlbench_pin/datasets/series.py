@@ -25,6 +25,8 @@ Value = Any
 
 _ARRAY, _TUPLE, _PAIRS, _SCALAR = "__array__", "__tuple__", "__pairs__", "__scalar__"
 _SMALL = 256
+_WIDEST = 1 << 20
+"""Bytes of the longest text in an array."""
 
 
 def write_series(group: h5py.Group, name: str, values: Sequence[Value], compression: str) -> None:
@@ -54,7 +56,7 @@ def read_series(group: h5py.Group, name: str, length: int, wanted: range | None 
         wanted: The frames to read, consecutive ones; all when None. Only they are read from the file.
     """
     dataset = group[name]
-    frames = group[f"{name}@frames"][()].tolist() if f"{name}@frames" in group else range(length)
+    frames = _frames(group[f"{name}@frames"][()], length) if f"{name}@frames" in group else range(length)
     constant = bool(dataset.attrs.get("constant", False))
     if len(dataset) != (1 if constant else len(frames)):
         raise ValueError(f"'{name}' has {len(dataset)} values for {len(frames)} frames")
@@ -69,14 +71,34 @@ def read_series(group: h5py.Group, name: str, length: int, wanted: range | None 
     return result
 
 
+def _frames(stored: np.ndarray, length: int) -> list[int]:
+    """Return the frames that have a value.
+
+    Raises:
+        ValueError: They are not the numbers of frames, ascending.
+    """
+    ends = np.concatenate([[-1], np.atleast_1d(stored), [length]])
+    if stored.ndim != 1 or stored.dtype.kind != "i" or not (np.diff(ends) > 0).all():
+        raise ValueError(f"values belong to frames that an episode of {length} frames does not have")
+    frames: list[int] = stored.tolist()
+    return frames
+
+
 def to_json(value: Value) -> str:
     """Write a value as JSON; arrays, tuples, numpy scalars and dicts with other keys than texts survive."""
     return json.dumps(_plain(value))
 
 
 def from_json(text: str | bytes) -> Value:
-    """Read back what `to_json` wrote."""
-    return json.loads(text, object_hook=_restore)
+    """Read back what `to_json` wrote.
+
+    Raises:
+        ValueError: It is no JSON, or is nested too deeply.
+    """
+    try:
+        return json.loads(text, object_hook=_restore)
+    except RecursionError as error:
+        raise ValueError("a text is nested too deeply") from error
 
 
 def _kind(values: Sequence[Value]) -> str:
@@ -158,11 +180,18 @@ def _plain(value: Value) -> Value:
 
 def _restore(marked: dict[str, Value]) -> Value:
     if _ARRAY in marked:
-        return np.array(marked[_ARRAY], dtype=marked["dtype"]).reshape(marked["shape"])
+        return np.array(marked[_ARRAY], dtype=_plain_type(marked["dtype"])).reshape(marked["shape"])
     if _SCALAR in marked:
-        return np.dtype(marked["dtype"]).type(marked[_SCALAR])
+        return _plain_type(marked["dtype"]).type(marked[_SCALAR])
     if _TUPLE in marked:
         return tuple(marked[_TUPLE])
     if _PAIRS in marked:
         return dict(marked[_PAIRS])
     return marked
+
+
+def _plain_type(name: str) -> np.dtype:
+    found = np.dtype(name)
+    if found.kind not in "biufcSUOmM" or found.itemsize > _WIDEST:
+        raise ValueError(f"a value is of type {name!r}")
+    return found

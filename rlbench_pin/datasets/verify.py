@@ -8,6 +8,8 @@ from rlbench_pin.datasets.episode import Episode
 from rlbench_pin.datasets.layout import episode_files, manifest_path
 from rlbench_pin.datasets.manifest import EpisodeEntry, file_digest, read_manifest
 from rlbench_pin.datasets.task_copy import kept_faults
+from rlbench_pin.datasets.trust import check_inside
+from rlbench_pin.datasets.trust.listing import altered
 from rlbench_pin.errors import DatasetError, EpisodeFileError
 
 
@@ -51,12 +53,13 @@ def _fault(folder: Path, entry: EpisodeEntry, task: str, structure: bool) -> Dat
     try:
         if not path.is_file():
             return EpisodeFileError(path, f"'{path}' is listed in the manifest but does not exist. Record it again.")
-        if path.stat().st_size != entry.num_bytes or file_digest(path) != entry.sha256:
-            return EpisodeFileError(
-                path, f"'{path}' is not the file its manifest describes: the SHA-256 differs. Delete it and record it again."
-            )
+        check_inside(folder.parent, path)
+        if path.stat().st_size != entry.num_bytes:
+            return altered(path)
         if structure:
             check_structure(path, entry, task)
+        elif file_digest(path) != entry.sha256:
+            return altered(path)
     except OSError as error:
         return EpisodeFileError(path, f"'{path}' cannot be read: {error}.")
     except DatasetError as error:
@@ -65,12 +68,12 @@ def _fault(folder: Path, entry: EpisodeEntry, task: str, structure: bool) -> Dat
 
 
 def check_structure(path: Path, entry: EpisodeEntry, task: str) -> None:
-    """Read every value of a file and hold it against its entry in the manifest.
+    """Compare the SHA-256 of a file, then read every value of it and hold it against its entry in the manifest.
 
     Raises:
         EpisodeFileError: Something cannot be read or differs; names the file.
     """
-    with Episode(path) as episode:
+    with Episode(path, entry.sha256) as episode:
         demo = episode.demo()
     listed = (task, entry.variation, entry.frames, entry.random_seed, entry.attempt)
     found = (demo.task_name, demo.variation_number, len(demo), demo.seed, demo.attempt)

@@ -14,6 +14,7 @@ from rlbench_pin.datasets.layout import episode_file, episode_path, manifest_pat
 from rlbench_pin.datasets.manifest import EpisodeEntry, append_entry, digest, locked_manifest
 from rlbench_pin.datasets.series import to_json, write_series
 from rlbench_pin.datasets.storage import write_whole
+from rlbench_pin.datasets.trust import check_inside
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import FIELDS, Demo
 
@@ -135,6 +136,7 @@ class DatasetWriter:
         with locked_manifest(self.root, demo.task_name) as entries:
             number = _episode_number(entries, demo)
             path = episode_path(self.root, demo.task_name, demo.variation_number, number)
+            check_inside(self.root, path.parent)
             write_whole(path, data)
             entries[(demo.variation_number, number)] = episode_entry(demo, data, number)
         return path
@@ -145,11 +147,12 @@ class DatasetWriter:
         The file is whole on the disk before it is listed; call `fold_journal` when many have been put.
 
         Raises:
-            DatasetError: The entry names another place than that of its episode.
+            DatasetError: The entry names another place than that of its episode, or a link leads out of the dataset.
             StorageError: The disk cannot be written to; the episode does not count.
         """
         entry.check(manifest_path(self.root, task))
         path = episode_path(self.root, task, entry.variation, entry.episode)
+        check_inside(self.root, path.parent)
         write_whole(path, data)
         append_entry(self.root, task, entry)
         return path

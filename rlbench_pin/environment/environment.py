@@ -30,7 +30,7 @@ from rlbench_pin.planning.planner import PlannerConfig
 from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.spec import SceneSpec
-from rlbench_pin.sim import RENDERERS, RendererName, World
+from rlbench_pin.sim import RENDERERS, RendererName, World, give_back_memory
 from rlbench_pin.tasks import Task, find_task
 from rlbench_pin.values import as_choice, as_number, as_record, as_seed
 
@@ -118,10 +118,12 @@ class Environment:
         self._model = RobotModel(self._robot)
 
     def shutdown(self) -> None:
-        """Free the world; safe to call repeatedly."""
-        if self._runtime is not None:
-            self._runtime.world.close()
-        self._runtime, self._model = None, None
+        """Free the world and give its memory back; safe to call repeatedly."""
+        runtime, self._runtime, self._model = self._runtime, None, None
+        if runtime is not None:
+            runtime.world.close()
+            del runtime
+            give_back_memory()
 
     def __enter__(self) -> Environment:
         if self._model is None:

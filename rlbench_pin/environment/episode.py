@@ -11,7 +11,8 @@ import numpy as np
 
 from rlbench_pin.environment.randomization.sample import RandomizationSample
 from rlbench_pin.environment.runtime import RuntimeState
-from rlbench_pin.errors import InvalidArgument
+from rlbench_pin.errors import InvalidArgument, TaskEnvironmentError
+from rlbench_pin.tasks.portable_state import PortableTaskState
 from rlbench_pin.values import as_seed, as_whole
 
 MOST_DEMOS = 10_000_000
@@ -55,12 +56,28 @@ class EpisodeOrigin:
 
 @dataclass(frozen=True)
 class EnvironmentState:
-    """A moment of an episode, to go back to."""
+    """A moment of an episode, to go back to. It can be pickled, and then used by an environment of the same task and settings."""
 
     runtime: RuntimeState
     episode: EpisodeOrigin
     randomization: RandomizationSample | None = None
     """What domain randomization has changed in the world."""
+
+    def unpickled_variation(self, task: str) -> int | None:
+        """Return the variation of a state that was pickled, None of one that was not.
+
+        Args:
+            task: Name of the task that is to take it over.
+
+        Raises:
+            TaskEnvironmentError: The state is of another task.
+        """
+        kept = self.runtime.task
+        if not isinstance(kept, PortableTaskState):
+            return None
+        if kept.task != task:
+            raise TaskEnvironmentError(f"The state is of task '{kept.task}', this is '{task}'. Load that task with `get_task`.")
+        return self.runtime.variation
 
 
 def checked_seed(seed: object) -> int:

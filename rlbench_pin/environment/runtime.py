@@ -43,7 +43,7 @@ class Bindable(Protocol[BoundT]):
 
 @dataclass(frozen=True)
 class RuntimeState:
-    """Everything needed to continue an episode exactly from one instant, in this process."""
+    """Everything needed to continue an episode exactly from one instant."""
 
     world: Any
     task: Any
@@ -221,10 +221,10 @@ class Runtime:
                     f"{letter} must lie between {low} and {high} m. Choose a target inside."
                 )
 
-    def save(self) -> RuntimeState:
-        """Return the present state."""
+    def save(self, *, portable: bool = False) -> RuntimeState:
+        """Return the present state; only a `portable` one can be pickled."""
         return RuntimeState(
-            self.world.save(),
+            self.world.save(portable),
             self.task.state(),
             self.variation,
             self.instructions,

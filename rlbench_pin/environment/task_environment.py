@@ -197,15 +197,21 @@ class TaskEnvironment:
         return self._runtime.get_observation()
 
     def get_state(self) -> EnvironmentState:
-        """Return the present moment; valid while this environment lives."""
+        """Return the present moment, to go back to; pickled, in an environment of the same task anywhere."""
         episode = self._started("get_state")
         randomization = None if self._randomizer is None else self._randomizer.current
-        return EnvironmentState(self._runtime.save(), episode, randomization)
+        return EnvironmentState(self._runtime.save(portable=True), episode, randomization)
 
     def set_state(self, state: EnvironmentState) -> Observation:
         """Go back to a moment from `get_state` and observe it."""
         if not isinstance(state, EnvironmentState):
             raise InvalidArgument("state", state, "has to be a moment from `get_state()`")
+        if (variation := state.unpickled_variation(self.get_name())) is not None:  # begun again, a task has the same objects
+            before, self._variation_number = self._variation_number, variation
+            try:
+                self._start(state.episode.seed, state.episode.attempt)
+            finally:
+                self._variation_number = before
         if self._randomizer is not None:
             self._randomizer.remove()
         self._runtime.restore(state.runtime)

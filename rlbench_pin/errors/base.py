@@ -3,12 +3,42 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Collection, Sequence
+import pickle
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 
 class RlbenchPinError(Exception):
-    """Base class of every error that this package raises on purpose."""
+    """Base class of every error that this package raises on purpose.
+
+    All of them can be pickled, with their text and their evidence, so that they travel between processes. Evidence that belongs
+    to one process, such as a running task, arrives as a text that says what it was.
+    """
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Say how the error is made again: without its `__init__`, whose arguments are not its text."""
+        parts = super().__reduce__()
+        evidence = parts[2] if len(parts) > 2 and isinstance(parts[2], dict) else {}
+        return _made_again, (type(self), self.args), {name: _portable(value) for name, value in evidence.items()}
+
+
+def _made_again(kind: type[RlbenchPinError], args: tuple[Any, ...]) -> RlbenchPinError:
+    error = kind.__new__(kind, *args)
+    error.args = args
+    return error
+
+
+def _portable(value: object) -> object:
+    """Return the value where it can be pickled, the containers of it filled likewise, otherwise a text."""
+    try:
+        pickle.loads(pickle.dumps(value))
+    except Exception:  # whatever the classes of others raise
+        if type(value) in (list, tuple):
+            return type(value)(_portable(item) for item in value)  # type: ignore[call-arg, attr-defined]
+        if isinstance(value, Mapping):
+            return {str(key): _portable(item) for key, item in value.items()}
+        return f"{type(value).__name__}: {value}"
+    return value
 
 
 def nearest_name(name: str, known: Collection[str]) -> str | None:

@@ -6,28 +6,24 @@ killed, and whenever, the dataset is consistent and `resume` goes on where it en
 
 from __future__ import annotations
 
-import json
 import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from contextlib import closing, suppress
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 from rlbench_pin.datasets import DatasetWriter, EpisodeEntry, checked_task_name, fold_journal, read_manifest, stored_tasks
 from rlbench_pin.datasets.info import stored_pictures
 from rlbench_pin.datasets.layout import episode_path
-from rlbench_pin.datasets.storage import hold, remove_leftovers, write_whole
+from rlbench_pin.datasets.storage import hold, remove_leftovers
 from rlbench_pin.errors import DatasetConflict, EpisodeFileError, StorageError
 from rlbench_pin.recording.config import PictureConfig, RecordConfig, WorkItem, plan_items
 from rlbench_pin.recording.engines import Engine, ProcessEngine, WorkerDeath
+from rlbench_pin.recording.settings_file import RECORDING, read_recording, write_recording
 from rlbench_pin.recording.work import ItemResult
 from rlbench_pin.tasks import Task, chosen_tasks_of, is_task_file, keep_tasks, task_reference
-
-RECORDING = "recording.json"
-VERSION = 1
 
 
 @dataclass(frozen=True)
@@ -142,51 +138,6 @@ def run_items(
     finally:
         _fold(root, {item.name for item in items})
     return report
-
-
-def read_recording(root: Path | str) -> RecordConfig:
-    """Return the settings that a folder was recorded with.
-
-    Raises:
-        DatasetError: There are none, or they cannot be read.
-    """
-    path = Path(root) / RECORDING
-    try:
-        content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        if (version := content.pop("version")) != VERSION:
-            raise ValueError(f"it has version {version}, this package reads version {VERSION}")
-        pictures = PictureConfig(**{k: _as_tuple(v) for k, v in content.pop("pictures").items()})
-        config = RecordConfig(**{k: _as_tuple(v) for k, v in content.items()}, pictures=pictures)
-        return replace(config, tasks=tuple(map(_stored_name, config.tasks)))
-    except FileNotFoundError as error:
-        raise EpisodeFileError(
-            path,
-            f"'{path}' does not exist, so there is no recording to resume. `rlbench-pin record TASK... --out {root}` begins one.",
-        ) from error
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise EpisodeFileError(
-            path,
-            f"'{path}' does not describe a recording: {error}. Delete it, and record with `--resume` again, naming the "
-            "tasks and settings: the episodes beside it are found.",
-        ) from error
-
-
-def write_recording(root: Path, config: RecordConfig) -> None:
-    """Write the settings, so that `--resume` needs nothing more than the folder."""
-    content = {"version": VERSION, **asdict(config)}
-    write_whole(root / RECORDING, (json.dumps(content, indent=1) + "\n").encode())
-
-
-def _stored_name(task: str) -> str:
-    """Return the name of a task in a recording; a path to code, as older ones have it, is not followed."""
-    name = Path(task).stem
-    if not name.isidentifier():
-        raise ValueError(f"{task!r} names no task")
-    return name
-
-
-def _as_tuple(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
 
 
 def _prepare(root: Path, config: RecordConfig, items: Sequence[WorkItem], tasks: Collection[type[Task]], resume: bool) -> None:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rlbench_pin.datasets import counted_demo, counted_files, read_demo, stored_tasks
+from rlbench_pin.datasets.trust import Inspector
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.environment.replay import replay_succeeds
@@ -60,10 +61,11 @@ def _root_of(episode: Path) -> Path:
 
 def _episodes(paths: Sequence[Path]) -> Iterator[tuple[Path, Demo]]:
     """Yield episodes and where they lie, each read when its turn comes."""
-    for path in paths:
-        if not path.is_dir():
-            yield path, read_demo(path, LOW_DIM)
-            continue
-        for task in stored_tasks(path, at_least_one=True):
-            for file, sha256 in counted_files(path, task).items():
-                yield file, counted_demo(file, sha256, LOW_DIM)
+    with Inspector() as inspector:
+        for path in paths:
+            if not path.is_dir():
+                yield path, read_demo(path, LOW_DIM, inspector=inspector)
+                continue
+            for task in stored_tasks(path, at_least_one=True):
+                for file, sha256 in counted_files(path, task).items():
+                    yield file, counted_demo(file, sha256, LOW_DIM, inspector=inspector)

@@ -11,6 +11,7 @@ from pathlib import Path
 from rlbench_pin.datasets import EpisodeEntry, kept_task, read_manifest, stored_tasks
 from rlbench_pin.datasets.layout import checked_task_name, chosen_tasks, episode_path
 from rlbench_pin.datasets.storage import hold, remove_leftovers, write_whole
+from rlbench_pin.datasets.trust import check_inside, is_whole, parse_json, short
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 from rlbench_pin.recording.config import PictureConfig, WorkItem
 from rlbench_pin.recording.engines import Engine
@@ -40,8 +41,8 @@ class EpisodeSeed:
         """Raise DatasetError or ValueError unless the name is one and the numbers are counts: they become paths."""
         checked_task_name(self.task)
         for name in ("variation", "episode", "seed", "attempt"):
-            if type(value := getattr(self, name)) is not int or value < 0:
-                raise ValueError(f"{name}={value!r} of '{self.task}' is no number from 0 on")
+            if not is_whole(value := getattr(self, name)):
+                raise ValueError(f"{name}={short(value)} of '{self.task}' is no number from 0 on")
 
 
 def seeds_of(root: Path, tasks: Sequence[str] = ()) -> list[EpisodeSeed]:
@@ -70,7 +71,7 @@ def read_seeds(path: Path) -> list[EpisodeSeed]:
         EpisodeFileError: The file holds none.
     """
     try:
-        content = json.loads(Path(path).read_text(encoding="utf-8"))
+        content = parse_json(Path(path).read_text(encoding="utf-8"))
         if (content["format"], content["version"]) != (SEEDS_FORMAT, VERSION):
             found = f"format {content['format']!r}, version {content['version']!r}"
             raise ValueError(f"it has {found}, this package reads {SEEDS_FORMAT!r}, version {VERSION}")
@@ -151,6 +152,7 @@ def _items(source: Path, tasks: Sequence[str]) -> list[WorkItem]:
     items = []
     for task, entry in _entries(source, tasks):
         path = episode_path(source, task, entry.variation, entry.episode)
+        check_inside(source, path)
         held = path.is_file()
         items.append(_item(_seed(task, entry), str(path) if held else "", entry.sha256 if held else ""))
     return _at_least_one(source, items)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
-import gc
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,12 +14,11 @@ from rlbench_pin.errors import ResetError, RlbenchPinError, TaskError
 from rlbench_pin.observation import LOW_DIM, Demo
 from rlbench_pin.recording.config import PictureConfig, WorkItem
 from rlbench_pin.recording.replay import replay_demo
+from rlbench_pin.sim import give_back_memory
 from rlbench_pin.tasks import Task, find_task, task_digest
 
 _FREE_EVERY = 5_000_000
 """So many bytes of episodes are made before memory is given back."""
-_TRIM = getattr(ctypes.CDLL(None), "malloc_trim", None)
-"""Hands free memory back to the system; only glibc has it."""
 
 
 @dataclass(frozen=True)
@@ -85,9 +82,7 @@ class Recorder:
         self._made += made
         if self._made > _FREE_EVERY:
             self._made = 0
-            gc.collect()
-            if _TRIM is not None:
-                _TRIM(0)
+            give_back_memory(collect=True)
 
     def _try(self, item: WorkItem, attempt: int, failures: list[str]) -> Demo | None:
         task = self._load(item)

@@ -13,6 +13,7 @@ from rlbench_pin.sim.render.lighting import Light, Lighting
 from rlbench_pin.sim.render.shadows import ShadowMap
 from rlbench_pin.sim.render.texture import Texture, read_texture
 from rlbench_pin.sim.sensor import Sensor
+from rlbench_pin.sim.server.memory import give_back_memory
 from rlbench_pin.sim.state import WorldState
 from rlbench_pin.sim.world import World
 
@@ -38,6 +39,7 @@ __all__ = [
     "Texture",
     "World",
     "WorldState",
+    "give_back_memory",
     "look_at",
     "read_texture",
 ]  # fmt: skip

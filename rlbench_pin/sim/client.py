@@ -2,61 +2,22 @@
 
 from __future__ import annotations
 
-import ctypes
-import os
-import sys
-import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass
+from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from rlbench_pin.errors import AssetInvalid, AssetNotFound, EnvironmentClosed, UnknownName
 from rlbench_pin.sim.bodies.urdf import check_urdf
-from rlbench_pin.sim.journal import Journal
 from rlbench_pin.sim.render.egl import RENDERERS, EglMissing, RendererName, plugin_file
+from rlbench_pin.sim.server.journal import Journal
+from rlbench_pin.sim.server.output import captured_output
 from rlbench_pin.spatial import FloatArray
-
-
-@dataclass
-class Captured:
-    """What the C library printed."""
-
-    text: str = ""
-
-
-@contextmanager
-def captured_output() -> Iterator[Captured]:
-    """Catch what C code writes to stdout and stderr, which Python's own redirection does not see."""
-    captured = Captured()
-    _flush()
-    with tempfile.TemporaryFile() as sink:
-        saved = {fd: os.dup(fd) for fd in (1, 2)}
-        try:
-            for fd in saved:
-                os.dup2(sink.fileno(), fd)
-            yield captured
-        finally:
-            _flush()
-            for fd, copy in saved.items():
-                os.dup2(copy, fd)
-                os.close(copy)
-            sink.seek(0)
-            captured.text = sink.read().decode(errors="replace")
-
-
-def _flush() -> None:
-    sys.stdout.flush()
-    sys.stderr.flush()
-    if os.name == "posix":
-        ctypes.CDLL(None).fflush(None)
-
 
 with captured_output():  # pybullet prints a line when it is imported
     import pybullet as bullet
 
-__all__ = ["Captured", "PhysicsClient", "bullet", "captured_output", "open_client"]
+__all__ = ["PhysicsClient", "bullet", "open_client"]
 
 _SOLVER_ITERATIONS = 50
 _GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
@@ -134,6 +95,10 @@ class PhysicsClient:
             self.close()
             raise
         return plugin
+
+    def __reduce__(self) -> NoReturn:
+        """Refuse to be pickled or copied: the server lives in this process."""
+        raise TypeError("A world belongs to its process. Send `World.arrays()`, or the state that `get_state()` returns.")
 
     @property
     def id(self) -> int:

@@ -14,15 +14,15 @@ from rlbench_pin.scene.spec import BodySpec
 from rlbench_pin.sim.arm.control import ArmControl
 from rlbench_pin.sim.arm.grasp import Attachment
 from rlbench_pin.sim.arm.gripper import FingerControl
+from rlbench_pin.sim.server.contents import restore_bytes, to_bytes
 from rlbench_pin.sim.state import (
     LogicalBodyState,
     LogicalState,
+    check_same_scene,
     read_logical_state,
     restore,
-    restore_bytes,
     save,
     separate_bodies,
-    to_bytes,
     write_logical_state,
 )
 
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from rlbench_pin.sim.world import World
 
 _FORMAT = 1
+_MOST_BYTES = 1 << 28
+"""More than any state of a physics server."""
 _KEYS = {"meta", "frame_poses", "arm_control", "finger_control", "finger_limits", "attachment_poses"}
 _MEASURED = {"body_poses", "body_velocities", "joint_states", "robot_joints"}
 """Arrays that replace `physics` where it is missing."""
@@ -113,6 +115,10 @@ def from_arrays(world: World, arrays: Mapping[str, np.ndarray]) -> None:
     except RlbenchPinError:
         restore(world, before)
         raise
+    except (ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError) as error:
+        restore(world, before)
+        problem = f"{type(error).__name__}: {error}"
+        raise RlbenchPinError(f"The arrays are damaged ({problem}). `World.arrays()` gives whole ones.") from error
 
 
 def _continue_from(world: World, arrays: Mapping[str, np.ndarray]) -> None:
@@ -124,9 +130,12 @@ def _continue_from(world: World, arrays: Mapping[str, np.ndarray]) -> None:
         write_logical_state(world, logical)
         return
     try:
-        physics = zlib.decompress(np.asarray(arrays["physics"], dtype=np.uint8).tobytes())
+        reader = zlib.decompressobj()
+        physics = reader.decompress(np.asarray(arrays["physics"], dtype=np.uint8).tobytes(), _MOST_BYTES)
     except zlib.error as error:
         raise RlbenchPinError(f"The array 'physics' is damaged: {error}.") from error
+    if not reader.eof:
+        raise RlbenchPinError("The array 'physics' is damaged: it was cut off, or is too large.")
     write_logical_state(world, logical)
     _restore_physics(world, physics)
 
@@ -171,11 +180,7 @@ def _check(world: World, meta: dict[str, Any], logical: LogicalState) -> None:
         raise RlbenchPinError(f"The arrays have format {meta['format']}; this version reads {_FORMAT}.")
     if meta["robot"] != world.robot.description.name:
         raise RlbenchPinError(f"The arrays belong to the robot '{meta['robot']}', not '{world.robot.description.name}'.")
-    here = {*world.room, *(n for n in world.bodies if n not in world.spawned)}
-    there = {n for n in logical.bodies if n not in logical.spawned}
-    if here != there or set(logical.frames) != set(world.frames):
-        differing = sorted((here ^ there) | (set(logical.frames) ^ set(world.frames)))
-        raise RlbenchPinError(f"The arrays belong to another scene; only one of the two has {', '.join(differing[:6])}.")
+    check_same_scene(world, logical)
 
 
 def _restore_physics(world: World, physics: bytes) -> None:

@@ -6,10 +6,9 @@ collision filters, colours, locks, frames and the bodies added at run time.
 
 from __future__ import annotations
 
-import tempfile
 import weakref
-from dataclasses import dataclass
-from pathlib import Path
+import zlib
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 from rlbench_pin.errors import RlbenchPinError
@@ -19,6 +18,7 @@ from rlbench_pin.sim.arm.grasp import Attachment
 from rlbench_pin.sim.arm.gripper import FingerControl
 from rlbench_pin.sim.bodies.body import Body, Color
 from rlbench_pin.sim.client import PhysicsClient, bullet
+from rlbench_pin.sim.server.contents import restore_bytes, to_bytes
 from rlbench_pin.spatial import FloatArray
 
 if TYPE_CHECKING:
@@ -68,26 +68,50 @@ class LogicalState:
     """What each of `World.keepers` gave; None leaves them as they are."""
 
 
+@dataclass(frozen=True, eq=False)
+class DetachedPhysics:
+    """PyBullet's part of a state of another server, as bytes."""
+
+    data: bytes = field(repr=False)
+
+    def restore(self, client: PhysicsClient) -> None:
+        """Bring a server with the same bodies to this state."""
+        restore_bytes(client, zlib.decompress(self.data))
+
+
 class Physics:
-    """PyBullet's part of a state: a number in its server and, when that server is to be built again, the bytes.
+    """PyBullet's part of a state: a number in its server or, when that server is to be built again, the bytes.
+
+    Going on from the number and from the bytes differs in the last bits where bodies touch, so a portable one has no number.
 
     Args:
         client: The physics server, whose present state is taken.
+        portable: Keep bytes, as another process will have.
     """
 
-    def __init__(self, client: PhysicsClient) -> None:
+    def __init__(self, client: PhysicsClient, portable: bool = False) -> None:
         self.client = client
         self._number: int | None = None
-        self._bytes = b""
-        self.take()
+        self._bytes = to_bytes(client) if portable else b""
+        self._portable = portable
+        if not portable:
+            self.take()
 
-    def restore(self) -> None:
+    def __reduce__(self) -> tuple[type[DetachedPhysics], tuple[bytes]]:
+        if not self._bytes:
+            raise RlbenchPinError("This state of a world cannot be pickled. `TaskEnvironment.get_state()` gives one that can.")
+        return DetachedPhysics, (zlib.compress(self._bytes, 1),)
+
+    def restore(self, client: PhysicsClient) -> None:
         """Bring the server to this state."""
+        if client is not self.client:
+            raise RlbenchPinError("This state was saved by another world. Use arrays() and set_arrays() between worlds.")
         if self._number is not None:
             bullet.restoreState(self._number, physicsClientId=self.client.id)
             return
         restore_bytes(self.client, self._bytes)
-        self.take()
+        if not self._portable:
+            self.take()
 
     @property
     def has_bytes(self) -> bool:
@@ -111,17 +135,18 @@ class Physics:
 
 @dataclass(frozen=True, eq=False)
 class WorldState:
-    """One instant of one world; only that world can restore it."""
+    """One instant of one world; only that world can restore it, unless it was pickled: then any with the same bodies can."""
 
-    physics: Physics
+    physics: Physics | DetachedPhysics
     logical: LogicalState
 
 
-def save(world: World) -> WorldState:
-    """Remember this instant; the physics server frees it when the returned object is gone."""
+def save(world: World, portable: bool = False) -> WorldState:
+    """Remember this instant; the physics server frees it when the returned object is gone. Only a portable one can be pickled."""
     world.gripper.set_attachments(world.gripper.attachments())  # as restoring does
-    saved = WorldState(Physics(world.client), read_logical_state(world))
-    weakref.finalize(saved, saved.physics.forget)
+    physics = Physics(world.client, portable)
+    saved = WorldState(physics, read_logical_state(world))
+    weakref.finalize(saved, physics.forget)
     world.saved_states.add(saved)
     _restore_physics(world, saved)
     return saved
@@ -131,57 +156,47 @@ def restore(world: World, saved: WorldState) -> None:
     """Go back to a remembered instant.
 
     Raises:
-        RlbenchPinError: The state belongs to another world.
+        RlbenchPinError: The state belongs to another world or, when it was pickled, to another scene.
     """
-    if saved.physics.client is not world.client:
+    if isinstance(saved.physics, DetachedPhysics):
+        check_same_scene(world, saved.logical)
+    elif saved.physics.client is not world.client:
         raise RlbenchPinError("This state was saved by another world. Use arrays() and set_arrays() between worlds.")
     write_logical_state(world, saved.logical)
     _restore_physics(world, saved)
 
 
+def check_same_scene(world: World, logical: LogicalState) -> None:
+    """Raise RlbenchPinError unless a state of another world has the bodies and frames of this one."""
+    here = {*world.room, *(n for n in world.bodies if n not in world.spawned)}
+    there = {n for n in logical.bodies if n not in logical.spawned}
+    if here != there or set(logical.frames) != set(world.frames):
+        differing = sorted((here ^ there) | (set(logical.frames) ^ set(world.frames)))
+        raise RlbenchPinError(f"The state is of another scene; only one of the two has {', '.join(differing[:6])}.")
+
+
 def _restore_physics(world: World, saved: WorldState) -> None:
     separate_bodies(world)
-    saved.physics.restore()
+    saved.physics.restore(world.client)
 
 
 def build_again(world: World) -> None:
     """Bring a world to its origin, in a physics server that was emptied and built again; saved states stay valid."""
     origin = world.origin
     for saved in world.saved_states:
+        assert isinstance(saved.physics, Physics)
         if saved is not origin and not saved.physics.has_bytes:
             restore(world, saved)
             saved.physics.take_bytes()
         saved.physics.forget()
     write_logical_state(world, origin.logical)
     world.client.build_again()
+    assert isinstance(origin.physics, Physics)
     origin.physics.take()
     _restore_physics(world, origin)
     world.robot.forget_measurements()
     world.texture_overrides.apply_again()
     world.dynamics_overrides.apply_again()
-
-
-def to_bytes(client: PhysicsClient) -> bytes:
-    """Return the state of a physics server as bytes."""
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "state.bullet"
-        bullet.saveBullet(str(file), physicsClientId=client.id)
-        return file.read_bytes()
-
-
-def restore_bytes(client: PhysicsClient, physics: bytes) -> None:
-    """Bring a physics server to the state of `to_bytes`.
-
-    Raises:
-        RlbenchPinError: The bytes are damaged, or hold other bodies.
-    """
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "state.bullet"
-        file.write_bytes(physics)
-        try:
-            bullet.restoreState(fileName=str(file), physicsClientId=client.id)
-        except bullet.error as error:
-            raise RlbenchPinError("The array 'physics' does not fit this world; it holds other bodies or is damaged.") from error
 
 
 def separate_bodies(world: World) -> None:

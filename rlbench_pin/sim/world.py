@@ -245,10 +245,10 @@ class World:
             self.client.end_building()
             self._origin = state.save(self)
 
-    def save(self) -> WorldState:
-        """Remember this instant exactly, in memory; freed with the returned object."""
+    def save(self, portable: bool = False) -> WorldState:
+        """Remember this instant exactly, in memory; freed with the returned object. A `portable` one can be pickled."""
         self.end_building()
-        return state.save(self)
+        return state.save(self, portable)
 
     def restore(self, saved: WorldState) -> None:
         """Go back to a remembered instant of this world, exactly."""

@@ -99,7 +99,7 @@ def _refill(container: Any, items: list[Any]) -> None:
 
 
 def _remember(value: Any, where: str) -> Memory:
-    if isinstance(value, (*PLAIN, *FUNCTIONS)) or _is_handle(value):
+    if isinstance(value, (*PLAIN, *FUNCTIONS)) or is_handle(value):
         return Memory(value)
     if isinstance(value, np.ndarray) and not value.dtype.hasobject:
         return Memory(value, value.copy() if value.flags.writeable else None)
@@ -116,7 +116,8 @@ def _remember(value: Any, where: str) -> Memory:
     raise _Refused(where, value)
 
 
-def _is_handle(value: Any) -> bool:
+def is_handle(value: Any) -> bool:
+    """Whether the world hands the value out."""
     return any(kind.__module__.startswith(SIMULATION) for kind in type(value).__mro__)
 
 

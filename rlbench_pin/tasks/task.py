@@ -5,7 +5,6 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -16,6 +15,7 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks.conditions import Condition
 from rlbench_pin.tasks.low_dim import LowDimState
 from rlbench_pin.tasks.placement import place_task
+from rlbench_pin.tasks.portable_state import PortableTaskState, TaskState, take_over
 from rlbench_pin.tasks.state import Memory, recall, remember
 from rlbench_pin.tasks.waypoints import Waypoint, WaypointHook, waypoints_of
 
@@ -25,14 +25,6 @@ if TYPE_CHECKING:
 
 RotationBounds = tuple[tuple[float, float, float], tuple[float, float, float]]
 """Lowest and highest roll, pitch, yaw [rad]."""
-
-
-@dataclass(frozen=True)
-class TaskState:
-    """What a task remembers at one instant; valid for the task object it came from."""
-
-    attributes: dict[str, Memory]
-    """Name -> the value itself and what it held."""
 
 
 class Task:
@@ -265,14 +257,17 @@ class Task:
             TaskError: An attribute is of a kind that cannot be saved.
         """
         changing = {name: value for name, value in vars(self).items() if name not in _FIXED}
-        return TaskState(remember(self.get_name(), changing))
+        return TaskState(self.get_name(), remember(self.get_name(), changing))
 
-    def set_state(self, state: TaskState) -> None:
-        """Go back to a state of this task object."""
+    def set_state(self, state: TaskState | PortableTaskState) -> None:
+        """Go back to a state of this task object, or to one of another process whose episode has begun here, too."""
         for name in [name for name in vars(self) if name not in _FIXED and name not in state.attributes]:
             delattr(self, name)
         for name, memory in state.attributes.items():
-            setattr(self, name, recall(memory))
+            if isinstance(memory, Memory):
+                setattr(self, name, recall(memory))
+            else:
+                setattr(self, name, take_over(memory, vars(self).get(name), self.world, f"self.{name}"))
         for waypoint in self._waypoints:
             waypoint.set_hooks(self._start_hooks.get(waypoint.index), self._end_hooks.get(waypoint.index))
         self.register_graspable_objects(self._graspable)

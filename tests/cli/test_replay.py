@@ -22,9 +22,10 @@ def test_replay_says_what_still_succeeds(tmp_path: Path, capsys: Capture) -> Non
     demo = read_demo(path)
     for observation in demo[1:]:
         observation.misc["joint_position_action"] = demo[1].misc["joint_position_action"]
+    changed = write_demo(demo, tmp_path / "changed.h5")
+    assert exit_code("replay", str(changed)) == 1
+    assert f"MISSED   {changed}" in capsys.readouterr().out
     write_demo(demo, path)
-    assert exit_code("replay", str(path)) == 1
-    assert f"MISSED   {path}" in capsys.readouterr().out
     assert exit_code("replay", str(tmp_path)) == 1
     assert path.name in capsys.readouterr().err, "it is not the file that its manifest lists"
     assert exit_code("replay", str(tmp_path / "nothing.h5")) == 1

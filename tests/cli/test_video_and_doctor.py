@@ -11,8 +11,8 @@ import pytest
 from rlbench_pin.cli.doctor import check_picture
 from rlbench_pin.cli.main import main
 from rlbench_pin.errors import CameraError
-from rlbench_pin.recording.grid import Reel, grid_frames, grid_size
-from rlbench_pin.recording.orbit import Orbit
+from rlbench_pin.recording.films.grid import Reel, grid_frames, grid_size
+from rlbench_pin.recording.films.orbit import Orbit
 
 
 def test_the_orbit_stays_inside_the_room_and_looks_at_its_centre():

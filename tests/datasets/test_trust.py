@@ -13,6 +13,7 @@ import pytest
 
 from rlbench_pin.datasets import (
     DatasetWriter,
+    encode_demo,
     episode_entry,
     episode_files,
     read_demo,
@@ -20,6 +21,7 @@ from rlbench_pin.datasets import (
     stored_demos,
     stored_tasks,
     task_faults,
+    task_info,
 )
 from rlbench_pin.datasets.merge import merge_datasets
 from rlbench_pin.errors import DatasetError, EpisodeFileError
@@ -149,6 +151,7 @@ def test_a_file_that_reads_other_files_is_refused(root: Path, tmp_path: Path) ->
     with h5py.File(tmp_path / "secret.h5", "w") as file:
         file["joint_forces"] = np.zeros((2, 7))
     linked, external = episode_files(root, TASK)[:2]
+    (root / TASK / "manifest.json").unlink()  # otherwise the SHA-256 says that they were altered
     with h5py.File(linked, "a") as file:
         file["observations/joint_forces"] = h5py.ExternalLink("../../../../secret.h5", "joint_forces")
     with h5py.File(external, "a") as file:
@@ -158,3 +161,93 @@ def test_a_file_that_reads_other_files_is_refused(root: Path, tmp_path: Path) ->
         read_demo(linked)
     with pytest.raises(EpisodeFileError, match="Do not trust"):
         read_demo(external)
+
+
+@pytest.mark.parametrize("below", [TASK, f"{TASK}/variation0", f"{TASK}/variation0/episodes"])
+def test_a_folder_that_is_a_link_out_of_the_dataset_is_not_followed(root: Path, tmp_path: Path, below: str) -> None:
+    """Neither read nor written, listed or not."""
+    shutil.move(root / below, tmp_path / "elsewhere")
+    (root / below).symlink_to(tmp_path / "elsewhere")
+    before = sorted((tmp_path / "elsewhere").rglob("*"))
+    calls = (
+        lambda: stored_demos(root, TASK, 1, 0, random_selection=False),
+        lambda: merge_datasets([root], tmp_path / "out"),
+        lambda: DatasetWriter(root).add(make_demo(frames=2, seed=77)),
+        lambda: task_faults(root, TASK) and [_raise(fault) for fault in task_faults(root, TASK)],
+        lambda: rerender(root, tmp_path / "again", PictureConfig(products=()), engine=SerialEngine()),
+    )
+    for call in calls:
+        with pytest.raises(EpisodeFileError, match="leads out of"):
+            call()
+    if below == TASK:
+        with pytest.raises(EpisodeFileError, match="leads out of"):
+            stored_tasks(root)
+    assert sorted((tmp_path / "elsewhere").rglob("*")) == before
+
+
+def _raise(error: Exception) -> None:
+    raise error
+
+
+def test_a_manifest_that_is_a_link_out_of_the_dataset_is_not_followed(root: Path, tmp_path: Path) -> None:
+    """Nor is its journal, into which new entries would be written."""
+    (tmp_path / "victim").write_text("precious\n")
+    (root / TASK / ".manifest.journal").symlink_to(tmp_path / "victim")
+    demo = make_demo(frames=2, seed=9)
+    data = encode_demo(demo)
+    for call in (lambda: DatasetWriter(root).put(TASK, data, episode_entry(demo, data, 9)), lambda: read_manifest(root, TASK)):
+        with pytest.raises(EpisodeFileError, match="leads out of"):
+            call()
+    assert (tmp_path / "victim").read_text() == "precious\n"
+
+
+def test_links_within_a_dataset_and_to_it_are_followed(root: Path, tmp_path: Path) -> None:
+    """A dataset may lie behind a link, and an episode on another disk of the same tree may not."""
+    (tmp_path / "link").symlink_to(root)
+    assert len(stored_demos(tmp_path / "link", TASK, -1, 0, random_selection=False)) == 4
+    (root / "kept").mkdir()
+    shutil.move(root / TASK / "variation0", root / "kept" / "variation0")
+    (root / TASK / "variation0").symlink_to(root / "kept" / "variation0")
+    assert len(stored_demos(root, TASK, -1, 0, random_selection=False)) == 4
+
+
+SENSELESS = (
+    {"frames": 0}, {"frames": 10**9}, {"frames": 1.0}, {"variation": 2**40}, {"variation": False}, {"episode": 10**30},
+    {"random_seed": "1"}, {"random_seed": -1}, {"random_seed": 2**70}, {"random_seed": True}, {"num_bytes": -3},
+    {"sha256": "abc"}, {"sha256": "Z" * 64}, {"instructions": "text"}, {"instructions": [1]}, {"instructions": None},
+    {"versions": []}, {"versions": {"numpy": 2}}, {"failures": {"a": 1}}, {"failures": [["deep"]]}, {"file": None},
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("change", SENSELESS, ids=str)
+def test_an_entry_out_of_type_or_range_is_refused(root: Path, change: dict[str, object]) -> None:
+    """With the name of the manifest and of the field; nothing fails later on."""
+    edit_manifest(root, **change)
+    with pytest.raises(EpisodeFileError, match=rf"manifest\.json.*{next(iter(change))}"):
+        read_manifest(root, TASK)
+    with pytest.raises(EpisodeFileError, match=r"manifest\.json"):
+        task_info(root, TASK)
+
+
+DEEP = "[" * 200_000
+BAD_JSON = (
+    DEEP, "[]", "7", "null", '"text"', "", "\x00", "{", '{"version": 1}', '{"version": 1, "episodes": 7}',
+    '{"version": 1, "episodes": [7]}', '{"version": 1, "episodes": {"a": 1}}', '{"version": [1], "episodes": []}',
+    '{"version": 1, "episodes": [], "task": 7}', '{"version": 1, "episodes": [], "task": ["reach_target"]}',
+    '{"version": NaN, "episodes": []}', '{"version": 1, "episodes": [' + "1" * 5000 + "]}", '{"version": 1, "episodes": ' + DEEP,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("text", BAD_JSON, ids=lambda text: repr(text[:40]))
+def test_a_manifest_that_is_no_manifest_is_refused(root: Path, text: str) -> None:
+    """Whatever it is instead, and however deeply it is nested; so is a journal."""
+    manifest = root / TASK / "manifest.json"
+    manifest.write_text(text)
+    with pytest.raises(EpisodeFileError, match=r"manifest\.json"):
+        read_manifest(root, TASK)
+    if not text.startswith("{"):
+        manifest.unlink()
+        (root / TASK / ".manifest.journal").write_text(text + "\n")
+        if text.strip():
+            with pytest.raises(EpisodeFileError, match="journal"):
+                read_manifest(root, TASK)

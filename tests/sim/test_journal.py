@@ -10,7 +10,7 @@ import pytest
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import World
 from rlbench_pin.sim.client import bullet
-from rlbench_pin.sim.journal import Journal
+from rlbench_pin.sim.server.journal import Journal
 from rlbench_pin.tasks import task_class, task_names, task_scene
 from tests.sim.support import PANDA, build, close_on_cube, cube, cube_scene, furniture_scene, steps
 

@@ -15,6 +15,7 @@ from rlbench_pin.datasets.episode import Episode
 from rlbench_pin.datasets.layout import chosen_tasks, manifest_path, stored_tasks
 from rlbench_pin.datasets.manifest import EpisodeEntry, read_manifest
 from rlbench_pin.datasets.storage import storing
+from rlbench_pin.datasets.trust import check_inside
 from rlbench_pin.errors import DatasetConflict, DatasetError
 from rlbench_pin.observation import CAMERAS
 
@@ -33,7 +34,8 @@ class StoredEpisode:
     path: Path
 
     def open(self) -> Episode:
-        """Open it, after its SHA-256 was checked."""
+        """Open it, after its place and its SHA-256 were checked."""
+        check_inside(self.path.parents[3], self.path)
         return Episode(self.path, self.entry.sha256)
 
 
@@ -103,8 +105,10 @@ def rgb_cameras(episodes: Sequence[StoredEpisode], wanted: Sequence[str] = ()) -
 
 
 def _picture_shape(episode: Episode, field: str) -> tuple[int, int, int]:
-    height, width, _ = episode.shape(field)
-    return height, width, 3
+    shape = episode.shape(field)
+    if len(shape) != 3 or shape[2] != 3:
+        raise DatasetError(f"'{episode.path}' holds {field} of shape {shape} a frame, which is no picture. Record it again.")
+    return shape[0], shape[1], 3
 
 
 @contextmanager

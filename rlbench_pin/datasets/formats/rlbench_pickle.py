@@ -1,8 +1,8 @@
 """The pickled files of RLBench-style folders, without trusting them and without the package that defines their classes.
 
-This is the one place with pickle, and only for that foreign format. Reading goes through a table of names: whatever else a file
-asks for is refused before anything runs. Writing puts the class paths of that package into the file, which is data and no
-import; the names of numpy's functions are written as all its versions accept them.
+This is the one place that reads pickles from files, and only for that foreign format. Reading goes through a table of names:
+whatever else a file asks for is refused before anything runs. Writing puts the class paths of that package into the file, which
+is data and no import; the names of numpy's functions are written as all its versions accept them.
 """
 
 from __future__ import annotations

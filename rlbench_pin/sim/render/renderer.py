@@ -16,13 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rlbench_pin.sim.bodies.room import RoomBody
-from rlbench_pin.sim.client import PhysicsClient, bullet, captured_output
+from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.sim.render.backdrop import Backdrop, Painter
 from rlbench_pin.sim.render.camera import CameraView, Pictures, projection_matrix
 from rlbench_pin.sim.render.lighting import Lighting
 from rlbench_pin.sim.render.link_texture import LinkTexture, colors_of
 from rlbench_pin.sim.render.shadows import LightSpots, ShadowMap, light_view, spots_of
 from rlbench_pin.sim.render.surfaces import normals_at, points_at
+from rlbench_pin.sim.server.output import captured_output
 
 _LINK_SHIFT = 24  # a segmentation value is body + (link + 1) << 24
 _BODY_BITS = (1 << _LINK_SHIFT) - 1

@@ -1,0 +1,87 @@
+"""A program that reads everything in HDF5 files, so that it may crash or hang where its parent must not.
+
+It needs nothing of this package and is started as a file. Each line that it is given says a file and how many seconds it may
+take, as JSON; for each it answers with a line, whatever the file says: an error of h5py is one in the parent as well. What
+matters is that it answers at all.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import signal
+import sys
+from typing import Any
+
+import h5py
+
+_MEMORY = 6 << 30
+"""So much memory may be asked for, beside 64 times the size of the file [bytes]."""
+_BLOCK = 1 << 24
+"""So much of an array is read at once [bytes]."""
+_MOST, _SMALL = 1100, 1 << 20
+"""No compression makes an array smaller than by this factor; small arrays may be of any size [bytes]."""
+
+
+def is_oversized(dataset: Any) -> bool:
+    """Whether an array claims more bytes than what is stored of it can hold."""
+    return bool(dataset.nbytes > _MOST * dataset.id.get_storage_size() + _SMALL)
+
+
+def read_all(path: str) -> None:
+    """Read every attribute and every value of a file; raises whatever h5py raises at its structure."""
+    with h5py.File(path, "r") as file:
+        _read_attributes(file)
+        file.visititems(_read)
+
+
+def _read(name: str, thing: Any) -> None:
+    _read_attributes(thing)
+    if not isinstance(thing, h5py.Dataset) or thing.external or thing.is_virtual:
+        return
+    _try(_read_rows, thing)
+
+
+def _read_rows(dataset: Any) -> None:
+    if dataset.ndim == 0 or not dataset.size:
+        _try(dataset.__getitem__, ())
+        return
+    if is_oversized(dataset):
+        return  # the reader refuses it, too
+    chunk = dataset.chunks[0] if dataset.chunks else 1
+    rows = max(chunk, _BLOCK * len(dataset) // max(1, dataset.nbytes))
+    for first in range(0, len(dataset), rows):
+        _try(dataset.__getitem__, slice(first, first + rows))
+
+
+def _read_attributes(thing: Any) -> None:
+    for name in list(thing.attrs):
+        _try(thing.attrs.__getitem__, name)
+
+
+def _try(read: Any, *args: Any) -> None:
+    """Go on after an error: what follows it is read by others."""
+    try:
+        read(*args)
+    except Exception:
+        return
+
+
+def main() -> None:
+    """Answer every line until there are no more."""
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)  # what libraries print is no answer
+    for line in sys.stdin:
+        path, seconds = json.loads(line)
+        signal.alarm(seconds)  # ends this process also where it hangs and its parent is gone
+        _, hard = resource.getrlimit(resource.RLIMIT_AS)
+        limit = _MEMORY + 64 * os.path.getsize(path)
+        resource.setrlimit(resource.RLIMIT_AS, (limit if hard == resource.RLIM_INFINITY else min(limit, hard), hard))
+        _try(read_all, path)
+        print("read", file=answers, flush=True)
+
+
+if __name__ == "__main__":
+    main()
