@@ -12,7 +12,7 @@ import numpy as np
 from rlbench_pin.environment.randomization.sample import RandomizationSample
 from rlbench_pin.environment.runtime import RuntimeState
 from rlbench_pin.errors import InvalidArgument, TaskEnvironmentError
-from rlbench_pin.tasks.portable_state import PortableTaskState
+from rlbench_pin.tasks.saved.portable_state import PortableTaskState
 from rlbench_pin.values import as_seed, as_whole
 
 MOST_DEMOS = 10_000_000

@@ -148,10 +148,10 @@ class TaskEnvironment:
         self._start(seed, 0)
         return self.get_task_descriptions(), self.get_observation()
 
-    def _start(self, seed: int, attempt: int) -> EpisodeOrigin:
+    def _start(self, seed: int, attempt: int, variation: int | None = None) -> EpisodeOrigin:
         self._episode, self._succeeded = None, False
         random = EpisodeRandom.from_seed(seed, attempt)
-        variation = self._variation_number
+        variation = self._variation_number if variation is None else variation
         if variation == ALL_VARIATIONS:
             variation = int(random.variation.integers(self.variation_count()))
         if self._randomizer is not None:
@@ -207,11 +207,7 @@ class TaskEnvironment:
         if not isinstance(state, EnvironmentState):
             raise InvalidArgument("state", state, "has to be a moment from `get_state()`")
         if (variation := state.unpickled_variation(self.get_name())) is not None:  # begun again, a task has the same objects
-            before, self._variation_number = self._variation_number, variation
-            try:
-                self._start(state.episode.seed, state.episode.attempt)
-            finally:
-                self._variation_number = before
+            self._start(state.episode.seed, state.episode.attempt, variation)
         if self._randomizer is not None:
             self._randomizer.remove()
         self._runtime.restore(state.runtime)

@@ -15,8 +15,8 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks.conditions import Condition
 from rlbench_pin.tasks.low_dim import LowDimState
 from rlbench_pin.tasks.placement import place_task
-from rlbench_pin.tasks.portable_state import PortableTaskState, TaskState, take_over
-from rlbench_pin.tasks.state import Memory, recall, remember
+from rlbench_pin.tasks.saved.portable_state import PortableTaskState, TaskState, take_over
+from rlbench_pin.tasks.saved.state import Memory, recall, remember
 from rlbench_pin.tasks.waypoints import Waypoint, WaypointHook, waypoints_of
 
 if TYPE_CHECKING:

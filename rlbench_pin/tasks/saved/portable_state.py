@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from rlbench_pin.errors import TaskError
-from rlbench_pin.tasks.state import FUNCTIONS, PLAIN, Memory, Stateful, is_handle
+from rlbench_pin.tasks.saved.state import FUNCTIONS, PLAIN, Memory, Stateful, is_handle
 
 if TYPE_CHECKING:
     from rlbench_pin.sim import World

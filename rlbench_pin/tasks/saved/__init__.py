@@ -1,0 +1,1 @@
+"""What tasks remember: of one moment, and so that it can travel to another process."""
