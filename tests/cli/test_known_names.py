@@ -83,9 +83,9 @@ def test_our_own_flags_are_as_before(asked: dict[str, Any]) -> None:
     [
         (("--out", "here", "--save_path", "there"), "--out and --save_path name the same setting"),
         (("--workers", "2", "--processes", "3"), "--workers and --processes"),
-        (("--arm_max_velocity", "0"), "max_velocity=0.0 moves no arm"),
+        (("--arm_max_velocity", "0"), "max_velocity has to be a finite number > 0"),
         (("--renderer", "vulkan"), "opengl3"),
-        (("--episodes_per_task", "0"), "episodes=0"),
+        (("--episodes_per_task", "0"), "episodes has to be a whole number"),
     ],
 )
 def test_contradictions_and_mistakes_are_explained(capsys: Capture, arguments: tuple[str, ...], words: str) -> None:

@@ -151,5 +151,5 @@ def test_no_tries_is_an_error_in_programs_too() -> None:
     """Not a demonstration that failed 0 times."""
     with Environment(MoveArmThenGripper(JointVelocity(), Discrete())) as environment:
         task = environment.get_task(TASK)
-        with pytest.raises(TaskEnvironmentError, match="max_attempts=0"):
+        with pytest.raises(TaskEnvironmentError, match="max_attempts has to be a whole number"):
             task.get_demos(1, live_demos=True, max_attempts=0)

@@ -53,7 +53,7 @@ def test_without_ray_the_engine_is_explained(made_up: Path, tmp_path: Path, caps
     [
         (("reach_targt",), "Did you mean 'reach_target'"),
         ((), "No task was named"),
-        ((TASK, "--episodes", "0"), "episodes=0"),
+        ((TASK, "--episodes", "0"), "episodes has to be a whole number"),
         ((TASK, "--cameras", "frnt"), "Did you mean 'front'"),
     ],
 )
