@@ -12,7 +12,7 @@ import tyro
 
 from rlbench_pin.cli.process.files import storing, write_whole
 from rlbench_pin.errors import StorageError, TaskEnvironmentError
-from rlbench_pin.scene.spec import NAME_PATTERN
+from rlbench_pin.scene.kinds import NAME_PATTERN
 from rlbench_pin.tasks import camel_case, task_names
 
 TASK = Template('''\

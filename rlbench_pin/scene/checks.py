@@ -150,10 +150,3 @@ def _check_bounds(spec: SceneSpec) -> None:
     low, high = spec.placement.yaw
     if low > high:
         raise SceneFileError(spec.file, "[placement], key 'yaw'", f"the lower bound {low} is above the upper bound {high}.")
-    if spec.placement.footprint is not None and min(spec.placement.footprint) <= 0.0:
-        raise SceneFileError(
-            spec.file, "[placement], key 'footprint'", f"both sizes are > 0, not {list(spec.placement.footprint)}."
-        )
-    for region in spec.region:
-        if min(region.size[:2]) <= 0.0 or region.size[2] < 0.0:
-            raise _error(spec, region, "size", f"x and y are > 0 and z is >= 0, not {list(region.size)}.")

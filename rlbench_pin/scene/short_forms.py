@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from rlbench_pin.scene.spec import TURN, PlacementSpec, Pose, is_number
+from rlbench_pin.scene.kinds import TURN, Pose, is_number
+from rlbench_pin.scene.spec import PlacementSpec
 from rlbench_pin.spatial import TABLE_HEIGHT, above_table, euler_to_quaternion
 
 Entry = dict[str, Any]
@@ -13,6 +14,11 @@ ARRAY_TABLES = ("body", "frame", "region", "sensor")
 """Tables whose entries may be arrays."""
 POSED_TABLES = (*ARRAY_TABLES, "waypoint")
 """Tables whose entries have a pose."""
+SHORT_KEYS = {
+    "rpy": "`[roll, pitch, yaw]` of a pose `[x, y, z]`: turns about the fixed x, then y, then z axis.",
+    "poses": "Instead of `pose`: one thing for each pose; the numbers of their names count on from that of `name`.",
+}
+"""Keys that stand for others, and what they mean."""
 _NUMBERED = re.compile(r"(.*\D)(0|[1-9][0-9]{0,8})")
 _QUATERNION_DIGITS = 7
 _HEIGHT_DIGITS = 12

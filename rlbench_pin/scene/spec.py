@@ -12,80 +12,34 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict, field_validator
+from pydantic import BaseModel, ConfigDict, Field, Strict, field_validator
 
+from rlbench_pin.scene.kinds import (
+    IDENTITY_POSE,
+    MOST_THINGS,
+    MOST_WAYPOINTS,
+    Angle,
+    Damping,
+    Force,
+    Height,
+    JointValue,
+    Kind,
+    Length,
+    Name,
+    Number,
+    Pose,
+    Share,
+    Size,
+    Stiffness,
+    Switch,
+    Vec3,
+)
 from rlbench_pin.spatial import TABLE_HEIGHT
 
 FORMAT = 2
 """Format of new files."""
 ROOT = "root"
 WORLD = "world"
-
-FARTHEST = 100.0
-"""Coordinates and sizes are at most so large [m]."""
-TURN = 2.0 * np.pi + 1e-6
-"""Angles are at most one turn [rad]."""
-MOST_THINGS = 1000
-"""Entries of a table, and points of a curve, at most."""
-
-MOST_WAYPOINTS = 200
-"""Waypoints of a scene at most."""
-
-Number = Annotated[float, Strict()]
-"""A number; truth values and text are none."""
-Switch = Annotated[bool, Strict()]
-
-
-def _length(value: float) -> float:
-    if abs(value) > FARTHEST:
-        raise ValueError(f"a length is at most {FARTHEST:g} m; lengths are in metres. Were these millimetres?")
-    return value
-
-
-def _angle(value: float) -> float:
-    if abs(value) > TURN:
-        raise ValueError(
-            f"an angle is at most one turn, 2 pi = 6.2832 rad; angles are in radians. Were these degrees? "
-            f"{value:g} degrees are {np.radians(value):.4f} rad"
-        )
-    return value
-
-
-Length = Annotated[Number, AfterValidator(_length)]
-Angle = Annotated[Number, AfterValidator(_angle)]
-Vec3 = tuple[Length, Length, Length]
-Pose7 = tuple[Length, Length, Length, Number, Number, Number, Number]
-
-
-def is_number(value: object) -> bool:
-    """Whether a value of a file is a number that a float can hold; truth values are none."""
-    return not isinstance(value, bool) and isinstance(value, int | float) and abs(value) <= 1e300
-
-
-def _full_pose(value: object) -> object:
-    """Accept `[x, y, z]` and `[x, y, z, yaw]` as short forms of a pose; normalise quaternions."""
-    if not isinstance(value, list | tuple) or not all(is_number(v) for v in value):
-        return value
-    numbers = [float(v) for v in value]
-    if len(numbers) == 3:
-        return (*numbers, 0.0, 0.0, 0.0, 1.0)
-    if len(numbers) == 4:
-        half = _angle(numbers[3]) / 2.0
-        return (*numbers[:3], 0.0, 0.0, float(np.sin(half)), float(np.cos(half)))
-    if len(numbers) == 7:
-        norm = float(np.linalg.norm(numbers[3:]))
-        if abs(norm - 1.0) > 1e-3:
-            raise ValueError(f"the quaternion {numbers[3:]} has norm {norm:.4f}, not 1")
-        return (*numbers[:3], *(v / norm for v in numbers[3:]))
-    raise ValueError(f"a pose has 3 (x y z), 4 (x y z yaw) or 7 (x y z qx qy qz qw) numbers, not {len(numbers)}")
-
-
-Share = Annotated[Number, Field(ge=0.0, le=1.0)]
-"""A number in 0..1."""
-Pose = Annotated[Pose7, BeforeValidator(_full_pose)]
-IDENTITY_POSE: Pose7 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
-NAME_PATTERN = r"^[a-z][a-z0-9_]*$"
-Name = Annotated[str, Field(pattern=NAME_PATTERN, max_length=100)]
 
 
 class Spec(BaseModel):
@@ -98,21 +52,25 @@ class PosedSpec(Spec):
     """Something with a name and a place."""
 
     name: Name
+    """What the task calls it by; unique in the file, and not `root`, `world`, `robot` or the name of a part of the room."""
     parent: str = ROOT
+    """Whose frame the pose is in, and with what it moves: `root`, `world`, `<body>`, `<body>/<link>`, or the name of a frame,
+    region, sensor or waypoint."""
     pose: Pose = IDENTITY_POSE
+    """Where it is, in the frame of `parent`."""
 
 
 class BodySpec(PosedSpec):
     """One object: an URDF asset, fixed to the world or free."""
 
     asset: str
-    """Path below `assets/`, such as `objects/saucepan/saucepan.urdf`, or relative to the scene file when it starts with `./`."""
+    """URDF file below `assets/`, such as `objects/saucepan/saucepan.urdf`, or relative to the scene file when it starts with `./`."""
     fixed: Switch = False
     """Welded to its place; otherwise free under gravity."""
     collides: Switch = True
-    """Touches other things; False for markers that are only seen."""
+    """Touches other things; false for markers that are only seen."""
     color: tuple[Share, Share, Share, Share] | tuple[Share, Share, Share] | None = None
-    """Overrides every visual colour, rgb or rgba in 0..1."""
+    """Overrides every visual colour: red, green, blue, and perhaps opacity."""
     scale: Number = Field(default=1.0, ge=1e-4, le=100.0)
     """Uniform scale of the asset."""
 
@@ -120,26 +78,29 @@ class BodySpec(PosedSpec):
 class SpringSpec(Spec):
     """A motor that pulls a joint to `rest`."""
 
-    rest: Number = 0.0
-    stiffness: Number = Field(gt=0.0)
-    """[N/m] or [N m/rad]."""
-    damping: Number = Field(default=0.0, ge=0.0)
-    """[N s/m] or [N m s/rad]."""
-    max_force: Number | None = Field(default=None, ge=0.0)
-    """[N] or [N m]; None is unlimited."""
+    rest: JointValue = 0.0
+    """Where it pulls the joint to."""
+    stiffness: Stiffness = Field(gt=0.0)
+    """Force per distance from rest."""
+    damping: Damping = Field(default=0.0, ge=0.0)
+    """Force per speed, against it."""
+    max_force: Force | None = Field(default=None, ge=0.0)
+    """Largest force; unlimited when left out."""
 
 
 class JointSpec(Spec):
-    """How a joint of a body starts and resists. The name is `<body>/<joint>`."""
+    """How a joint of a body starts and resists."""
 
     name: str
-    position: Number = 0.0
-    """Start value [m] or [rad]."""
-    friction: Number = Field(default=0.0, ge=0.0)
-    """Dry friction [N] or [N m] that holds the joint where it is left."""
-    damping: Number | None = Field(default=None, ge=0.0)
-    """Overrides the damping of the URDF."""
+    """`<body>/<joint>`: a movable joint of the body's URDF file."""
+    position: JointValue = 0.0
+    """Where it starts; within the limits that its URDF file sets."""
+    friction: Force = Field(default=0.0, ge=0.0)
+    """Dry friction that holds the joint where it is left."""
+    damping: Damping | None = Field(default=None, ge=0.0)
+    """Overrides the damping of the URDF file."""
     spring: SpringSpec | None = None
+    """A motor that pulls the joint back."""
     locked: Switch = False
     """Held by a stiff motor until the task unlocks it (a latch)."""
 
@@ -151,31 +112,26 @@ class FrameSpec(PosedSpec):
 class RegionSpec(PosedSpec):
     """A box in which things are placed at random; flat when its height is 0."""
 
-    size: Vec3
+    size: tuple[Size, Size, Height]
+    """Size along x, y and z; the pose is its middle."""
 
 
 class SensorSpec(PosedSpec):
     """A volume that detects bodies."""
 
     shape: Literal["box", "cylinder", "sphere"]
-    size: tuple[Length, ...]
+    """Shape of the volume; the pose is its middle."""
+    size: tuple[Size, ...]
     """box: x, y, z; cylinder: diameter, length along z; sphere: diameter."""
-
-    @field_validator("size")
-    @classmethod
-    def _positive(cls, value: tuple[float, ...]) -> tuple[float, ...]:
-        if not value or min(value) <= 0.0:
-            raise ValueError(f"every size is > 0, not {list(value)}")
-        return value
 
 
 class ArcSpec(Spec):
     """A circular sweep of the previous waypoint about an axis given in the waypoint's frame."""
 
     axis: Vec3
-    """Direction through the origin of the waypoint's frame."""
+    """Direction through the origin of the waypoint's frame; its length does not matter, but is not zero."""
     angle: Angle
-    """Sweep [rad], right-handed about `axis`; at most one turn."""
+    """Sweep, right-handed about `axis`; at most one turn."""
     twist: Switch = True
     """Turn the hand with the sweep; otherwise only its position follows."""
 
@@ -191,14 +147,16 @@ class WaypointSpec(PosedSpec):
     """A pose that the gripper tip visits in a demonstration. Names are `waypoint0`, `waypoint1`, ... without gaps."""
 
     path: Literal["plan", "straight", "curve"] = "plan"
+    """How to get there: any way that the planner finds, a straight line of the tip, or along `points` or `arc`."""
     ignore_collisions: Switch = False
-    gripper: Literal["open", "close"] | Number | None = None
-    """After arriving: open fully, close fully, or drive to an opening fraction 0..1."""
+    """Plan without looking at collisions, for contact; curves are always planned so."""
+    gripper: Literal["open", "close"] | Annotated[Number, Kind("number", bounds="0 to 1")] | None = None
+    """After arriving: open fully, close fully, or drive to a fraction of the opening; left alone when left out."""
     points: tuple[Pose, ...] = Field(default=(), max_length=MOST_THINGS)
     """For `curve`: the poses to pass, in the waypoint's frame, ending at the last."""
     arc: ArcSpec | None = None
     """For `curve`: a circular sweep instead of points."""
-    symmetry: Annotated[int, Strict()] = Field(default=1, ge=1, le=12)
+    symmetry: Annotated[int, Strict(), Kind("whole number")] = Field(default=1, ge=1, le=12)
     """The hand may arrive turned about its z by any multiple of 2 pi / symmetry; later waypoints of the same symmetry
     keep the turn."""
 
@@ -219,9 +177,9 @@ class PlacementSpec(Spec):
     static: Switch = False
     """The root stays at its nominal pose in every episode."""
     yaw: tuple[Angle, Angle] = (-3.14, 3.14)
-    """Bounds of the random yaw of the root [rad]."""
-    footprint: tuple[Length, Length] | None = None
-    """Size x, y of the patch that has to fit in the placement area, each > 0; None takes the bounding box of all bodies."""
+    """Lowest and highest random yaw of the root."""
+    footprint: tuple[Size, Size] | None = None
+    """Size x, y of the patch that has to fit in the placement area; the bounding box of all bodies when left out."""
     footprint_center: tuple[Length, Length] = (0.0, 0.0)
     """Centre of the patch in the root frame."""
 

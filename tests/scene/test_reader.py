@@ -104,8 +104,8 @@ MISTAKES = {
         "[[sensor]] 'a', key 'size'",
         "3 numbers",
     ),
-    "sensor size zero": ('format = 1\n[[sensor]]\nname = "a"\nshape = "sphere"\nsize = [0]', "key 'size'", "> 0"),
-    "region size": ('format = 1\n[[region]]\nname = "a"\nsize = [1, 0, 0]', "[[region]] 'a', key 'size'", "x and y are > 0"),
+    "sensor size zero": ('format = 1\n[[sensor]]\nname = "a"\nshape = "sphere"\nsize = [0]', "key 'size.0'", "greater than 0"),
+    "region size": ('format = 1\n[[region]]\nname = "a"\nsize = [1, 0, 0]', "[[region]] 'a', key 'size.1'", "greater than 0"),
     "yaw bounds": ("format = 1\n[placement]\nyaw = [1, 0]", "[placement], key 'yaw'", "above the upper bound"),
 }
 
