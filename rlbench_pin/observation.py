@@ -65,15 +65,25 @@ class Observation(OptionalFields):
     front_mask: Array | None = None
     front_point_cloud: Array | None = None
     joint_velocities: Array | None = None
+    """Measured velocity of each arm joint, base first [rad/s]."""
     joint_positions: Array | None = None
+    """Measured position of each arm joint [rad]."""
     joint_forces: Array | None = None
+    """Torque that each motor applied in the last physics step, gravity included [N m]."""
     gripper_open: float | None = None
+    """1 while the first finger is beyond 90 % of its range, otherwise 0."""
     gripper_pose: Array | None = None
+    """Pose of the tip, the point between the fingertips, in the world: x, y, z [m], qx, qy, qz, qw."""
     gripper_matrix: Array | None = None
+    """The same pose as a homogeneous matrix, tip to world."""
     gripper_joint_positions: Array | None = None
+    """Position of each finger, 0 shut [m]."""
     gripper_touch_forces: Array | None = None
+    """Contact force on each finger, x, y, z in its own frame, left finger first [N]."""
     task_low_dim_state: Array | None = None
+    """What the task says about its objects, in the world; one length for each task."""
     misc: dict[str, Any] = field(default_factory=dict)
+    """What has no field of its own, by name."""
     ignore_collisions: InitVar[bool | None] = None
 
     def __post_init__(self, ignore_collisions: bool | None) -> None:

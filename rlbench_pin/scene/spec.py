@@ -64,7 +64,7 @@ class BodySpec(PosedSpec):
     """One object: an URDF asset, fixed to the world or free."""
 
     asset: str
-    """URDF file below `assets/`, such as `objects/saucepan/saucepan.urdf`, or relative to the scene file when it starts with `./`."""
+    """URDF file below `assets/`, such as `objects/cup/cup.urdf`, or relative to the scene file when it starts with `./`."""
     fixed: Switch = False
     """Welded to its place; otherwise free under gravity."""
     collides: Switch = True

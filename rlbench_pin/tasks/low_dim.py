@@ -13,7 +13,7 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.urdf import read_urdf
 
 if TYPE_CHECKING:
-    from rlbench_pin.sim import World
+    from rlbench_pin.sim import Body, World
 
 
 @dataclass(frozen=True)
@@ -56,11 +56,11 @@ class LowDimState:
 
     def read(self) -> FloatArray:
         """Return poses (7 each, [m] and unit quaternion), then joint values [m] or [rad]."""
-        parts = [self._value(part) for part in self._layout]
+        present = self._world.bodies
+        parts = [self._value(part, present.get(part.name.split("/")[0])) for part in self._layout]
         return np.concatenate(parts) if parts else np.zeros(0)
 
-    def _value(self, part: LowDimPart) -> FloatArray:
-        body = self._world.bodies.get(part.name.split("/")[0])
+    def _value(self, part: LowDimPart, body: Body | None) -> FloatArray:
         if body is None:
             return np.zeros(part.size)
         return body.pose if part.kind == "pose" else np.array([float(self._world.joint(part.name).position)])

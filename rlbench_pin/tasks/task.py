@@ -73,11 +73,11 @@ class Task:
     # What a task file overrides ---------------------------------------------------------------------------------------
 
     def init_task(self) -> None:
-        """Look things up and register what never changes; called once."""
+        """Look things up and register what never changes; called once, when the world was built."""
         raise NotImplementedError
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Lay out one episode of one variation.
+        """Lay out one episode of one variation; called at each try of a reset, in a clean world, before the task is placed.
 
         Args:
             variation: 0 to `variation_count() - 1`.
@@ -89,33 +89,33 @@ class Task:
         raise NotImplementedError
 
     def variation_count(self) -> int:
-        """Return how many variations there are; one unless a task says otherwise."""
+        """Return how many variations there are; one unless a task says otherwise. Always the same number."""
         return 1
 
     def step(self) -> None:
-        """Run after every control tick."""
+        """Run after every control tick of an action or a demonstration; not while things settle in a reset."""
 
     def cleanup(self) -> None:
-        """Run after an episode, before the world is put back."""
+        """Run after an episode, when the next one begins, before the world is put back."""
 
     def reward(self) -> float | None:
-        """Return the shaped reward of this instant, or None when the task has none."""
+        """Return the shaped reward of this instant, None when the task has none; asked by steps with `shaped_rewards=True`."""
         return None
 
     def get_low_dim_state(self) -> FloatArray:
-        """Return the state of the objects; by default the poses of all bodies by name, then all joint values."""
+        """Return `task_low_dim_state` (k,); by default the poses of all bodies by name, then all joint values by name."""
         return self._low_dim.read()
 
     def decorate_observation(self, observation: Observation) -> Observation:
-        """Return the observation, perhaps with more in it."""
+        """Return the observation, perhaps with more in it; called last, for every observation."""
         return observation
 
     def is_static_workspace(self) -> bool:
-        """Return whether the task root stays at its nominal place in every episode."""
+        """Return whether the task root stays at its nominal place; by default what `[placement]` says. Asked in every reset."""
         return self.world.spec.placement.static
 
     def base_rotation_bounds(self) -> RotationBounds:
-        """Return the bounds of the random rotation of the task root."""
+        """Return the bounds of the random rotation of the task root [rad]; by default `[placement] yaw`, about z alone."""
         low, high = self.world.spec.placement.yaw
         return (0.0, 0.0, low), (0.0, 0.0, high)
 
@@ -140,12 +140,12 @@ class Task:
         self._graspable = wanted
 
     def register_waypoint_ability_start(self, index: int, hook: WaypointHook) -> None:
-        """Call `hook(waypoint)` before the leg to a waypoint is planned."""
+        """Call `hook(waypoint)` before the leg to a waypoint is planned; where waypoints repeat, resets call it as well."""
         self._start_hooks[self._checked(index)] = hook
         self._waypoints[index].set_hooks(hook, self._end_hooks.get(index))
 
     def register_waypoint_ability_end(self, index: int, hook: WaypointHook) -> None:
-        """Call `hook(waypoint)` after the leg to a waypoint was run."""
+        """Call `hook(waypoint)` after the leg to a waypoint was run and the hand has acted."""
         self._end_hooks[self._checked(index)] = hook
         self._waypoints[index].set_hooks(self._start_hooks.get(index), hook)
 

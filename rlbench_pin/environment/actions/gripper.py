@@ -36,7 +36,10 @@ class GripperMode(PartMode):
 
 
 class Discrete(GripperMode):
-    """One number: above 0.5 opens the hand, otherwise closes it. Does nothing when the hand is already as asked."""
+    """One number: above 0.5 opens the hand, otherwise closes it. Does nothing when the hand is already as asked.
+
+    A number below 0 or above 1 is refused.
+    """
 
     def make_spec(self, runtime: Runtime) -> ActionSpec:
         """From 0, closed, to 1, open."""
@@ -84,6 +87,8 @@ class BoundFingers(BoundMode):
 
 class GripperJointPosition(GripperMode):
     """One number: the position of both fingers [m], or its change, for one tick; then the fingers hold.
+
+    Positions beyond the range of a finger mean its end.
 
     Args:
         attach_grasped_objects: Fix graspable bodies between the fingers once they can close no further.

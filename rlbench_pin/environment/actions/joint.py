@@ -35,7 +35,10 @@ class JointMode(PartMode):
 
 
 class JointVelocity(JointMode):
-    """Joint velocities [rad/s], or changes of the measured ones, for one tick; then the arm stops."""
+    """Joint velocities [rad/s], or changes of the measured ones, for one tick; then the arm stops.
+
+    Velocities beyond the limits are capped.
+    """
 
     unit = "rad/s"
 
@@ -54,7 +57,10 @@ class JointVelocity(JointMode):
 
 
 class JointPosition(JointMode):
-    """Joint positions [rad], or changes of the measured ones: one tick towards them, then hold."""
+    """Joint positions [rad], or changes of the measured ones: one tick towards them, then hold.
+
+    Positions beyond a joint limit mean the limit; the arm goes as far as the velocity limits allow in the tick.
+    """
 
     unit = "rad"
 
@@ -78,6 +84,7 @@ class JointPosition(JointMode):
 class JointTorque(JointMode):
     """Joint torques [N m] for one tick, gravity included, or changes of the motors' last torques; then the arm stops.
 
+    Torques beyond the limits are capped.
     Between two torque actions nothing stops: the arm brakes in ticks that no torque action commands, as while the hand moves.
     """
 

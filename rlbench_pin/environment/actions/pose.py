@@ -69,6 +69,8 @@ class PoseMode(PartMode):
 class EndEffectorPoseViaPlanning(PoseMode):
     """Plan a timed, smooth motion to the pose and run it to its end, or until the task is done.
 
+    A position outside the workspace box, or a pose that no motion is found to, is refused.
+
     An eighth number may follow the pose: above 0.5 collisions are ignored, otherwise they are avoided; without it the setting
     counts.
 
@@ -142,7 +144,10 @@ class EndEffectorPoseViaPlanning(PoseMode):
 
 
 class EndEffectorPoseViaIK(PoseMode):
-    """Solve inverse kinematics near the present posture and drive the joints there."""
+    """Solve inverse kinematics near the present posture and drive the joints there, until they arrive or stall.
+
+    At most 200 ticks. A pose that no joint positions near the present ones reach is refused.
+    """
 
     def execute(self, runtime: Runtime, values: FloatArray) -> None:
         """Solve and move until the joints arrive or stall."""
@@ -157,6 +162,8 @@ class EndEffectorPoseViaIK(PoseMode):
 
 class ERJointViaIK(PoseMode):
     """A tip pose and the angles of some joints ("elbow" control): those are pinned, the others are solved for.
+
+    At most 50 ticks. Angles beyond a joint limit mean the limit; a pose that cannot be reached with them is refused.
 
     Args:
         absolute_mode: World pose and absolute angles; otherwise deltas.

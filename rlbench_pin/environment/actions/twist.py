@@ -26,6 +26,8 @@ class BoundVelocity(BoundMode):
 class EndEffectorVelocity(PartMode):
     """Tip velocity `[linear, angular]` (6,) for one tick, or a change of the present one; then the arm stops.
 
+    Joint limits come first: where the velocity cannot be had without breaking one, the arm follows as well as it can.
+
     Args:
         absolute_mode: A velocity; otherwise a difference to the present tip velocity.
         frame: Axes of the velocity: of the world, or of the tip.

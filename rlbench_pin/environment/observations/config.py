@@ -143,7 +143,9 @@ class ObservationConfig(Settings):
     gripper_joint_positions: bool = False
     gripper_touch_forces: bool = False
     wrist_camera_matrix: bool = False
+    """Put `wrist_camera_matrix` into `misc`: wrist camera to world (4, 4)."""
     record_gripper_closing: bool = False
+    """Demonstrations keep a frame for every tick of finger motion, not only the last."""
     task_low_dim_state: bool = False
     record_ignore_collisions: bool = True
     """Put `ignore_collisions` on the frames of demonstrations."""
