@@ -89,7 +89,8 @@ Force = Annotated[Number, Kind("number", "N m or N")]
 Stiffness = Annotated[Number, Kind("number", "N m/rad or N/m")]
 Damping = Annotated[Number, Kind("number", "N m s/rad or N s/m")]
 Name = Annotated[str, Field(pattern=NAME_PATTERN, max_length=100), Kind("name", bounds="small letters, digits, `_`; at most 100")]
-Vec3 = tuple[Length, Length, Length]
+Direction = Annotated[tuple[Length, Length, Length], Kind("3 numbers", bounds="not all 0")]
+"""A vector whose length does not matter."""
 Pose7 = tuple[Length, Length, Length, Number, Number, Number, Number]
 Pose = Annotated[Pose7, BeforeValidator(_full_pose), Kind("pose", "m, rad", f"x, y, z: {-FARTHEST:g} to {FARTHEST:g}")]
 IDENTITY_POSE: Pose7 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)

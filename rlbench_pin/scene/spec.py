@@ -20,6 +20,7 @@ from rlbench_pin.scene.kinds import (
     MOST_WAYPOINTS,
     Angle,
     Damping,
+    Direction,
     Force,
     Height,
     JointValue,
@@ -32,7 +33,6 @@ from rlbench_pin.scene.kinds import (
     Size,
     Stiffness,
     Switch,
-    Vec3,
 )
 from rlbench_pin.spatial import TABLE_HEIGHT
 
@@ -128,8 +128,8 @@ class SensorSpec(PosedSpec):
 class ArcSpec(Spec):
     """A circular sweep of the previous waypoint about an axis given in the waypoint's frame."""
 
-    axis: Vec3
-    """Direction through the origin of the waypoint's frame; its length does not matter, but is not zero."""
+    axis: Direction
+    """Direction through the origin of the waypoint's frame; its length does not matter."""
     angle: Angle
     """Sweep, right-handed about `axis`; at most one turn."""
     twist: Switch = True
@@ -137,7 +137,7 @@ class ArcSpec(Spec):
 
     @field_validator("axis")
     @classmethod
-    def _direction(cls, value: Vec3) -> Vec3:
+    def _direction(cls, value: Direction) -> Direction:
         if not np.linalg.norm(value) > 1e-9:
             raise ValueError("an axis has a length other than zero")
         return value

@@ -38,7 +38,7 @@ class PoseMode(PartMode):
     Args:
         absolute_mode: World pose; otherwise a delta to the present tip pose.
         frame: Frame of the delta; the end-effector frame makes the pose relative whatever `absolute_mode` says.
-        collision_checking: Take collisions into account.
+        collision_checking: Avoid collisions where a motion is planned; inverse kinematics looks at none.
     """
 
     def __init__(

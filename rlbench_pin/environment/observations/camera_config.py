@@ -37,13 +37,13 @@ class CameraConfig(Settings):
     rgb_noise: NoiseModel = field(default_factory=Identity)
     """Applied to colours in 0..1."""
     depth: bool = True
-    """Depth, float32 (h, w)."""
+    """Depth along the optical axis, float32 (h, w): 0..1 from the near to the far plane, or [m] with `depth_in_meters`."""
     depth_noise: NoiseModel = field(default_factory=Identity)
     """Applied to depth in [m], before the point cloud."""
     point_cloud: bool = True
-    """World coordinates of every pixel [m], float32 (h, w, 3)."""
+    """World coordinates of every pixel, float32 (h, w, 3) [m]."""
     mask: bool = True
-    """Id of the thing seen by every pixel, int32 (h, w)."""
+    """Id of the thing seen by every pixel, int32 (h, w); `misc["mask_names"]` has the names."""
     image_size: tuple[int, int] = (128, 128)
     """Width and height [px]; one number stands for both."""
     render_mode: RenderMode = "opengl3"

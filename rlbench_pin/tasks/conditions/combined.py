@@ -10,7 +10,11 @@ from rlbench_pin.tasks.conditions.condition import Condition
 
 
 class _Combined(Condition):
-    """Has members; passes reset and state on to them."""
+    """Has members; passes reset and state on to them.
+
+    Args:
+        members: The conditions, one at least.
+    """
 
     def __init__(self, members: Sequence[Condition]) -> None:
         if not members:
@@ -57,6 +61,9 @@ class InOrder(_Combined):
 
     Each evaluation passes as many consecutive members as hold right now and stops at the first that does not. What was
     passed stays passed, so members need not hold together.
+
+    Args:
+        members: The conditions in the order in which they have to hold, one at least.
     """
 
     def __init__(self, members: Sequence[Condition]) -> None:

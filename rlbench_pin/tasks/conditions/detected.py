@@ -36,7 +36,13 @@ class Detected(Condition):
 
 
 class DetectedSeveral(Condition):
-    """Holds while at least `count` of the things are detected; which ones does not matter."""
+    """Holds while at least `count` of the things are detected; which ones does not matter.
+
+    Args:
+        things: Bodies and frames.
+        sensor: The volume.
+        count: How many, from 1 to all.
+    """
 
     def __init__(self, things: Sequence[Body | Frame], sensor: Sensor, count: int) -> None:
         if not 0 < count <= len(things):
@@ -49,7 +55,12 @@ class DetectedSeveral(Condition):
 
 
 class TipInside(Condition):
-    """Holds while the gripper tip point is inside the volume of a sensor."""
+    """Holds while the gripper tip point is inside the volume of a sensor.
+
+    Args:
+        robot: The arm, `self.robot`.
+        sensor: The volume.
+    """
 
     def __init__(self, robot: SimRobot, sensor: Sensor) -> None:
         self.robot, self.sensor = robot, sensor

@@ -11,7 +11,12 @@ if TYPE_CHECKING:
 
 
 class Grasped(Condition):
-    """Holds while `body` is attached to the hand."""
+    """Holds while `body` is attached to the hand.
+
+    Args:
+        gripper: The hand, `self.gripper`.
+        body: A body that may be grasped.
+    """
 
     def __init__(self, gripper: SimGripper, body: Body) -> None:
         self.gripper, self.body = gripper, body
@@ -22,7 +27,11 @@ class Grasped(Condition):
 
 
 class NothingGrasped(Condition):
-    """Holds while nothing is attached to the hand."""
+    """Holds while nothing is attached to the hand.
+
+    Args:
+        gripper: The hand, `self.gripper`.
+    """
 
     def __init__(self, gripper: SimGripper) -> None:
         self.gripper = gripper

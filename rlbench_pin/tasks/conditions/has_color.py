@@ -14,7 +14,12 @@ if TYPE_CHECKING:
 
 
 class HasColor(Condition):
-    """Holds while the visible colour of `body` is exactly `rgb`, each channel in 0..1."""
+    """Holds while the visible colour of `body` is exactly `rgb`.
+
+    Args:
+        body: The body.
+        rgb: Red, green, blue in 0..1.
+    """
 
     def __init__(self, body: Body, rgb: Sequence[float]) -> None:
         self.body, self.rgb = body, np.array(rgb, dtype=float)[:3]

@@ -8,7 +8,11 @@ from rlbench_pin.tasks.conditions.condition import Condition
 
 
 class ListEmpty(Condition):
-    """Holds while a list that the task keeps has no entries left."""
+    """Holds while a list that the task keeps has no entries left.
+
+    Args:
+        items: The list itself; change it in place.
+    """
 
     def __init__(self, items: Sized) -> None:
         self.items = items

@@ -1,0 +1,1 @@
+"""What `scripts/write_reference.py` writes, one module per page."""

@@ -1,0 +1,82 @@
+"""The page about the command line, from the parsers of the commands and their exit codes."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import warnings
+from collections.abc import Iterator, Mapping
+from typing import Any, get_args, get_type_hints
+
+import tyro
+
+from reference_lib.docs import doc_of, table
+from rlbench_pin.cli.dataset import Dataset
+from rlbench_pin.cli.process.commands import COMMANDS
+from rlbench_pin.cli.process.interrupts import INTERRUPTED
+from rlbench_pin.cli.process.output import PIPE_CLOSED
+from rlbench_pin.cli.process.running import DONE, FAILED, MISUSED
+
+_DEFAULT = re.compile(r" ?\((?:default: (.*)|required|optional)\)$", re.DOTALL)
+_NONE = re.compile(r"\{None\}\||(?<=\{)None,")
+"""How a parser says that a flag may be left out."""
+CODES: Mapping[int, str] = {
+    DONE: "Done.",
+    FAILED: "Failed: an episode is missing, a task or a file did not pass, something could not be read or written.",
+    MISUSED: "Misused: an unknown command, flag, task or value. Nothing was begun.",
+    INTERRUPTED: "Interrupted by Ctrl-C.",
+    PIPE_CLOSED: "Whoever read the output is gone, as in `rlbench-pin list | head -1`.",
+}
+"""Exit code -> when a command ends with it."""
+
+
+def parts() -> dict[str, str]:
+    """Return what the page has generated, by marker."""
+    made = {name: _section(cls) for name, cls in commands().items()}
+    return {"codes": table(("Code", "When"), [(str(code), text) for code, text in CODES.items()], "rl"), **made}
+
+
+def commands() -> dict[str, type]:
+    """Return command, or `dataset` and its action with a hyphen -> class."""
+    found: dict[str, Any] = {name: home.load() for name, home in COMMANDS.items() if name != "dataset"}
+    union = get_type_hints(Dataset, include_extras=True)["action"]
+    for action, words in _subcommands(union):
+        found[f"dataset-{words}"] = action
+    return found
+
+
+def _subcommands(annotation: Any) -> Iterator[tuple[type, str]]:
+    """Yield the classes of an annotation with the words that choose them."""
+    for part in get_args(annotation):
+        if hasattr(part, "__metadata__"):
+            words = [extra.name for extra in part.__metadata__ if hasattr(extra, "name") and extra.name]
+            if words:
+                yield part.__origin__, words[0]
+                continue
+        yield from _subcommands(part)
+
+
+def arguments_of(cls: type) -> list[argparse.Action]:
+    """Return what a command takes, as its parser has it; those without a flag first."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        parser = tyro.extras.get_parser(cls)
+    actions = [action for action in parser._actions if action.dest != "help"]
+    return sorted(actions, key=lambda action: bool(action.option_strings))
+
+
+def _section(cls: type) -> str:
+    doc = doc_of(cls)
+    rows = [_row(action) for action in arguments_of(cls)]
+    return f"{doc.text}\n\n{table(('Argument', 'Default', 'Meaning'), rows)}"
+
+
+def _row(action: argparse.Action) -> tuple[str, str, str]:
+    metavar = _NONE.sub("", action.metavar if isinstance(action.metavar, str) else "")
+    flags = ", ".join(f"`{flag}{' ' + metavar if metavar else ''}`" for flag in action.option_strings) or f"`{metavar}`"
+    text = " ".join((action.help or "").split())
+    found = _DEFAULT.search(text)
+    default = "" if found is None or found[1] in ("", "None") else "required" if found[1] is None else f"`{found[1]}`"
+    if isinstance(action.default, bool):
+        default = f"`{action.option_strings[0] if action.default else action.option_strings[-1]}`"
+    return flags, default, _DEFAULT.sub("", text)

@@ -1,0 +1,57 @@
+"""Write what is generated in the pages of docs/reference/, from the code that they describe.
+
+The prose around the generated parts is written by hand in the pages themselves. With `--check` nothing is written; it only
+says which pages are out of date.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from reference_lib import action_modes, command_line, conditions, observations, scene_files
+from update_readme import replace_part
+
+PAGES: Mapping[str, Callable[[], dict[str, str]]] = {
+    "action_modes": action_modes.parts,
+    "observations": observations.parts,
+    "scene_files": scene_files.parts,
+    "conditions": conditions.parts,
+    "command_line": command_line.parts,
+}
+"""Page -> what makes its parts, by marker."""
+FOLDER = Path(__file__).resolve().parents[1] / "docs" / "reference"
+
+
+def written_anew(page: str) -> tuple[str, str]:
+    """Return a page as it is, and as it should be."""
+    before = (FOLDER / f"{page}.md").read_text(encoding="utf-8")
+    after = before
+    for marker, content in PAGES[page]().items():
+        after = replace_part(after, marker, f"\n{content}\n")
+    return before, after
+
+
+def main() -> int:
+    """Update, or check."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("pages", nargs="*", help=f"pages to write, of {', '.join(PAGES)}; all when none is named")
+    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 when something is out of date")
+    arguments = parser.parse_args()
+    outdated = []
+    for page in arguments.pages or PAGES:
+        before, after = written_anew(page)
+        if before != after:
+            outdated.append(page)
+        if not arguments.check:
+            (FOLDER / f"{page}.md").write_text(after, encoding="utf-8")
+    print(f"{'out of date' if arguments.check else 'updated'}: {', '.join(outdated) or 'nothing'}")
+    return int(arguments.check and bool(outdated))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
