@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = sorted((ROOT / "docs").glob("*.md"))
+PAGES = sorted([*(ROOT / "docs").glob("*.md"), *(ROOT / "docs" / "reference").glob("*.md")])
 PROGRAMS = {"cameras": True, "control": True, "datasets": False, "planning": True, "tasks": True}
+PROGRAMS |= {f"reference/{name}": True for name in ("action_modes", "observations", "scene_files", "conditions")}
 """Page -> whether its Python blocks are one program together; `tests/gym/test_docs.py` runs those of the page about gymnasium."""
 SUFFIXES = ("py", "md", "json", "toml", "jpg", "txt")
 

@@ -129,10 +129,9 @@ def keys_on_the_page() -> dict[str, set[str]]:
     """Return table -> its keys, by the page."""
     common = {row[0] for row in rows(part("scene_files", "posed"))}
     found = {table: {row[0] for row in rows(part("scene_files", table.replace(".", "-")))} for table in scene_files.tables()}
-    return {
-        table: keys | (common - {"poses"} if table == "waypoint" else common if table in POSED else set())
-        for table, keys in found.items()
-    }
+    for table in POSED:
+        found[table] |= common - {"poses"} if table == "waypoint" else common
+    return found
 
 
 def keys_used(content: dict[str, object]) -> dict[str, set[str]]:
