@@ -20,6 +20,7 @@ from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import SceneFileError
 from rlbench_pin.observation import FIELDS, Observation
 from rlbench_pin.scene import read_scene
+from rlbench_pin.spatial import TABLE_HEIGHT
 from rlbench_pin.tasks import Condition, Task, conditions, library_names, task_class
 from tests.cli.support import exit_code
 
@@ -49,6 +50,12 @@ def test_a_page_is_what_the_code_says(name: str) -> None:
     """Written again, it stays as it is: otherwise run `python scripts/write_reference.py`."""
     before, after = written_anew(name)
     assert before == after, "run `python scripts/write_reference.py`"
+
+
+def test_the_prose_has_the_height_of_the_table() -> None:
+    """The one number of the world that pages say in a sentence."""
+    for name in ("action_modes", "observations"):
+        assert f"the table top at z = {TABLE_HEIGHT:g}." in page(name)
 
 
 # Observations -----------------------------------------------------------------------------------------------------------------
