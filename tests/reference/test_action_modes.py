@@ -11,7 +11,7 @@ from rlbench_pin.environment import ActionMode, Discrete, Environment, JointVelo
 from rlbench_pin.environment.actions.mode import SpecifiedMode
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import InvalidActionError
-from tests.test_reference import part, rows
+from tests.reference.support import part, rows
 
 LISTED = {row[0]: row[1:] for row in rows(part("action_modes", "overview"))}
 """Mode -> numbers, units, frame, ticks, by the page."""
