@@ -11,7 +11,6 @@ from typing import Any, get_args, get_type_hints
 import tyro
 
 from reference_lib.docs import doc_of, table
-from rlbench_pin.cli.dataset import Dataset
 from rlbench_pin.cli.process.commands import COMMANDS
 from rlbench_pin.cli.process.interrupts import INTERRUPTED
 from rlbench_pin.cli.process.output import PIPE_CLOSED
@@ -39,7 +38,7 @@ def parts() -> dict[str, str]:
 def commands() -> dict[str, type]:
     """Return command, or `dataset` and its action with a hyphen -> class."""
     found: dict[str, Any] = {name: home.load() for name, home in COMMANDS.items() if name != "dataset"}
-    union = get_type_hints(Dataset, include_extras=True)["action"]
+    union = get_type_hints(COMMANDS["dataset"].load(), include_extras=True)["action"]
     for action, words in _subcommands(union):
         found[f"dataset-{words}"] = action
     return found
