@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from rlbench_pin import values
@@ -29,12 +28,7 @@ def pose_vector(pose: ArrayLike, what: str) -> FloatArray:
     Raises:
         InvalidNumbers: Wrong shape, NaN or infinity, or a quaternion whose norm is off by more than 0.1 %.
     """
-    vector = finite_vector(pose, 7, what)
-    norm = float(np.linalg.norm(vector[3:]))
-    if abs(norm - 1.0) > 1e-3:
-        raise InvalidNumbers(f"The {what}", vector, f"has a quaternion of norm {norm:.4f}, not 1")
-    vector[3:] /= norm
-    return vector
+    return values.as_pose(pose, f"The {what}", InvalidNumbers, tolerance=1e-3)
 
 
 def whole_ratio(control_dt: float, timestep: float) -> int:
