@@ -28,7 +28,7 @@ from rlbench_pin.gym.spaces import (
 )
 from rlbench_pin.gym.window import Window, why_no_window
 from rlbench_pin.observation import Demo, Observation
-from rlbench_pin.sim import CameraView, RendererName, look_at
+from rlbench_pin.sim import CameraView, RendererName, World, look_at
 from rlbench_pin.tasks import Task
 from rlbench_pin.values import as_picture_size, as_record, as_whole
 
@@ -195,15 +195,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
 
     def render(self) -> np.ndarray | None:  # type: ignore[override]
         """Return a picture from the side, uint8 (360, 640, 3), or show it with `render_mode="human"`."""
-        if self.render_mode is None:
-            gymnasium.logger.warn("render() without a render_mode shows nothing. Pass render_mode='rgb_array' to make().")
-            return None
-        picture = self._task.world.render(CINEMATIC, rgb=True, depth=False, mask=False, shadows=True).rgb
-        if self._window is None:
-            return picture
-        assert picture is not None
-        self._window.show(picture)
-        return None
+        return render_from_side(self._task.world, self.render_mode, self._window)
 
     def _show(self) -> None:
         if self._window is not None:
@@ -214,6 +206,22 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         self._environment.shutdown()
         if self._window is not None:
             self._window.close()
+
+
+def render_from_side(world: World, render_mode: str | None, window: Window | None) -> np.ndarray | None:
+    """Return a picture of a world from the side, uint8 (360, 640, 3), or show it when there is a window.
+
+    Without a render mode there is no picture, and a warning of gymnasium instead.
+    """
+    if render_mode is None:
+        gymnasium.logger.warn("render() without a render_mode shows nothing. Pass render_mode='rgb_array' to make().")
+        return None
+    picture = world.render(CINEMATIC, rgb=True, depth=False, mask=False, shadows=True).rgb
+    if window is None:
+        return picture
+    assert picture is not None
+    window.show(picture)
+    return None
 
 
 def _own_copy(mode: ActionMode | None) -> ActionMode:

@@ -15,7 +15,7 @@ from rlbench.observation_config import ObservationConfig
 from rlbench.utils import name_to_task_class
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.errors import UnknownName
-from rlbench_pin.gym.environment import CINEMATIC, OBSERVATION_MODES, RENDER_MODES
+from rlbench_pin.gym.environment import OBSERVATION_MODES, RENDER_MODES, render_from_side
 from rlbench_pin.gym.spaces import VISION_CAMERAS, GymObservation, as_gym_observation, observation_space
 from rlbench_pin.gym.window import Window
 from rlbench_pin.observation import LOW_DIM, Demo, Observation
@@ -139,17 +139,9 @@ class RLBenchEnv(gymnasium.Env[GymObservation, np.ndarray]):
 
     def render(self) -> np.ndarray | None:  # type: ignore[override]
         """Return a picture from the side, uint8 (360, 640, 3), or show it with `render_mode="human"`."""
-        if self.render_mode is None:
-            gymnasium.logger.warn("render() without a render_mode shows nothing. Pass render_mode='rgb_array' to make().")
-            return None
-        Simulator.make_current(self._simulator)
-        world = self.rlbench_task_env.runtime.world
-        picture = world.render(CINEMATIC, rgb=True, depth=False, mask=False, shadows=True).rgb
-        if self._window is None:
-            return picture
-        assert picture is not None
-        self._window.show(picture)
-        return None
+        if self.render_mode is not None:
+            Simulator.make_current(self._simulator)
+        return render_from_side(self.rlbench_task_env.runtime.world, self.render_mode, self._window)
 
     def _show(self) -> None:
         if self._window is not None:
