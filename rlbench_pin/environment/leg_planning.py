@@ -93,10 +93,10 @@ class LegPlanner:
         runtime, rng = self._runtime, self._runtime.planning_rng
         q, tip, allowed = runtime.measured_start, runtime.robot.tip_pose(), runtime.touching()
         limits, ignore = runtime.planner.limits, waypoint.ignore_collisions
+        ends = [(turn, poses_of(waypoint, turn, tip)[-1]) for turn in turns]
         for _ in range(_OTHER_GOALS):
             start = rng.uniform(limits.lower, limits.upper)
-            for turn in turns:
-                pose = poses_of(waypoint, turn, tip)[-1]
+            for turn, pose in ends:
                 try:
                     goal = runtime.planner.reachable(start, pose, rng, ignore_collisions=ignore, allowed=allowed)
                     if self._can_go_on(goal, rest, turn):
