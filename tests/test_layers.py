@@ -20,7 +20,7 @@ ROWS: tuple[tuple[str, ...], ...] = (
     ("tasks",),
     ("sim", "planning", "control"),
     ("robot", "scene", "datasets"),
-    ("errors", "values", "spatial", "urdf", "observation", "assets", "plugins"),
+    ("errors", "values", "spatial", "urdf", "observation", "assets", "plugins", "processes"),
 )
 FLOOR = len(ROWS) - 1
 

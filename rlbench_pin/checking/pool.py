@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-import signal
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 
 from rlbench_pin.checking.journal import TrialJournal
 from rlbench_pin.checking.records import Trial
 from rlbench_pin.checking.trials import Item, work
 from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.processes import deaf_to_interrupts
 
 
 @dataclass(frozen=True)
@@ -80,7 +79,7 @@ def _results(items: Sequence[Item], workers: int) -> Iterator[tuple[Item, list[T
     theirs, ours = context.Pipe(duplex=False)
     with theirs, ours, ProcessPoolExecutor(workers, context, _end_with_connection, (theirs,)) as pool:
         try:
-            with _deaf_to_interrupts():  # submitting starts the workers
+            with deaf_to_interrupts():  # submitting starts the workers
                 futures = {pool.submit(work, item): item for item in items}
             for future in as_completed(futures):
                 yield futures[future], _result(future, futures[future])
@@ -99,17 +98,6 @@ def _end_with_connection(connection: Connection) -> None:
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()
-
-
-@contextmanager
-def _deaf_to_interrupts() -> Iterator[None]:
-    """Let processes that start in this block be deaf to Ctrl-C from their first moment; this one hears it after the block."""
-    resource_tracker.ensure_running()  # it would end the block of signals when it starts
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _result(future: Future[list[Trial]], item: Item) -> list[Trial]:

@@ -10,11 +10,11 @@ from collections import Counter, deque
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from typing import Protocol
 
 from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.processes import deaf_to_interrupts
 from rlbench_pin.recording.config import PictureConfig, WorkItem
 from rlbench_pin.recording.work import ItemResult, Recorder
 
@@ -201,17 +201,6 @@ def _work(connection: Connection, config: PictureConfig) -> None:
         while True:
             connection.send(recorder.make(connection.recv()))
     recorder.close()
-
-
-@contextmanager
-def deaf_to_interrupts() -> Iterator[None]:
-    """Let processes that start in this block be deaf to Ctrl-C from their first moment; this one hears it after the block."""
-    resource_tracker.ensure_running()  # it would end the block of signals when it starts
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager
