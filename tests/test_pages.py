@@ -38,9 +38,17 @@ def test_the_code_of_a_page_runs(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_links_lead_to_files(page: Path) -> None:
-    """Every relative link and every picture exists."""
-    targets = [t for t in re.findall(r"\]\(([^)#]+)\)", page.read_text(encoding="utf-8")) if "://" not in t]
-    assert [t for t in targets if not (page.parent / t).exists()] == []
+    """Every relative link and every picture exists, and where a link names a heading, so does that."""
+    targets = [t for t in re.findall(r"\]\(([^)\s]+)\)", page.read_text(encoding="utf-8")) if "://" not in t]
+    assert [t for t in targets if not (page.parent / t.partition("#")[0]).exists()] == []
+    headings = [(page.parent / file if file else page, heading) for file, _, heading in (t.partition("#") for t in targets)]
+    assert [heading for file, heading in headings if heading and heading not in _anchors(file)] == []
+
+
+def _anchors(page: Path) -> set[str]:
+    """Return how links name the headings of a page."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)

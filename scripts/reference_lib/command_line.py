@@ -22,7 +22,7 @@ _NONE = re.compile(r"\{None\}\||(?<=\{)None,")
 CODES: Mapping[int, str] = {
     DONE: "Done.",
     FAILED: "Failed: an episode is missing, a task or a file did not pass, something could not be read or written.",
-    MISUSED: "Misused: an unknown command, flag, task or value. Nothing was begun.",
+    MISUSED: "Misused: an unknown command, flag, task or value, or nothing that could be done with what was asked.",
     INTERRUPTED: "Interrupted by Ctrl-C.",
     PIPE_CLOSED: "Whoever read the output is gone, as in `rlbench-pin list | head -1`.",
 }
