@@ -6,6 +6,8 @@ position, velocity and acceleration limits in such a way that there always is a 
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from rlbench_pin.control.differential_ik import DifferentialIK, DifferentialIKConfig
 from rlbench_pin.control.differential_ik_qp import DifferentialIKQP
 from rlbench_pin.control.following import ComputedTorque, TrackingReport, TrajectoryFollower, VelocityFollowing
@@ -18,8 +20,9 @@ from rlbench_pin.control.qp.constraints import HeldQuantity, JointBounds
 from rlbench_pin.control.qp.objectives import PostureObjective, TipObjective
 from rlbench_pin.control.qp.osqp_solver import OsqpSolver
 from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram
-from rlbench_pin.control.safety_filter import SafeCommand, SafetyConfig, SafetyFilter
+from rlbench_pin.control.safety_filter import FilterCounts, SafeCommand, SafetyConfig, SafetyFilter
 from rlbench_pin.control.tracking import TrajectoryTracker
+from rlbench_pin.front_door import front_door
 
 __all__ = [
     "CartesianImpedance",
@@ -28,6 +31,7 @@ __all__ = [
     "DifferentialIK",
     "DifferentialIKConfig",
     "DifferentialIKQP",
+    "FilterCounts",
     "GripperCommand",
     "GripperConfig",
     "GripperController",
@@ -55,3 +59,6 @@ __all__ = [
     "TrajectoryTracker",
     "VelocityFollowing",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__)

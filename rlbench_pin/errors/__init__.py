@@ -6,6 +6,8 @@ A few errors that one module alone raises are defined there, each derived from o
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from rlbench_pin.errors.base import (
     InvalidValue,
     MissingExtra,
@@ -63,6 +65,7 @@ from rlbench_pin.errors.tasks import (
     TaskError,
     WaypointError,
 )
+from rlbench_pin.front_door import front_door
 
 __all__ = [
     "AssetInvalid",
@@ -109,3 +112,6 @@ __all__ = [
     "nearest_name",
     "shown",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__)
