@@ -1,7 +1,7 @@
 """A dataset: record it with two processes, read it back, and turn its key frames into actions.
 
-What to look for: `record` goes on where it was stopped (start the program twice); reading takes from a file only what is asked for; a
-demonstration of a hundred frames has a handful of key frames, and their poses, planned again, solve the task again.
+What to look for: `record` goes on where it was stopped (start the program twice); reading takes from a file only what is asked
+for; a demonstration of a hundred frames has a handful of key frames, and their poses, planned again, solve the task again.
 """
 
 from __future__ import annotations

@@ -3,8 +3,8 @@
 Neither knows the simulator: the planner gets a snapshot of the world and returns a timed trajectory, the follower turns the
 trajectory and the measured joints into a joint velocity 20 times a second.
 
-What to look for: the whole grasp is planned before the arm moves, so that a turn of the hand that leads nowhere costs nothing; the
-block that is held is part of the arm in the next plan; the joints stay within a degree or so of their trajectory.
+What to look for: the whole grasp is planned before the arm moves, so that a turn of the hand that leads nowhere costs nothing;
+the block that is held is part of the arm in the next plan; the joints stay within a fraction of a degree of their trajectory.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 observation -> where the tip should be -> how fast it should move there -> `DifferentialIK` -> joint velocities -> `env.step`
 
-What to look for: the policy has no memory and sees nothing but the observation; the controller keeps the limits of all joints, so that
-the policy need not know them; three tasks differ in the one function that says where the tip should be.
+What to look for: the policy has no memory and sees nothing but the observation; the controller keeps the limits of all joints,
+so that the policy need not know them; three tasks differ in the one function that says where the tip should be.
 """
 
 from __future__ import annotations

@@ -52,7 +52,7 @@ def front_door(package: str, homes: Mapping[str, str] | None = None, parts: Coll
         there = vars(sys.modules[package])
         below = (name for name, value in there.items() if getattr(value, "__name__", "") == f"{package}.{name}")
         special = (name for name in there if name.startswith("__"))
-        return sorted({*there.get("__all__", ()), *known, *parts, *below, *special})
+        return sorted({*there.get("__all__", ()), *parts, *below, *special})
 
     return look_up, names
 

@@ -21,7 +21,7 @@ from rlbench_pin.cli.process.words import AnyTasks, Cameras, Products, Size, Tas
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
 from rlbench_pin.datasets import Compression
 from rlbench_pin.environment.observations.camera_config import RenderMode
-from rlbench_pin.errors import MissingExtra, TaskEnvironmentError
+from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.recording.config import PictureConfig, RecordConfig
 from rlbench_pin.recording.engines import Engine, ProcessEngine, SerialEngine
@@ -174,11 +174,7 @@ def make_engine(name: EngineName, workers: int) -> Engine:
     """
     if name == "processes":
         return ProcessEngine(workers) if workers else SerialEngine()
-    try:
-        module = importlib.import_module("rlbench_pin.recording.ray_engine")
-    except ImportError as error:
-        raise MissingExtra("The engine 'ray'", "ray", "ray") from error
-    make: Callable[[int], Engine] = module.RayEngine
+    make: Callable[[int], Engine] = importlib.import_module("rlbench_pin.recording.ray_engine").RayEngine
     return make(max(1, workers))
 
 

@@ -2,6 +2,7 @@
 
 Each takes the measured state and a target as arrays and returns a command as an array or a small record. All of them keep
 position, velocity and acceleration limits in such a way that there always is a next command (`constraints`).
+`ForeignSolver` is imported when first used; it needs the extra `bench`.
 """
 
 from __future__ import annotations
@@ -60,5 +61,7 @@ __all__ = [
     "VelocityFollowing",
 ]
 
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)
+if TYPE_CHECKING:
+    from rlbench_pin.control.qp.foreign_solver import ForeignSolver as ForeignSolver
+else:
+    __getattr__, __dir__ = front_door(__name__, {"ForeignSolver": "qp.foreign_solver"})

@@ -14,6 +14,7 @@ from rlbench_pin.errors.base import (
     RlbenchPinError,
     UnknownName,
     UnknownSetting,
+    install_hint,
     nearest_name,
     shown,
 )
@@ -109,6 +110,7 @@ __all__ = [
     "UnknownSetting",
     "UntrustedTaskFile",
     "WaypointError",
+    "install_hint",
     "nearest_name",
     "shown",
 ]

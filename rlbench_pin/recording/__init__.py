@@ -1,6 +1,6 @@
 """Demonstrations by the thousand: recorded, rendered again, converted, replayed and filmed.
 
-`RayEngine` is imported from `rlbench_pin.recording.ray_engine`, which needs Ray.
+`RayEngine` is imported when first used; it needs the extra `ray`.
 """
 
 from __future__ import annotations
@@ -41,5 +41,7 @@ __all__ = [
     "write_seeds",
 ]
 
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)
+if TYPE_CHECKING:
+    from rlbench_pin.recording.ray_engine import RayEngine as RayEngine
+else:
+    __getattr__, __dir__ = front_door(__name__, {"RayEngine": "ray_engine"})
