@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 
@@ -29,6 +29,18 @@ Cameras = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{','.join(CAMERAS
 """Any number of cameras."""
 Products = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{','.join(PRODUCTS)}}}...")]
 """Any number of kinds of pictures."""
+CONTROLLERS = (
+    "TrajectoryTracker", "VelocityFollowing", "VelocityFollowing + SafetyFilter", "DifferentialIK, poses",
+    "DifferentialIK, twists", "DifferentialIKQP, twists", "DifferentialIK, twists + SafetyFilter", "CartesianMPC",
+    "CartesianMPC, distances", "ComputedTorque", "OperationalSpaceQP", "JointImpedance", "CartesianImpedance",
+)  # fmt: skip
+"""The controllers of `evaluate`, said here too so that help need not import them; a test compares these with those that work."""
+Controllers = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{'|'.join(CONTROLLERS)}}}...")]
+"""Any number of controllers."""
+EngineName = Literal["processes", "ray"]
+Compression = Literal["gzip", "lzf"]
+RenderMode = Literal["opengl", "opengl3"]
+ExportFormat = Literal["lerobot", "robomimic", "rlbench", "peract", "zarr"]
 Size = Annotated[tuple[int, int], tyro.conf.arg(metavar="WIDTH HEIGHT")]
 """Width and height [px]."""
 
