@@ -77,9 +77,8 @@ def play(env: gymnasium.Env, controller: DifferentialIK, goal: Callable[[Observa
     for step in range(STEPS):
         place, hand = goal(observation)
         twist = twist_to(place, observation["gripper_pose"])
-        velocity = controller.velocity_for_twist(
-            observation["joint_positions"], observation["joint_velocities"], twist, frame="tip"
-        )
+        q, v = observation["joint_positions"], observation["joint_velocities"]
+        velocity = controller.velocity_for_twist(q, v, twist, frame="tip")
         observation, _, terminated, truncated, info = env.step(np.append(velocity, hand))
         if terminated or truncated:
             return info["success"], step + 1

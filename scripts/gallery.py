@@ -19,8 +19,8 @@ PAGE, PICTURES = DOCS / "gallery.md", DOCS / "images" / "gallery"
 COLUMNS, SIZE = 3, (360, 330)
 HEAD = """# Gallery
 
-The {count} tasks of the library, each late in a demonstration of seed 0 and variation 0, with one of the sentences that ask for it. A
-picture leads to the task's contact sheet: five cameras at five moments. `rlbench-pin view TASK` draws the sheet of any task,
+The {count} tasks of the library, each late in a demonstration of seed 0 and variation 0, with a sentence that asks for it.
+A picture leads to the task's contact sheet: five cameras at five moments. `rlbench-pin view TASK` draws the sheet of any task,
 `rlbench-pin video TASK` films it. Written by `python scripts/gallery.py`.
 
 """

@@ -84,7 +84,7 @@ def _programs(file: Path) -> list[str]:
     """Return the Python in a file, without files of the package and its tests that a page shows."""
     text = file.read_text(encoding="utf-8")
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL) if file.suffix == ".md" else [text]
-    return [block for block in blocks if not re.match(r"# (rlbench_pin|tests)/", block)]
+    return [block for block in blocks if not re.match(r"# (rlbench_pin|tests|examples)/", block)]
 
 
 @pytest.mark.parametrize("file", [*TEXTS, *PROGRAMS], ids=lambda file: file.relative_to(ROOT).as_posix())
