@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import tyro
 
-from rlbench_pin.cli.process.words import AnyTasks, Files
+from rlbench_pin.cli.process.words import AnyTasks, Files, MaybePath
 
 
 @dataclass(frozen=True)
@@ -39,9 +38,9 @@ class Check:
     explain: bool = False
     """Play the first try of each cause of failure again: print its evidence and draw the world into `explain` below `--out`
     (`out/explain` without it)."""
-    json: Path | None = None
+    json: MaybePath = None
     """File to write the whole report to."""
-    out: Path | None = None
+    out: MaybePath = None
     """Folder for the whole report: report.md with its pictures, report.json, and trials.jsonl, with which the same command
     continues where it was stopped."""
     pictures: bool = True

@@ -8,7 +8,17 @@ from typing import Annotated
 
 import tyro
 
-from rlbench_pin.cli.process.words import Cameras, EngineName, ExportFormat, Files, Products, Size, SomeFolders, TaskNames
+from rlbench_pin.cli.process.words import (
+    Cameras,
+    EngineName,
+    ExportFormat,
+    Files,
+    OnlyCameras,
+    OnlyTasks,
+    Products,
+    Size,
+    SomeFolders,
+)
 from rlbench_pin.observation import CAMERAS
 
 Root = tyro.conf.Positional[Annotated[Path, tyro.conf.arg(metavar="FOLDER")]]
@@ -52,7 +62,7 @@ class Rerender:
     """Folder of the dataset (its manifests are enough), or a file with a list of seeds."""
     out: Path
     """Folder of the result; an interrupted run is resumed."""
-    tasks: TaskNames = ()
+    tasks: OnlyTasks = ()
     """Only these tasks, with spaces or commas between them."""
     image_size: Size = (128, 128)
     """Width and height of the pictures [px]."""
@@ -90,9 +100,9 @@ class Export:
     """Folder of the dataset."""
     out: tyro.conf.Positional[Path]
     """The new folder or file."""
-    tasks: TaskNames = ()
+    tasks: OnlyTasks = ()
     """Only these tasks, with spaces or commas between them."""
-    cameras: Cameras = ()
+    cameras: OnlyCameras = ()
     """Cameras whose pictures go along; all stored ones when none is named. Folders always get all."""
 
 

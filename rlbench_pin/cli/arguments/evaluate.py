@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
-from rlbench_pin.cli.process.words import Controllers, TaskNames
+from rlbench_pin.cli.process.words import Controllers, MaybeInt, MaybePath, TaskNames
 
 TASKS = (
     "reach_target", "push_button", "pick_and_lift", "take_lid_off_saucepan", "open_drawer",
@@ -26,9 +25,9 @@ class Evaluate:
     """Demonstrations of each task."""
     seed: int = 0
     """Seed of the first episode; episode i uses seed + i."""
-    legs: int | None = None
+    legs: MaybeInt = None
     """Number of legs of each demonstration, from the first on; all when not given."""
     only: Controllers = ()
     """Controllers to compare; all when none is given."""
-    json: Path | None = None
+    json: MaybePath = None
     """File to write everything to."""

@@ -9,7 +9,19 @@ from pathlib import Path
 
 import tyro
 
-from rlbench_pin.cli.process.words import AnyTasks, Cameras, Compression, EngineName, Products, RenderMode, Size, TaskNames
+from rlbench_pin.cli.process.words import (
+    AnyTasks,
+    Cameras,
+    Compression,
+    EngineName,
+    MaybeBool,
+    MaybeInt,
+    MaybePath,
+    OnlyTasks,
+    Products,
+    RenderMode,
+    Size,
+)
 from rlbench_pin.observation import CAMERAS
 
 DEFAULT_OUT = Path("out/dataset")
@@ -22,15 +34,15 @@ _BOOLEANS = ("true", "false")
 class KnownNames:
     """Flags of RLBench's generators, taken in the place of ours. Underscores are as good as hyphens, lists may have commas."""
 
-    tasks: TaskNames = ()
+    tasks: OnlyTasks = ()
     """As the task names themselves."""
-    save_path: Path | None = None
+    save_path: MaybePath = None
     """As `--out`."""
-    processes: int | None = None
+    processes: MaybeInt = None
     """As `--workers`."""
-    episodes_per_task: int | None = None
+    episodes_per_task: MaybeInt = None
     """As `--episodes` with `--per-variation`; with `--all-variations True` as `--episodes` alone."""
-    all_variations: bool | None = None
+    all_variations: MaybeBool = None
     """True spreads the episodes of a task over its variations, as `record` does; False counts them for each variation."""
 
     @property

@@ -8,7 +8,7 @@ from typing import Literal
 
 import tyro
 
-from rlbench_pin.cli.process.words import Size, SomeTasks
+from rlbench_pin.cli.process.words import MaybePath, Size, SomeTasks
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Video:
     """Pictures per second; 20 is real time."""
     domain_randomization: bool = False
     """Change textures and lights every ten ticks."""
-    textures_path: Path | None = None
+    textures_path: MaybePath = None
     """Folder of textures for `--domain-randomization`; None is the set that comes with the package."""
     renderer: Literal["cpu", "egl", "auto"] = "cpu"
     """What draws the pictures: `cpu`, `egl`, or `auto` for EGL where there is one."""

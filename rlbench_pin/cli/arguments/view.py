@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import tyro
 
-from rlbench_pin.cli.process.words import TaskName
+from rlbench_pin.cli.process.words import MaybePath, TaskName
 
 
 @dataclass(frozen=True)
@@ -20,7 +19,7 @@ class View:
     """Variation of the task."""
     seed: int = 0
     """Seed of the episode."""
-    out: Path | None = None
+    out: MaybePath = None
     """PNG or JPEG to write; `out/view/<task>.png` by default."""
     size: int = 256
     """Side of each picture [px]."""

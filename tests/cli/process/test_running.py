@@ -102,6 +102,7 @@ def test_help_says_what_is_taken(words: tuple[str, ...], capsys: Capture) -> Non
     assert f"usage: rlbench-pin {' '.join(words)}" in out
     assert "STR" not in out
     assert "[[" not in out
+    assert "{None" not in out and "(default: )" not in out
 
 
 @pytest.mark.parametrize(
