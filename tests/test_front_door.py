@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parents[1]
 HEAVY = ("pybullet", "pinocchio", "coal", "placo", "ompl", "toppra", "osqp", "h5py", "av", "tyro", "scipy")
 DOORS = sorted({door for door, _ in public_names()})
 OUTER = [door for door in DOORS if door.count(".") == 1]
-TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PROGRAMS = sorted((ROOT / "examples").rglob("*.py"))
 
 
@@ -56,6 +56,15 @@ def test_a_door_opens(door: str) -> None:
     assert list(package.__all__) == sorted(set(package.__all__), key=_place)
     assert [name for name in package.__all__ if not hasattr(package, name)] == []
     assert set(package.__all__) <= set(dir(package))
+
+
+@pytest.mark.parametrize("file", sorted((ROOT / "rlbench_pin").glob("*.py")), ids=lambda file: file.stem)
+def test_modules_list_all_that_is_public(file: Path) -> None:
+    """Every class and function of a module that is a door by itself."""
+    defined = ast.parse(file.read_text(encoding="utf-8")).body
+    public = {node.name for node in defined if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_")}
+    if file.stem not in ("__init__", "front_door"):
+        assert public <= set(importlib.import_module(f"rlbench_pin.{file.stem}").__all__)
 
 
 def test_every_folder_is_reached_from_the_package() -> None:
