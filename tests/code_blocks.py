@@ -23,17 +23,20 @@ NOT_RUN = {
 }
 """What stands behind `# not run by tests:` in the first line of a block -> how many blocks have it."""
 
-LONG, CLONE = "hours, or all tasks", "played by tests/test_examples.py"
 NOT_PLAYED = {
-    "rlbench-pin check mine/touch_it.py": "minutes; tests/cli/test_new.py checks such a pair",
-    "rlbench-pin record mine/touch_it.py reach_target": "minutes; the page records the task once more, in Python",
-    "rlbench-pin record sort_two_cubes": "wants the package installed; tests/test_plugin_example.py does that",
-    "rlbench-pin record": LONG,
-    "rlbench-pin dataset merge": "wants a second dataset; tests/cli/test_dataset.py has two",
-    "rlbench-pin dataset rerender": "minutes; tests/recording has it",
-    "python examples/": CLONE,
+    "docs/datasets.md": {
+        "rlbench-pin record": "hours, or all tasks; the page records four episodes in Python",
+        "rlbench-pin dataset merge": "wants a second dataset; tests/cli/test_dataset.py has two",
+        "rlbench-pin dataset rerender": "minutes; tests/recording has it",
+    },
+    "docs/tasks.md": {
+        "rlbench-pin check": "minutes; tests/cli/test_new.py checks such a pair",
+        "rlbench-pin record mine/touch_it.py": "minutes; the page records the task once more, in Python",
+        "rlbench-pin record sort_two_cubes": "wants the package installed; tests/test_plugin_example.py does that",
+    },
+    "docs/worked_programs.md": {"python examples/": "played by tests/test_examples.py"},
 }
-"""How a command line begins that is read by its parser, but not run here -> why."""
+"""Page -> how a command line begins that is read by its parser, but not run here -> why."""
 
 ELSEWHERE = {
     "## From a reach to a pick-and-place": "tests/cli/test_new.py",
@@ -97,7 +100,7 @@ def command_lines(block: Block) -> list[str]:
     return [line for line in joined.splitlines() if shlex.split(line, comments=True)]
 
 
-def why_not_played(line: str) -> str | None:
-    """Return why a command line is not run here, or None when it is."""
+def why_not_played(page: str, line: str) -> str | None:
+    """Return why a command line of a page is not run here, or None when it is."""
     words = " ".join(shlex.split(line, comments=True))
-    return next((why for begin, why in NOT_PLAYED.items() if words.startswith(begin)), None)
+    return next((why for begin, why in NOT_PLAYED.get(page, {}).items() if words.startswith(begin)), None)

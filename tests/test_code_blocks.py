@@ -40,8 +40,9 @@ def test_blocks_are_of_known_kinds() -> None:
 def test_what_is_not_run_says_why() -> None:
     """In its first line, as listed; every reason and every beginning of a line is used."""
     assert Counter(block.reason for block in ALL if block.reason) == NOT_RUN
-    lines = [line for block in ALL if block.runs_here and block.language == "bash" for line in command_lines(block)]
-    assert {why_not_played(line) for line in lines} - {None} == set(NOT_PLAYED.values())
+    shells = [block for block in ALL if block.runs_here and block.language == "bash"]
+    whys = {why_not_played(block.page, line) for block in shells for line in command_lines(block)}
+    assert whys - {None} == {why for lines in NOT_PLAYED.values() for why in lines.values()}
     assert all((ROOT / test).is_file() for test in ELSEWHERE.values())
 
 
@@ -112,7 +113,7 @@ def _steps(page: str) -> list[tuple[str, str]]:
     steps, begun = [], False
     for block in found:
         if block.language == "bash":
-            steps.append(("bash", "\n".join(line for line in command_lines(block) if why_not_played(line) is None)))
+            steps.append(("bash", "\n".join(line for line in command_lines(block) if why_not_played(page, line) is None)))
         elif block.language != "python" or page in ONE_BY_ONE:
             steps.append((block.language, block.body))
         elif not begun:
