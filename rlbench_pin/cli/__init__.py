@@ -1,1 +1,1 @@
-"""`rlbench-pin <command>`: a frozen dataclass of arguments per command, and a class that works. Results go to stdout, progress and errors to stderr."""
+"""`rlbench-pin <command>`: what each takes is a frozen dataclass. Results go to stdout, progress and errors to stderr."""
