@@ -13,7 +13,8 @@ from pathlib import Path
 
 from harness import Result, summary
 
-from rlbench_pin.cli.evaluate import TASKS, Evaluate, report
+from rlbench_pin.cli.arguments.evaluate import TASKS
+from rlbench_pin.cli.evaluate import Evaluate, report
 from rlbench_pin.evaluation.controller_summary import ControllerSummary, summarise_legs
 from rlbench_pin.evaluation.controller_trials import PLAN, LegTrial
 

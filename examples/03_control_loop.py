@@ -11,8 +11,7 @@ import time
 import numpy as np
 
 from rlbench_pin import Discrete, Environment, JointVelocity, MoveArmThenGripper, ObservationConfig
-from rlbench_pin.robot.catalogue import robot_description
-from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.robot import RobotModel, robot_description
 
 GAIN = 2.0  # [1/s]
 DAMPING = 0.05

@@ -1,7 +1,8 @@
 """Robot manipulation tasks with planned demonstrations, on Pinocchio and PyBullet.
 
-The names below are all that most programs need. They are looked up when first used, so that importing the package
-starts nothing and reads nothing. Where gymnasium is installed, the ids `rlbench_pin/<task>-state-v0` and `-vision-v0` are
+The names below are all that most programs need; everything else is a name of one of the packages, such as
+`rlbench_pin.planning.MotionPlanner`. Both are looked up when first used, so that importing the package starts nothing and reads
+nothing. Where gymnasium is installed, the ids `rlbench_pin/<task>-state-v0` and `-vision-v0` are
 registered with it.
 """
 
@@ -12,19 +13,46 @@ import importlib.util
 import logging
 from typing import TYPE_CHECKING
 
+from rlbench_pin.front_door import front_door
+
 if TYPE_CHECKING:
+    from rlbench_pin import (
+        checking,
+        control,
+        datasets,
+        environment,
+        errors,
+        evaluation,
+        observation,
+        planning,
+        recording,
+        robot,
+        scene,
+        sim,
+        spatial,
+        tasks,
+        urdf,
+        values,
+    )
     from rlbench_pin.environment import (
         ActionMode,
         CameraConfig,
         Discrete,
+        EndEffectorPoseViaIK,
         EndEffectorPoseViaPlanning,
+        EndEffectorVelocity,
         Environment,
+        GripperJointPosition,
         JointPosition,
+        JointTorque,
         JointVelocity,
         MoveArmThenGripper,
         ObservationConfig,
+        RandomizeEvery,
+        RelativeFrame,
         SafeArm,
         TaskEnvironment,
+        VisualRandomizationConfig,
     )
     from rlbench_pin.errors import RlbenchPinError
     from rlbench_pin.observation import Demo, Observation
@@ -37,43 +65,42 @@ __all__ = [
     "CameraConfig",
     "Demo",
     "Discrete",
+    "EndEffectorPoseViaIK",
     "EndEffectorPoseViaPlanning",
+    "EndEffectorVelocity",
     "Environment",
+    "GripperJointPosition",
     "JointPosition",
+    "JointTorque",
     "JointVelocity",
     "MoveArmThenGripper",
     "Observation",
     "ObservationConfig",
+    "RandomizeEvery",
+    "RelativeFrame",
     "RlbenchPinError",
     "SafeArm",
     "TaskEnvironment",
+    "VisualRandomizationConfig",
     "task_class",
     "task_names",
 ]
 
-_HOMES = {
+_HOMES = dict.fromkeys(__all__, "environment") | {
     "Demo": "observation",
     "Observation": "observation",
     "RlbenchPinError": "errors",
     "task_class": "tasks",
     "task_names": "tasks",
 }
+_PARTS = (
+    "checking", "compat", "control", "datasets", "environment", "errors", "evaluation", "gym", "observation", "planning",
+    "recording", "robot", "scene", "sim", "spatial", "tasks", "urdf", "values",
+)  # fmt: skip
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__, _HOMES, _PARTS)
 
 logging.getLogger(__name__).addHandler(logging.NullHandler())
 if importlib.util.find_spec("gymnasium") is not None:
     importlib.import_module("rlbench_pin.gym")  # registers the ids
-
-
-def __getattr__(name: str) -> object:
-    """Import the home of a public name when the name is first asked for."""
-    if name not in __all__:
-        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-    home = importlib.import_module(f"{__name__}.{_HOMES.get(name, 'environment')}")
-    value: object = getattr(home, name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    """List the public names, loaded or not."""
-    return sorted({*globals(), *__all__})

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field, fields
 from types import MappingProxyType
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
 from rlbench_pin.errors import TaskEnvironmentError
+from rlbench_pin.front_door import front_door
 
 Array = np.ndarray
 RandomState = tuple[Any, ...]
@@ -201,3 +202,9 @@ def _words(number: int) -> list[int]:
 def _shown(seed: object) -> str:
     text = repr(seed)
     return text if len(text) <= 40 else f"{text[:40]}..."
+
+
+__all__ = ["CAMERAS", "FIELDS", "LOW_DIM", "PRODUCTS", "Demo", "Observation", "OptionalFields"]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__)

@@ -8,12 +8,14 @@ Inside the package poses may travel as `pin.SE3`; at public borders they are arr
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from rlbench_pin.errors import InvalidValue
+from rlbench_pin.front_door import front_door
 
 FloatArray = NDArray[np.float64]
 PoseLike = Sequence[float] | FloatArray
@@ -102,3 +104,26 @@ def rotation_distance(a: PoseLike, b: PoseLike) -> float:
     """Angle [rad] between the orientations of two poses."""
     dot = abs(float(np.dot(np.asarray(a)[3:], np.asarray(b)[3:])))
     return 2.0 * float(np.arccos(min(1.0, dot)))
+
+
+__all__ = [
+    "IDENTITY",
+    "TABLE_HEIGHT",
+    "FloatArray",
+    "PoseLike",
+    "above_table",
+    "compose",
+    "euler_to_quaternion",
+    "inverse",
+    "matrix_to_pose",
+    "pose_at",
+    "pose_to_matrix",
+    "pose_to_se3",
+    "quaternion_yaw",
+    "relative",
+    "rotation_distance",
+    "se3_to_pose",
+]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__)

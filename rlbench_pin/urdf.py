@@ -10,8 +10,10 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rlbench_pin.errors import AssetInvalid, AssetNotFound
+from rlbench_pin.front_door import front_door
 
 Vector = tuple[float, float, float]
 ZERO: Vector = (0.0, 0.0, 0.0)
@@ -271,3 +273,21 @@ def _joint(joint: ET.Element) -> UrdfJoint:
 def _link_of(joint: ET.Element, end: str) -> str:
     element = joint.find(end)
     return "" if element is None else element.get("link", "")
+
+
+__all__ = [
+    "UNBOUNDED",
+    "ZERO",
+    "Urdf",
+    "UrdfInertial",
+    "UrdfJoint",
+    "UrdfLink",
+    "UrdfOrigin",
+    "UrdfShape",
+    "disabled_pairs",
+    "kinematic_urdf",
+    "read_urdf",
+]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__)

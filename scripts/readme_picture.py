@@ -11,7 +11,7 @@ from rlbench_pin.environment.observations.cameras import look_at
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.recording.film import side_picture
 from rlbench_pin.sim import CameraView
-from rlbench_pin.tasks import task_names
+from rlbench_pin.tasks import library_names
 
 OUT = Path(__file__).resolve().parents[1] / "docs" / "images" / "tasks.jpg"
 COLUMNS, CELL, GAP, SEED = 5, (240, 220), 6, 0
@@ -22,8 +22,8 @@ VIEW = CameraView(
 )
 
 
-def picture(name: str) -> Image.Image:
-    """Play a demonstration and return one picture of it with the task's name."""
+def late_in_a_demonstration(name: str) -> tuple[Image.Image, str]:
+    """Play a demonstration and return one picture of it, and its first instruction."""
     shots: list[np.ndarray] = []
     with make_environment(low_dim_config()) as environment:
         task = environment.get_task(name)
@@ -38,14 +38,19 @@ def picture(name: str) -> Image.Image:
 
         assert demo.random_seed is not None
         task.try_demo(seed=demo.random_seed, attempt=demo.attempt, on_frame=look)
-    image = Image.fromarray(shots[0]).resize(CELL, Image.Resampling.LANCZOS)
+    return Image.fromarray(shots[0]), demo.instructions[0]
+
+
+def picture(name: str) -> Image.Image:
+    """Return a small picture with the task's name."""
+    image = late_in_a_demonstration(name)[0].resize(CELL, Image.Resampling.LANCZOS)
     ImageDraw.Draw(image).text((6, 4), name.replace("_", " "), fill=(255, 255, 255), font=ImageFont.load_default(13))
     return image
 
 
 def main() -> None:
     """Lay all pictures out."""
-    names = task_names()
+    names = library_names()
     rows = -(-len(names) // COLUMNS)
     size = (COLUMNS * (CELL[0] + GAP) - GAP, rows * (CELL[1] + GAP) - GAP)
     sheet = Image.new("RGB", size, (255, 255, 255))

@@ -63,8 +63,7 @@ ROWS: dict[str, str] = {
     "Several environments in one process": "compat/test_environment_several.py::test_they_take_turns",
     "Packages that RLBench brings along": "compat/test_programs.py::test_packages_that_come_along_with_rlbench",
     # Environment
-    "Import names, natively": "test_front_door.py::test_every_public_name_resolves "
-    "test_front_door.py::test_parts_have_public_names",
+    "Import names, natively": "test_front_door.py::test_a_door_opens test_front_door.py::test_parts_are_imported_by_themselves",
     "Tools of RLBench's repository": "cli/test_new.py::test_a_new_task_passes_check_and_can_be_drawn "
     "cli/test_video_and_doctor.py::test_video_writes_a_film_that_moves",
     "`Scene`": f"{NATIVE}::test_there_is_a_runtime_and_no_scene",

@@ -20,7 +20,7 @@ ROWS: tuple[tuple[str, ...], ...] = (
     ("tasks",),
     ("sim", "planning", "control"),
     ("robot", "scene", "datasets"),
-    ("errors", "values", "spatial", "urdf", "observation", "assets", "plugins", "processes"),
+    ("errors", "values", "spatial", "urdf", "observation", "assets", "plugins", "front_door", "processes"),
 )
 FLOOR = len(ROWS) - 1
 
@@ -119,7 +119,11 @@ def arrow_fault(source: str, target: str) -> str | None:
     if row_here < row_there or _is_record(target):
         return None
     if row_here == row_there == FLOOR:
-        return None if (here, there) == ("observation", "spatial") or there == "errors" else "the bottom row imports nothing"
+        return (
+            None
+            if (here, there) == ("observation", "spatial") or there in ("errors", "front_door")
+            else "the bottom row imports nothing"
+        )
     return "sideways" if row_here == row_there else "upwards"
 
 

@@ -1,4 +1,4 @@
-"""The README is true: its example runs, its links lead somewhere, its table is the measured one."""
+"""The README is true: its links lead somewhere, its table is the measured one."""
 
 from __future__ import annotations
 
@@ -16,19 +16,6 @@ from rlbench_pin.tasks import library_names
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 RESULTS = ROOT / "docs" / "results" / "demo_success.json"
-
-
-def _blocks(language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
-
-
-@pytest.mark.simulation
-def test_the_python_example_runs() -> None:
-    """The ten lines run as they stand and print what they say."""
-    (code,) = _blocks("python")
-    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
-    assert result.returncode == 0, result.stderr
-    assert "frames, the last with the tip at" in result.stdout
 
 
 def test_links_lead_to_files() -> None:

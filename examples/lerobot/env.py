@@ -4,6 +4,6 @@
 environment variable RLBENCH_PIN_TASKS names the tasks, separated by commas; all of them when it is unset.
 """
 
-from rlbench_pin.gym.lerobot import make_env
+from rlbench_pin.gym import make_env
 
 __all__ = ["make_env"]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from rlbench_pin.checking.explain import explain_failure
 from rlbench_pin.checking.failures import Failure
 from rlbench_pin.checking.journal import TrialJournal
@@ -12,6 +14,7 @@ from rlbench_pin.checking.records import DemoTrial, IdleTrial, Part, RandomTrial
 from rlbench_pin.checking.report import TaskReport, summarise
 from rlbench_pin.checking.statistics import Rate
 from rlbench_pin.checking.trials import Item
+from rlbench_pin.front_door import front_door
 
 __all__ = [
     "CheckProgress",
@@ -34,3 +37,6 @@ __all__ = [
     "run_trials",
     "summarise",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__)

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-
-import tyro
 
 from rlbench_pin.checking import Item, Part, TaskReport, Trial, TrialJournal, explain_failure, run_trials, summarise
 from rlbench_pin.checking.pages.page import page
 from rlbench_pin.checking.pages.pictures import draw_pictures
 from rlbench_pin.checking.pages.table import table
+from rlbench_pin.cli.arguments import check as arguments
 from rlbench_pin.cli.list_tasks import ALL, named_tasks
 from rlbench_pin.cli.process.files import check_file, check_folder, storing, write_json, write_whole
-from rlbench_pin.cli.process.words import AnyTasks, Files, check_at_least, checked_names
+from rlbench_pin.cli.process.words import check_at_least, checked_names
 from rlbench_pin.cli.progress import CheckBar
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.errors import TaskEnvironmentError
@@ -28,42 +26,8 @@ REPEATS = 4
 _SEEDS_PER_ITEM: dict[Part, int] = {"demos": 5, "repeat": 2, "idle": 10, "random": 5, "reach": 50}
 
 
-@dataclass(frozen=True)
-class Check:
-    """Judge tasks: demonstrations succeed and replay, resets repeat and rest, doing nothing and random actions solve nothing."""
-
-    tasks: tyro.conf.Positional[AnyTasks] = ()
-    """Task names, as `rlbench-pin list` prints them, or task files, with spaces or commas between; all when none is given."""
-    task_file: Files = ()
-    """Task files outside the package, each with its scene file beside it."""
-    episodes: int = 30
-    """Demonstrations of each task, spread over its variations."""
-    variations: int = 20
-    """Number of variations of a task to test, at most."""
-    replays: int = 50
-    """Demonstrations whose recorded actions are played again, the first ones of a task."""
-    seed: int = 0
-    """Seed of the first episode; episode i uses seed + i."""
-    contract: bool = True
-    """Also judge instructions, resets, doing nothing, random actions, and what the arm reaches."""
-    contract_seeds: int = 5
-    """Seeds of the episodes that do nothing, and of those with random actions."""
-    placements: int = 100
-    """Places of the task from which to try every waypoint."""
-    max_attempts: int = 10
-    """Tries for each demonstration."""
-    workers: int = 1
-    """Processes; the result does not depend on their number."""
-    explain: bool = False
-    """Play the first try of each cause of failure again: print its evidence and draw the world into `explain` below `--out`
-    (`out/explain` without it)."""
-    json: Path | None = None
-    """File to write the whole report to."""
-    out: Path | None = None
-    """Folder for the whole report: report.md with its pictures, report.json, and trials.jsonl, with which the same command
-    continues where it was stopped."""
-    pictures: bool = True
-    """With `--out`: draw a contact sheet and a reach map of each task into it."""
+class Check(arguments.Check):
+    """The work of `rlbench-pin check`."""
 
     def run(self) -> int:
         """Judge, print a table and the causes of failures; 1 when a task fails."""

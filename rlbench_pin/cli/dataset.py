@@ -4,38 +4,29 @@ from __future__ import annotations
 
 import json
 from contextlib import closing
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
 
-import tyro
 from tqdm import tqdm
 
+from rlbench_pin.cli.arguments import dataset as arguments
 from rlbench_pin.cli.list_tasks import split_names
+from rlbench_pin.cli.process.commands import Subcommand
 from rlbench_pin.cli.process.interrupts import INTERRUPTED
-from rlbench_pin.cli.process.words import Cameras, Files, Products, Size, SomeFolders, TaskNames, check_at_least, checked_names
+from rlbench_pin.cli.process.words import check_at_least, checked_names
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
-from rlbench_pin.cli.record import EngineName, make_engine, print_report
+from rlbench_pin.cli.record import make_engine, print_report
 from rlbench_pin.datasets import TaskInfo, merge_datasets, plan_merge, read_manifest, stored_tasks, task_faults, task_info
 from rlbench_pin.datasets.formats import stored_episodes
 from rlbench_pin.errors import DatasetError, TaskEnvironmentError
-from rlbench_pin.observation import CAMERAS
 from rlbench_pin.recording.config import PictureConfig
-from rlbench_pin.recording.export import ExportFormat, export_dataset
+from rlbench_pin.recording.export import export_dataset
 from rlbench_pin.recording.rerender import rerender, seeds_of, write_seeds
 from rlbench_pin.tasks import own_tasks
 
-Root = tyro.conf.Positional[Annotated[Path, tyro.conf.arg(metavar="FOLDER")]]
 
-
-@dataclass(frozen=True)
-class Info:
-    """Count episodes, frames, bytes, retries and versions."""
-
-    root: Root
-    """Folder of the dataset."""
-    json: bool = False
-    """Print JSON for programs."""
+class Info(arguments.Info):
+    """The work of `rlbench-pin dataset info`."""
 
     def run(self) -> int:
         """Print one line per task."""
@@ -44,14 +35,8 @@ class Info:
         return 0
 
 
-@dataclass(frozen=True)
-class Verify:
-    """Check every file against its SHA-256, and read every value; names the bad ones."""
-
-    root: Root
-    """Folder of the dataset."""
-    quick: bool = False
-    """Compare checksums only."""
+class Verify(arguments.Verify):
+    """The work of `rlbench-pin dataset verify`."""
 
     def run(self) -> int:
         """Print what is wrong; 1 when something is."""
@@ -68,14 +53,8 @@ class Verify:
         return 1 if bad else 0
 
 
-@dataclass(frozen=True)
-class Merge:
-    """Copy the episodes of several datasets into one; refuses what does not go together before it writes anything."""
-
-    out: Path
-    """Folder of the result; may hold episodes already."""
-    roots: tyro.conf.Positional[SomeFolders] = ()
-    """Folders of the datasets."""
+class Merge(arguments.Merge):
+    """The work of `rlbench-pin dataset merge`."""
 
     def run(self) -> int:
         """Merge and print how many episodes were copied."""
@@ -90,30 +69,8 @@ class Merge:
         return 0
 
 
-@dataclass(frozen=True)
-class Rerender:
-    """Record demonstrations again from their seeds or their states, with other cameras, sizes and products."""
-
-    source: Root
-    """Folder of the dataset (its manifests are enough), or a file with a list of seeds."""
-    out: Path
-    """Folder of the result; an interrupted run is resumed."""
-    tasks: TaskNames = ()
-    """Only these tasks, with spaces or commas between them."""
-    image_size: Size = (128, 128)
-    """Width and height of the pictures [px]."""
-    cameras: Cameras = CAMERAS
-    """Cameras whose pictures are stored."""
-    products: Products = ("rgb", "depth", "mask")
-    """What each camera delivers, of rgb, depth, mask and point_cloud."""
-    workers: int = 1
-    """Worker processes; with 0 this process does the work."""
-    engine: EngineName = "processes"
-    """What does the work: processes of this machine, or a Ray cluster."""
-    task_file: Files = ()
-    """Your own files of tasks that are not installed; they are used instead of those that the dataset keeps."""
-    trust_task_files: bool = False
-    """Run the task files that the dataset keeps, where tasks are not installed. Read them first."""
+class Rerender(arguments.Rerender):
+    """The work of `rlbench-pin dataset rerender`."""
 
     def run(self) -> int:
         """Rerender; 1 when episodes are missing at the end."""
@@ -136,14 +93,8 @@ class Rerender:
         return INTERRUPTED if code and stop.is_set() else code
 
 
-@dataclass(frozen=True)
-class Seeds:
-    """Write the seeds of a dataset to a small file, from which `rerender` makes it again."""
-
-    root: Root
-    """Folder of the dataset."""
-    file: tyro.conf.Positional[Path]
-    """The file to write."""
+class Seeds(arguments.Seeds):
+    """The work of `rlbench-pin dataset seeds`."""
 
     def run(self) -> int:
         """Write and print how many."""
@@ -154,20 +105,8 @@ class Seeds:
         return 0
 
 
-@dataclass(frozen=True)
-class Export:
-    """Write a dataset in the format of another library."""
-
-    format: tyro.conf.Positional[ExportFormat]
-    """`lerobot` (LeRobotDataset v3), `robomimic` (one HDF5 file), `rlbench` or `peract` (folders of PNG files), `zarr`."""
-    root: Root
-    """Folder of the dataset."""
-    out: tyro.conf.Positional[Path]
-    """The new folder or file."""
-    tasks: TaskNames = ()
-    """Only these tasks, with spaces or commas between them."""
-    cameras: Cameras = ()
-    """Cameras whose pictures go along; all stored ones when none is named. Folders always get all."""
+class Export(arguments.Export):
+    """The work of `rlbench-pin dataset export`."""
 
     def run(self) -> int:
         """Export and say where it is."""
@@ -186,22 +125,12 @@ class Export:
         return 0
 
 
-@dataclass(frozen=True)
-class Dataset:
-    """Inspect, verify, merge, rerender and export stored demonstrations."""
-
-    action: tyro.conf.OmitSubcommandPrefixes[
-        Annotated[Info, tyro.conf.subcommand("info")]
-        | Annotated[Verify, tyro.conf.subcommand("verify")]
-        | Annotated[Merge, tyro.conf.subcommand("merge")]
-        | Annotated[Rerender, tyro.conf.subcommand("rerender")]
-        | Annotated[Seeds, tyro.conf.subcommand("seeds")]
-        | Annotated[Export, tyro.conf.subcommand("export")]
-    ] = field()
-    """What to do."""
+class Dataset(arguments.Dataset):
+    """The work of `rlbench-pin dataset`."""
 
     def run(self) -> int:
         """Do it."""
+        assert isinstance(self.action, Subcommand)
         return self.action.run()
 
 

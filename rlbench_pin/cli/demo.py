@@ -7,18 +7,17 @@ import json
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
-from pathlib import Path
 
-import tyro
 from tqdm import tqdm
 
+from rlbench_pin.cli.arguments import demo as arguments
 from rlbench_pin.cli.process.files import check_folder, storing
-from rlbench_pin.cli.process.words import Cameras, Size, TaskName, check_at_least
+from rlbench_pin.cli.process.words import check_at_least
 from rlbench_pin.datasets import DatasetWriter
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.presets import make_environment, picture_config
 from rlbench_pin.errors import DemoError
-from rlbench_pin.observation import CAMERAS, Demo, Observation
+from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.recording.film import Film
 from rlbench_pin.tasks import find_task, keep_task
 
@@ -39,30 +38,8 @@ class Recorded:
     video: str | None
 
 
-@dataclass(frozen=True)
-class RecordDemos:
-    """Plan demonstrations of one task, write each to an HDF5 episode, and film it."""
-
-    task: tyro.conf.Positional[TaskName]
-    """Task name, as `rlbench-pin list` prints it, or a task file."""
-    variation: int = 0
-    """Variation of the task; -1 draws one for each episode."""
-    seed: int = 0
-    """Seed of the first episode; episode i uses seed + i."""
-    episodes: int = 1
-    """Successful episodes to write."""
-    out: Path = Path("out/demo")
-    """Folder of the dataset."""
-    video: bool = True
-    """Film each episode from the side as an MP4 beside it."""
-    image_size: Size = (128, 128)
-    """Width and height of the cameras' pictures [px]."""
-    cameras: Cameras = CAMERAS
-    """Cameras whose pictures are stored."""
-    max_attempts: int = 10
-    """Tries for each episode."""
-    json: bool = False
-    """Print JSON for programs."""
+class RecordDemos(arguments.RecordDemos):
+    """The work of `rlbench-pin demo`."""
 
     def run(self) -> int:
         """Record, and print where everything is."""

@@ -13,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 
+from rlbench_pin.cli.arguments import doctor as arguments
 from rlbench_pin.datasets import VideoWriter
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.environment.observations.camera_config import CameraConfig
@@ -40,12 +41,8 @@ class Finding:
         return f"{mark} {self.what:<16} {self.detail}"
 
 
-@dataclass(frozen=True)
-class Doctor:
-    """Say what works here: take a picture with each renderer, write a film, name the libraries."""
-
-    json: bool = False
-    """Print JSON for programs."""
+class Doctor(arguments.Doctor):
+    """The work of `rlbench-pin doctor`."""
 
     def run(self) -> int:
         """Try everything; fails when something that is needed does not work."""

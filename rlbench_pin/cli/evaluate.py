@@ -4,50 +4,24 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
-from pathlib import Path
-from typing import Annotated
+from dataclasses import asdict
 
-import tyro
 from tqdm import tqdm
 
+from rlbench_pin.cli.arguments import evaluate as arguments
 from rlbench_pin.cli.list_tasks import named_tasks
 from rlbench_pin.cli.process.files import check_file, write_json
-from rlbench_pin.cli.process.words import TaskNames, check_at_least, checked_names
+from rlbench_pin.cli.process.words import check_at_least, checked_names
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.evaluation.controller_summary import ControllerSummary, summarise_legs, table
-from rlbench_pin.evaluation.controller_trials import FOLLOWERS, LegTrial, chosen_controllers, follow_demo
+from rlbench_pin.evaluation.controller_trials import LegTrial, chosen_controllers, follow_demo
 from rlbench_pin.tasks import find_task
 
-TASKS = (
-    "reach_target", "push_button", "pick_and_lift", "take_lid_off_saucepan", "open_drawer",
-    "close_microwave", "slide_block_to_target", "stack_blocks", "put_rubbish_in_bin", "meat_off_grill",
-)  # fmt: skip
-"""What is evaluated when no task is named."""
-Controllers = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{'|'.join(FOLLOWERS)}}}...")]
-"""Any number of controllers."""
 
-
-@dataclass(frozen=True)
-class Evaluate:
-    """Compare controllers on the motions of demonstrations: errors, limits, clearance, time."""
-
-    controllers: bool = False
-    """Evaluate the controllers of `rlbench_pin.control`."""
-    tasks: TaskNames = TASKS
-    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, `all`, or task files."""
-    episodes: int = 1
-    """Demonstrations of each task."""
-    seed: int = 0
-    """Seed of the first episode; episode i uses seed + i."""
-    legs: int | None = None
-    """Number of legs of each demonstration, from the first on; all when not given."""
-    only: Controllers = ()
-    """Controllers to compare; all when none is given."""
-    json: Path | None = None
-    """File to write everything to."""
+class Evaluate(arguments.Evaluate):
+    """The work of `rlbench-pin evaluate`."""
 
     def run(self) -> int:
         """Follow, and print one table per kind of leg."""
@@ -100,4 +74,4 @@ def report(summaries: Sequence[ControllerSummary], title: str = "") -> str:
     return "\n\n".join(f"{title}{heading}\n\n{table(rows)}" for heading, rows in parts if rows)
 
 
-__all__ = ["TASKS", "Evaluate", "report"]
+__all__ = ["Evaluate", "report"]

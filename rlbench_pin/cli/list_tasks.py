@@ -7,8 +7,8 @@ import json
 import os.path
 import sys
 from collections.abc import Iterable
-from dataclasses import dataclass
 
+from rlbench_pin.cli.arguments import list_tasks as arguments
 from rlbench_pin.tasks import plugin_faults, task_class, task_origin, usable_task_names
 
 ALL = "all"
@@ -34,15 +34,8 @@ def usable_names() -> tuple[str, ...]:
     return usable_task_names()
 
 
-@dataclass(frozen=True)
-class ListTasks:
-    """List the tasks, each with a line about it.
-
-    Those of other packages come last, with the package that brings them.
-    """
-
-    json: bool = False
-    """Print JSON for programs."""
+class ListTasks(arguments.ListTasks):
+    """The work of `rlbench-pin list`."""
 
     def run(self) -> int:
         """Print one line per task."""

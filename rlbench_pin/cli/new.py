@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 from string import Template
-from typing import Annotated
 
-import tyro
-
+from rlbench_pin.cli.arguments import new as arguments
 from rlbench_pin.cli.process.files import storing, write_whole
 from rlbench_pin.errors import StorageError, TaskEnvironmentError
 from rlbench_pin.scene.kinds import NAME_PATTERN
@@ -88,14 +85,8 @@ symmetry = 4                                # it may arrive turned by quarter tu
 """)
 
 
-@dataclass(frozen=True)
-class New:
-    """Write a commented pair of files, NAME.py and NAME.toml: a reach that passes `rlbench-pin check --task-file NAME.py`."""
-
-    name: tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="NAME")]]
-    """Name of the task in snake case."""
-    out: Path = Path()
-    """Folder to write to; `rlbench_pin/tasks/library` makes it a task of the package."""
+class New(arguments.New):
+    """The work of `rlbench-pin new`."""
 
     def run(self) -> int:
         """Write both files, never over existing ones, and print what to do next."""

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Literal
 
 import numpy as np
-import tyro
 
+from rlbench_pin.cli.arguments import problems as arguments
 from rlbench_pin.cli.list_tasks import named_tasks
 from rlbench_pin.cli.process.files import check_folder
-from rlbench_pin.cli.process.words import SomeTasks, check_at_least, checked_names
+from rlbench_pin.cli.process.words import check_at_least, checked_names
 from rlbench_pin.environment.listener import Listener
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import PlanningError
@@ -23,24 +20,8 @@ from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.tasks import Task, find_task
 
 
-@dataclass(frozen=True)
-class Problems:
-    """Write motions of demonstrations as planning problems: arm, obstacles, held bodies, start and goal, as JSON.
-
-    A problem is a leg that is planned to a pose among obstacles. Legs that may touch anything (`ignore_collisions`), or follow
-    a curve, are none; the last line for each task counts them.
-    """
-
-    action: tyro.conf.Positional[Literal["export"]]
-    """What to do."""
-    tasks: tyro.conf.Positional[SomeTasks] = ()
-    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, `all`, or task files."""
-    episodes: int = 5
-    """Demonstrations of each task."""
-    seed: int = 0
-    """Seed of the first episode; episode i uses seed + i."""
-    out: Path = Path("problems")
-    """Folder for the files."""
+class Problems(arguments.Problems):
+    """The work of `rlbench-pin problems`."""
 
     def run(self) -> int:
         """Play demonstrations, write their legs, print how many, and how many are no problems; 1 when there is no problem."""

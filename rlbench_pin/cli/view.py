@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import io
-from dataclasses import dataclass
 from pathlib import Path
 
-import tyro
-
 from rlbench_pin.checking.pages.demo_sheet import demo_sheet
+from rlbench_pin.cli.arguments import view as arguments
 from rlbench_pin.cli.process.files import check_file, write_whole
-from rlbench_pin.cli.process.words import TaskName, check_at_least
+from rlbench_pin.cli.process.words import check_at_least
 from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.tasks import find_task
 
@@ -18,20 +16,8 @@ FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG"}
 """End of a file name -> how the picture is written."""
 
 
-@dataclass(frozen=True)
-class View:
-    """Draw a contact sheet: the five cameras at the reset and at four moments of a demonstration."""
-
-    task: tyro.conf.Positional[TaskName]
-    """Task name, as `rlbench-pin list` prints it, or a task file."""
-    variation: int = 0
-    """Variation of the task."""
-    seed: int = 0
-    """Seed of the episode."""
-    out: Path | None = None
-    """PNG or JPEG to write; `out/view/<task>.png` by default."""
-    size: int = 256
-    """Side of each picture [px]."""
+class View(arguments.View):
+    """The work of `rlbench-pin view`."""
 
     def run(self) -> int:
         """Draw, and print where the picture is."""

@@ -2,9 +2,12 @@
 
 Each takes the measured state and a target as arrays and returns a command as an array or a small record. All of them keep
 position, velocity and acceleration limits in such a way that there always is a next command (`constraints`).
+`ForeignSolver` is imported when first used; it needs the extra `bench`.
 """
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 from rlbench_pin.control.differential_ik import DifferentialIK, DifferentialIKConfig
 from rlbench_pin.control.differential_ik_qp import DifferentialIKQP
@@ -18,8 +21,9 @@ from rlbench_pin.control.qp.constraints import HeldQuantity, JointBounds
 from rlbench_pin.control.qp.objectives import PostureObjective, TipObjective
 from rlbench_pin.control.qp.osqp_solver import OsqpSolver
 from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram
-from rlbench_pin.control.safety_filter import SafeCommand, SafetyConfig, SafetyFilter
+from rlbench_pin.control.safety_filter import FilterCounts, SafeCommand, SafetyConfig, SafetyFilter
 from rlbench_pin.control.tracking import TrajectoryTracker
+from rlbench_pin.front_door import front_door
 
 __all__ = [
     "CartesianImpedance",
@@ -28,6 +32,7 @@ __all__ = [
     "DifferentialIK",
     "DifferentialIKConfig",
     "DifferentialIKQP",
+    "FilterCounts",
     "GripperCommand",
     "GripperConfig",
     "GripperController",
@@ -55,3 +60,8 @@ __all__ = [
     "TrajectoryTracker",
     "VelocityFollowing",
 ]
+
+if TYPE_CHECKING:
+    from rlbench_pin.control.qp.foreign_solver import ForeignSolver as ForeignSolver
+else:
+    __getattr__, __dir__ = front_door(__name__, {"ForeignSolver": "qp.foreign_solver"})

@@ -1,5 +1,9 @@
 """Environments that run tasks: Environment, TaskEnvironment, action modes, observations, demonstrations."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from rlbench_pin.environment.actions import (
     ActionMode,
     ActionSpec,
@@ -18,10 +22,13 @@ from rlbench_pin.environment.actions import (
     MoveArmThenGripper,
     RelativeFrame,
     SafeArm,
+    calculate_delta_pose,
 )
 from rlbench_pin.environment.demonstrate import DemoOutcome, LegReport
+from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import EnvironmentState
+from rlbench_pin.environment.listener import Listener
 from rlbench_pin.environment.observations import (
     Camera,
     CameraConfig,
@@ -34,9 +41,12 @@ from rlbench_pin.environment.observations import (
     ObservationConfig,
     rgb_handles_to_mask,
 )
+from rlbench_pin.environment.presets import low_dim_config, make_environment, picture_config
 from rlbench_pin.environment.randomization import DynamicsRandomizationConfig, RandomizeEvery, VisualRandomizationConfig
+from rlbench_pin.environment.replay import key_frame_actions, key_frames_succeed
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.task_environment import TaskEnvironment
+from rlbench_pin.front_door import front_door
 
 __all__ = [
     "ActionMode",
@@ -64,6 +74,7 @@ __all__ = [
     "JointTorque",
     "JointVelocity",
     "LegReport",
+    "Listener",
     "ModelObservationConfig",
     "MoveArmThenGripper",
     "NoiseModel",
@@ -74,5 +85,15 @@ __all__ = [
     "SafeArm",
     "TaskEnvironment",
     "VisualRandomizationConfig",
+    "calculate_delta_pose",
+    "key_frame_actions",
+    "key_frames_succeed",
+    "library_versions",
+    "low_dim_config",
+    "make_environment",
+    "picture_config",
     "rgb_handles_to_mask",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__)

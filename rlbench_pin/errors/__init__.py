@@ -6,12 +6,15 @@ A few errors that one module alone raises are defined there, each derived from o
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from rlbench_pin.errors.base import (
     InvalidValue,
     MissingExtra,
     RlbenchPinError,
     UnknownName,
     UnknownSetting,
+    install_hint,
     nearest_name,
     shown,
 )
@@ -63,6 +66,7 @@ from rlbench_pin.errors.tasks import (
     TaskError,
     WaypointError,
 )
+from rlbench_pin.front_door import front_door
 
 __all__ = [
     "AssetInvalid",
@@ -106,6 +110,10 @@ __all__ = [
     "UnknownSetting",
     "UntrustedTaskFile",
     "WaypointError",
+    "install_hint",
     "nearest_name",
     "shown",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__)

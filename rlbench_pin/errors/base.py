@@ -106,7 +106,9 @@ class MissingExtra(RlbenchPinError, ImportError):
 
     def __init__(self, what: str, library: str, extra: str) -> None:
         self.library, self.extra = library, extra
-        super().__init__(
-            f"{what} needs '{library}', which is not installed. "
-            f"`pip install -e '.[{extra}]'` in a clone of rlbench_pin brings it."
-        )
+        super().__init__(f"{what} needs '{library}', which is not installed. {install_hint(extra)} brings it.")
+
+
+def install_hint(extra: str) -> str:
+    """Return what installs an extra. rlbench_pin is on no package index, so that its name alone would find nothing."""
+    return f"`pip install -e '.[{extra}]'` in a clone of rlbench_pin"

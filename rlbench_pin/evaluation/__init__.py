@@ -1,5 +1,9 @@
 """How well something does on the tasks: controllers on the legs of demonstrations."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from rlbench_pin.evaluation.controller_summary import ControllerSummary, summarise_legs, table
 from rlbench_pin.evaluation.controller_trials import (
     PLAN,
@@ -12,6 +16,7 @@ from rlbench_pin.evaluation.controller_trials import (
     record_legs,
 )
 from rlbench_pin.evaluation.followers import FOLLOWERS, Command, Follower, TrackingProblem
+from rlbench_pin.front_door import front_door
 
 __all__ = [
     "FOLLOWERS",
@@ -30,3 +35,6 @@ __all__ = [
     "summarise_legs",
     "table",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__)

@@ -5,9 +5,9 @@ The environments themselves are looked up when first used, so that registering s
 
 from __future__ import annotations
 
-import importlib
 from typing import TYPE_CHECKING
 
+from rlbench_pin.front_door import front_door
 from rlbench_pin.gym.ids import ANY_TASK, gym_id, register_ids
 
 if TYPE_CHECKING:
@@ -40,18 +40,7 @@ _HOMES = {
     "register_task": "own_ids",
 }
 
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__, _HOMES)
+
 register_ids()
-
-
-def __getattr__(name: str) -> object:
-    """Import the home of a public name when the name is first asked for."""
-    if name not in _HOMES:
-        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-    value: object = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    """List the public names, loaded or not."""
-    return sorted({*globals(), *__all__})

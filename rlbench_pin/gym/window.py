@@ -9,7 +9,7 @@ from types import ModuleType
 
 import numpy as np
 
-from rlbench_pin.errors import TaskEnvironmentError
+from rlbench_pin.errors import TaskEnvironmentError, install_hint
 
 _SCREENS = ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")
 
@@ -23,7 +23,7 @@ def why_no_window() -> str | None:
     if not any(os.environ.get(name) for name in _SCREENS):
         return "there is no screen (DISPLAY and WAYLAND_DISPLAY are unset). Use render_mode='rgb_array', or run under `xvfb-run`."
     if importlib.util.find_spec("pygame") is None:
-        return "pygame is not installed. Run `pip install pygame`, or use render_mode='rgb_array'."
+        return f"pygame is not installed. {install_hint('human')} brings it, or use render_mode='rgb_array'."
     return None
 
 

@@ -5,8 +5,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from rlbench_pin.front_door import front_door
 from rlbench_pin.planning.certify import Certificate, certify
 from rlbench_pin.planning.kinematics import PoseRegion, self_motions, solve_ik, solve_pinned_ik, symmetric_poses
+from rlbench_pin.planning.listener import PlanningListener, PlanRequest
 from rlbench_pin.planning.path import JointPath
 from rlbench_pin.planning.plan import Method, Plan, PlannerConfig, PlanReport
 from rlbench_pin.planning.planner import MotionPlanner
@@ -23,7 +27,9 @@ __all__ = [
     "MotionPlanner",
     "Plan",
     "PlanReport",
+    "PlanRequest",
     "PlannerConfig",
+    "PlanningListener",
     "PoseRegion",
     "TorqueLimits",
     "certify",
@@ -35,3 +41,6 @@ __all__ = [
     "straight_path",
     "symmetric_poses",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__)

@@ -67,6 +67,7 @@ class JointPath:
 
 def through(points: FloatArray, s: FloatArray | None = None) -> JointPath:
     """Interpolate points (m, n) smoothly, at parameters `s` (m,) or at their distances."""
+    points = np.asarray(points, dtype=np.float64)
     if s is None:
         points = distinct(points)
         s = _chord(points)

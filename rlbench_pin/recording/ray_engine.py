@@ -6,13 +6,17 @@ import threading
 from collections import deque
 from collections.abc import Generator, Sequence
 
-import ray
-from ray.actor import ActorHandle
-from ray.exceptions import RayError
-
+from rlbench_pin.errors import MissingExtra
 from rlbench_pin.recording.config import PictureConfig, WorkItem
 from rlbench_pin.recording.engines import POLL_INTERVAL, Event, RetryPolicy
 from rlbench_pin.recording.work import ItemResult, Recorder
+
+try:
+    import ray
+    from ray.actor import ActorHandle
+    from ray.exceptions import RayError
+except ImportError as _error:
+    raise MissingExtra("The engine 'ray'", "ray", "ray") from _error
 
 
 class RayEngine:

@@ -5,6 +5,9 @@ Nothing here uses a simulator or a planner; worlds come as snapshots.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from rlbench_pin.front_door import front_door
 from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, SUPPORTED_ROBOTS, UnknownRobot, robot_description
 from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.robot.collision_geometry import Distance
@@ -42,3 +45,6 @@ __all__ = [
     "payload_inertia",
     "robot_description",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__)

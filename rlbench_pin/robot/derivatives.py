@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import ArrayLike
 
 from rlbench_pin.robot.model import FrameChoice, RobotModel
 from rlbench_pin.spatial import FloatArray
@@ -23,29 +24,33 @@ class DynamicsDerivatives:
     """By the acceleration for inverse dynamics (the inertia), by the torque for forward dynamics (its inverse)."""
 
 
-def inverse_dynamics_derivatives(model: RobotModel, q: FloatArray, v: FloatArray, a: FloatArray) -> DynamicsDerivatives:
+def inverse_dynamics_derivatives(model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> DynamicsDerivatives:
     """Return the derivatives of `model.inverse_dynamics(q, v, a)`; arguments of shape (n,), [rad], [rad/s], [rad/s^2]."""
-    by_q, by_v, by_a = pin.computeRNEADerivatives(model.arm, model.data, q, v, a)
+    by_q, by_v, by_a = pin.computeRNEADerivatives(model.arm, model.data, *_arrays(q, v, a))
     upper = np.triu(by_a)
     return DynamicsDerivatives(np.array(by_q), np.array(by_v), upper + np.triu(upper, 1).T)
 
 
-def forward_dynamics_derivatives(model: RobotModel, q: FloatArray, v: FloatArray, tau: FloatArray) -> DynamicsDerivatives:
+def forward_dynamics_derivatives(model: RobotModel, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> DynamicsDerivatives:
     """Return the derivatives of `model.forward_dynamics(q, v, tau)`; arguments of shape (n,), [rad], [rad/s], [N m]."""
-    by_q, by_v, by_tau = pin.computeABADerivatives(model.arm, model.data, q, v, tau)
+    by_q, by_v, by_tau = pin.computeABADerivatives(model.arm, model.data, *_arrays(q, v, tau))
     upper = np.triu(by_tau)
     return DynamicsDerivatives(np.array(by_q), np.array(by_v), upper + np.triu(upper, 1).T)
 
 
-def jacobian_derivative(model: RobotModel, q: FloatArray, frame: FrameChoice = "world") -> FloatArray:
+def jacobian_derivative(model: RobotModel, q: ArrayLike, frame: FrameChoice = "world") -> FloatArray:
     """Return dJ/dq of the tip Jacobian, shape (n, 6, n): entry k is the derivative by joint k; dJ/dt = sum_k v_k dJ/dq_k."""
     return np.stack([model.jacobian_dot(q, axis, frame) for axis in np.eye(model.size)])
 
 
-def manipulability_gradient(model: RobotModel, q: FloatArray) -> FloatArray:
+def manipulability_gradient(model: RobotModel, q: ArrayLike) -> FloatArray:
     """Return the gradient (n,) of m = `model.manipulability(q)`: dm/dq_k = m trace((J J^T)^-1 dJ/dq_k J^T); 0 where m is 0."""
     jacobian, manipulability = model.jacobian(q), model.manipulability(q)
     if manipulability == 0.0:
         return np.zeros(model.size)
     inverse = np.linalg.solve(jacobian @ jacobian.T, jacobian)
     return manipulability * np.einsum("kij,ij->k", jacobian_derivative(model, q), inverse)
+
+
+def _arrays(*vectors: ArrayLike) -> list[FloatArray]:
+    return [np.asarray(vector, dtype=np.float64) for vector in vectors]

@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import ArrayLike
 
 from rlbench_pin.errors import RobotModelError
 from rlbench_pin.robot.description import RobotDescription
@@ -66,7 +67,7 @@ class RobotModel:
             )
         return arm
 
-    def full_configuration(self, q: FloatArray, fingers: FloatArray | None = None) -> FloatArray:
+    def full_configuration(self, q: ArrayLike, fingers: ArrayLike | None = None) -> FloatArray:
         """Return arm and finger positions in the order of the full Pinocchio model; fingers default to open."""
         values = np.full(len(self.full_index), self.description.gripper_open)
         values[: self.size] = q
@@ -78,60 +79,60 @@ class RobotModel:
 
     # Kinematics ---------------------------------------------------------------------------------------------------
 
-    def tip_se3(self, q: FloatArray) -> pin.SE3:
+    def tip_se3(self, q: ArrayLike) -> pin.SE3:
         """Return T_world_tip."""
-        pin.framesForwardKinematics(self.arm, self.data, q)
+        pin.framesForwardKinematics(self.arm, self.data, _array(q))
         return self.data.oMf[self.tip_id].copy()
 
-    def tip_pose(self, q: FloatArray) -> FloatArray:
+    def tip_pose(self, q: ArrayLike) -> FloatArray:
         """Return the tip's pose (7,) in the world."""
         return se3_to_pose(self.tip_se3(q))
 
-    def joint_poses(self, q: FloatArray) -> list[FloatArray]:
+    def joint_poses(self, q: ArrayLike) -> list[FloatArray]:
         """Return the pose (7,) in the world of every arm joint's frame, base first; the joints turn or slide along its axes."""
-        pin.forwardKinematics(self.arm, self.data, q)
+        pin.forwardKinematics(self.arm, self.data, _array(q))
         placements = self.data.oMi
         return [se3_to_pose(placements[i]) for i in range(1, self.size + 1)]
 
-    def jacobian(self, q: FloatArray, frame: FrameChoice = "world") -> FloatArray:
+    def jacobian(self, q: ArrayLike, frame: FrameChoice = "world") -> FloatArray:
         """Return J (6, n) with v_tip = J dq, `[linear, angular]`, along world axes or in tip axes."""
-        return pin.computeFrameJacobian(self.arm, self.data, q, self.tip_id, _REFERENCE[frame])
+        return pin.computeFrameJacobian(self.arm, self.data, _array(q), self.tip_id, _REFERENCE[frame])
 
-    def jacobian_dot(self, q: FloatArray, v: FloatArray, frame: FrameChoice = "world") -> FloatArray:
+    def jacobian_dot(self, q: ArrayLike, v: ArrayLike, frame: FrameChoice = "world") -> FloatArray:
         """Return dJ/dt (6, n) at joint velocity `v` [rad/s]."""
-        pin.computeJointJacobiansTimeVariation(self.arm, self.data, q, v)
+        pin.computeJointJacobiansTimeVariation(self.arm, self.data, _array(q), _array(v))
         pin.updateFramePlacements(self.arm, self.data)
         return np.array(pin.getFrameJacobianTimeVariation(self.arm, self.data, self.tip_id, _REFERENCE[frame]))
 
-    def manipulability(self, q: FloatArray) -> float:
+    def manipulability(self, q: ArrayLike) -> float:
         """Return sqrt(det(J J^T)): 0 in a singular configuration."""
         jacobian = self.jacobian(q)
         return float(np.sqrt(max(0.0, np.linalg.det(jacobian @ jacobian.T))))
 
     # Dynamics -----------------------------------------------------------------------------------------------------
 
-    def mass_matrix(self, q: FloatArray) -> FloatArray:
+    def mass_matrix(self, q: ArrayLike) -> FloatArray:
         """Return the joint-space inertia M(q), shape (n, n)."""
-        upper = np.triu(pin.crba(self.arm, self.data, q))
+        upper = np.triu(pin.crba(self.arm, self.data, _array(q)))
         return upper + np.triu(upper, 1).T
 
-    def gravity(self, q: FloatArray) -> FloatArray:
+    def gravity(self, q: ArrayLike) -> FloatArray:
         """Return the torques that carry the arm's weight [N m]."""
-        return np.array(pin.computeGeneralizedGravity(self.arm, self.data, q))
+        return np.array(pin.computeGeneralizedGravity(self.arm, self.data, _array(q)))
 
-    def coriolis(self, q: FloatArray, v: FloatArray) -> FloatArray:
+    def coriolis(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         """Return C(q, v) v [N m]."""
-        return np.array(pin.nonLinearEffects(self.arm, self.data, q, v)) - self.gravity(q)
+        return np.array(pin.nonLinearEffects(self.arm, self.data, _array(q), _array(v))) - self.gravity(q)
 
-    def inverse_dynamics(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+    def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> FloatArray:
         """Return the torques [N m] that produce acceleration `a` [rad/s^2]."""
-        return np.array(pin.rnea(self.arm, self.data, q, v, a))
+        return np.array(pin.rnea(self.arm, self.data, _array(q), _array(v), _array(a)))
 
-    def forward_dynamics(self, q: FloatArray, v: FloatArray, tau: FloatArray) -> FloatArray:
+    def forward_dynamics(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> FloatArray:
         """Return the acceleration [rad/s^2] that torques `tau` [N m] produce."""
-        return np.array(pin.aba(self.arm, self.data, q, v, tau))
+        return np.array(pin.aba(self.arm, self.data, _array(q), _array(v), _array(tau)))
 
-    def set_payload(self, mass: float, center: FloatArray, inertia: FloatArray | None = None) -> None:
+    def set_payload(self, mass: float, center: ArrayLike, inertia: ArrayLike | None = None) -> None:
         """Add a body to the dynamics of the hand; a mass of 0 takes it away.
 
         Args:
@@ -139,7 +140,7 @@ class RobotModel:
             center: Centre of mass in the tip frame, shape (3,), [m].
             inertia: Rotational inertia about that centre in tip axes, shape (3, 3), [kg m^2]; None is a point.
         """
-        load = pin.Inertia(mass, np.asarray(center, dtype=float), np.zeros((3, 3)) if inertia is None else np.asarray(inertia))
+        load = pin.Inertia(mass, _array(center), np.zeros((3, 3)) if inertia is None else _array(inertia))
         T_joint_tip = self.arm.frames[self.tip_id].placement
         self.carry(T_joint_tip.act(load) if mass > 0.0 else pin.Inertia.Zero())
 
@@ -147,6 +148,11 @@ class RobotModel:
         """Add an inertia, in the frame of the last joint, to the dynamics of the hand; it replaces what was added before."""
         self.arm.inertias[self.size] = self._bare_inertia + payload if payload.mass > 0.0 else self._bare_inertia.copy()
         self.data = self.arm.createData()
+
+
+def _array(values: ArrayLike) -> FloatArray:
+    """Return float64 numbers as Pinocchio takes them: an array of these as it is, a list as an array."""
+    return np.asarray(values, dtype=np.float64)
 
 
 def _load(description: RobotDescription, base: pin.SE3) -> pin.Model:

@@ -25,6 +25,11 @@ class Trajectory:
     a: FloatArray
     """Accelerations (m, n), [rad/s^2]."""
 
+    def __post_init__(self) -> None:
+        """Keep lists as arrays."""
+        for name in ("times", "q", "v", "a"):
+            object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=np.float64))
+
     @property
     def duration(self) -> float:
         """Time of the last sample [s]."""

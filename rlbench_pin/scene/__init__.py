@@ -2,8 +2,31 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from rlbench_pin.front_door import front_door
 from rlbench_pin.scene.model_files import resolve_asset
 from rlbench_pin.scene.reader import read_scene
-from rlbench_pin.scene.spec import SceneSpec
+from rlbench_pin.scene.snapshot import BodySnapshot, Shape, WorldSnapshot
+from rlbench_pin.scene.spec import BodySpec, FrameSpec, JointSpec, PlacementSpec, RegionSpec, SceneSpec, SensorSpec, WaypointSpec
+from rlbench_pin.scene.writer import write_scene
 
-__all__ = ["SceneSpec", "read_scene", "resolve_asset"]
+__all__ = [
+    "BodySnapshot",
+    "BodySpec",
+    "FrameSpec",
+    "JointSpec",
+    "PlacementSpec",
+    "RegionSpec",
+    "SceneSpec",
+    "SensorSpec",
+    "Shape",
+    "WaypointSpec",
+    "WorldSnapshot",
+    "read_scene",
+    "resolve_asset",
+    "write_scene",
+]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__)

@@ -1,5 +1,10 @@
 """The simulated world: PyBullet behind plain names and arrays. Nothing else imports pybullet."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rlbench_pin.front_door import front_door
 from rlbench_pin.sim.arm.control import DriveMode
 from rlbench_pin.sim.arm.gripper import SimGripper
 from rlbench_pin.sim.arm.robot import SimRobot
@@ -43,3 +48,6 @@ __all__ = [
     "look_at",
     "read_texture",
 ]  # fmt: skip
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__)

@@ -5,10 +5,10 @@
 
 from __future__ import annotations
 
-import importlib
 from typing import TYPE_CHECKING
 
 from rlbench_pin.errors import BoundaryError
+from rlbench_pin.front_door import front_door
 from rlbench_pin.scene.spec import BodySpec
 from rlbench_pin.tasks.conditions import (
     AllOf,
@@ -112,19 +112,18 @@ __all__ = [
     "usable_task_names",
 ]
 
-
 _OF_DATASETS = ("chosen_tasks_of", "keep_task", "keep_tasks", "stored_task")
 """What needs the libraries that read data; they are loaded when one of these names is first used."""
 
+if not TYPE_CHECKING:
+    _look_up, _names = front_door(__name__, dict.fromkeys(_OF_DATASETS, "stored"))
 
-def __getattr__(name: str) -> object:
-    """Import the class of a task on first use, and what deals with datasets."""
-    if name in _OF_DATASETS:
-        return getattr(importlib.import_module("rlbench_pin.tasks.stored"), name)
-    if name[:1].isupper() and (name in map(camel_case, library_names()) or name in map(camel_case, task_names())):
-        return task_class(name)
-    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+    def __getattr__(name: str) -> object:
+        """Import the class of a task on first use, and what deals with datasets."""
+        if name[:1].isupper() and (name in map(camel_case, library_names()) or name in map(camel_case, task_names())):
+            return task_class(name)
+        return _look_up(name)
 
-
-def __dir__() -> list[str]:
-    return sorted([*__all__, *map(camel_case, task_names())])
+    def __dir__() -> list[str]:
+        """List the public names, and the classes of all tasks."""
+        return sorted({*_names(), *map(camel_case, task_names())})

@@ -6,6 +6,9 @@ what was given, its value, and what would do. Nothing is turned into a number th
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from rlbench_pin.front_door import front_door
 from rlbench_pin.values.arrays import SMALLEST_NORM, as_array, as_finite, as_pose, as_rows, as_vector
 from rlbench_pin.values.settings import (
     FINITE,
@@ -66,3 +69,6 @@ __all__ = [
     "record_of",
     "ruled",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__)

@@ -58,7 +58,7 @@ def test_human_needs_a_screen(no_screen: None) -> None:
 def test_human_needs_pygame(made_up_screen: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without pygame the error says how to get it."""
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    with pytest.raises(WindowMissing, match="pip install pygame"):
+    with pytest.raises(WindowMissing, match=r"pip install -e '\.\[human\]'"):
         Window("a title")
 
 

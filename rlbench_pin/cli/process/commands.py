@@ -1,13 +1,17 @@
-"""The commands: what each is for and where it lives. A command is imported when it is asked for, so that `--help` is quick."""
+"""The commands: what each is for, what it takes and where it lives.
+
+What a command takes is a dataclass of `cli.arguments`, imported when its help is asked for. Its work is a class of the same name
+in `cli`, derived from it, whose imports take up to two seconds; it is imported when the command is to run.
+"""
 
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, fields
+from typing import Any, Protocol, runtime_checkable
 
 
+@runtime_checkable
 class Subcommand(Protocol):
     """What every command can do."""
 
@@ -21,16 +25,28 @@ class Home:
     """Where a command lives."""
 
     module: str
-    """Module of `rlbench_pin.cli`."""
+    """Module of `rlbench_pin.cli`, and of `rlbench_pin.cli.arguments`."""
     name: str
-    """Name of its class."""
+    """Name of its class in both."""
     summary: str
     """The first sentences of its help, as its docstring has them."""
 
-    def load(self) -> Callable[..., Subcommand]:
-        """Import the class of the command."""
-        made: Callable[..., Subcommand] = getattr(importlib.import_module(f"rlbench_pin.cli.{self.module}"), self.name)
+    def load(self) -> type:
+        """Import what the command takes."""
+        made: type = getattr(importlib.import_module(f"{ARGUMENTS}.{self.module}"), self.name)
         return made
+
+
+ARGUMENTS = "rlbench_pin.cli.arguments"
+
+
+def working(arguments: Any) -> Any:
+    """Import the work of a command and return the command with the arguments given; commands among these likewise."""
+    kind = type(arguments)
+    if not kind.__module__.startswith(f"{ARGUMENTS}."):
+        return arguments
+    made = getattr(importlib.import_module(kind.__module__.replace(".arguments.", ".")), kind.__name__)
+    return made(**{field.name: working(getattr(arguments, field.name)) for field in fields(kind)})
 
 
 COMMANDS: dict[str, Home] = {

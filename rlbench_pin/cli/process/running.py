@@ -11,7 +11,7 @@ from dataclasses import make_dataclass
 import tyro
 
 from rlbench_pin import __version__
-from rlbench_pin.cli.process.commands import COMMANDS, Home, Subcommand
+from rlbench_pin.cli.process.commands import COMMANDS, Home, Subcommand, working
 from rlbench_pin.cli.process.interrupts import INTERRUPTED, say
 from rlbench_pin.cli.process.output import PIPE_CLOSED, flushed
 from rlbench_pin.errors import RlbenchPinError, TaskEnvironmentError, UnknownName
@@ -35,17 +35,20 @@ def parse(words: Sequence[str]) -> Subcommand:
         raise SystemExit(DONE)
     asked = words[0] if words else ""
     if asked == "record":
-        words = importlib.import_module("rlbench_pin.cli.record").spelled_out(words)
-    commands = {name: home.load() if name == asked else _stand_in(home) for name, home in COMMANDS.items()}
-    command: Subcommand = tyro.extras.subcommand_cli_from_dict(
+        words = importlib.import_module("rlbench_pin.cli.arguments.record").spelled_out(words)
+    commands: dict[str, Callable[..., object]] = {
+        name: home.load() if name == asked else _stand_in(home) for name, home in COMMANDS.items()
+    }
+    arguments: object = tyro.extras.subcommand_cli_from_dict(
         commands, prog="rlbench-pin", description=DESCRIPTION, args=list(words)
     )
+    command: Subcommand = working(arguments)
     return command
 
 
-def _stand_in(home: Home) -> Callable[..., Subcommand]:
+def _stand_in(home: Home) -> type:
     """Return a class that has the summary of a command and nothing else."""
-    made: Callable[..., Subcommand] = make_dataclass(home.name, [], namespace={"__doc__": home.summary})
+    made: type = make_dataclass(home.name, [], namespace={"__doc__": home.summary})
     return made
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 
@@ -15,10 +15,18 @@ TaskName = Annotated[str, tyro.conf.arg(metavar="TASK")]
 """A task."""
 TaskNames = Annotated[tuple[str, ...], tyro.conf.arg(metavar="TASK...")]
 """Any number of tasks."""
+OnlyTasks = Annotated[tuple[str, ...], tyro.conf.arg(metavar="TASK...", help_behavior_hint="")]
+"""Tasks that a command keeps to; all when none is named."""
 AnyTasks = Annotated[tuple[str, ...], tyro.conf.arg(metavar="[TASK...]", help_behavior_hint="")]
 """Tasks behind a command that can do without."""
 SomeTasks = Annotated[tuple[str, ...], tyro.conf.arg(metavar="TASK...", help_behavior_hint="(required)")]
 """Tasks behind a command that cannot; it says so in its own words."""
+MaybePath = Annotated[Path | None, tyro.conf.arg(metavar="PATH")]
+"""A file or folder that may be left out."""
+MaybeInt = Annotated[int | None, tyro.conf.arg(metavar="INT")]
+"""A number that may be left out."""
+MaybeBool = Annotated[bool | None, tyro.conf.arg(metavar="{True,False}")]
+"""A choice that may be left out."""
 Files = Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE...", help_behavior_hint="")]
 """Any number of files."""
 SomeFiles = Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE...", help_behavior_hint="(required)")]
@@ -27,8 +35,22 @@ SomeFolders = Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FOLDER...", hel
 """Folders, of which there must be one."""
 Cameras = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{','.join(CAMERAS)}}}...")]
 """Any number of cameras."""
+OnlyCameras = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{','.join(CAMERAS)}}}...", help_behavior_hint="")]
+"""Cameras that a command keeps to; all when none is named."""
 Products = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{','.join(PRODUCTS)}}}...")]
 """Any number of kinds of pictures."""
+CONTROLLERS = (
+    "TrajectoryTracker", "VelocityFollowing", "VelocityFollowing + SafetyFilter", "DifferentialIK, poses",
+    "DifferentialIK, twists", "DifferentialIKQP, twists", "DifferentialIK, twists + SafetyFilter", "CartesianMPC",
+    "CartesianMPC, distances", "ComputedTorque", "OperationalSpaceQP", "JointImpedance", "CartesianImpedance",
+)  # fmt: skip
+"""The controllers of `evaluate`, said here too so that help need not import them; a test compares these with those that work."""
+Controllers = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{'|'.join(CONTROLLERS)}}}...", help_behavior_hint="")]
+"""Any number of controllers."""
+EngineName = Literal["processes", "ray"]
+Compression = Literal["gzip", "lzf"]
+RenderMode = Literal["opengl", "opengl3"]
+ExportFormat = Literal["lerobot", "robomimic", "rlbench", "peract", "zarr"]
 Size = Annotated[tuple[int, int], tyro.conf.arg(metavar="WIDTH HEIGHT")]
 """Width and height [px]."""
 

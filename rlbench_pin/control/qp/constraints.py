@@ -29,6 +29,7 @@ import math
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.spatial import FloatArray
@@ -91,14 +92,15 @@ class JointBounds:
         constants = (reach, change, leap, lower, upper, lower + stop, upper - stop)
         self._joints = list(zip(*(x.tolist() for x in constants), strict=True))
 
-    def displacements(self, q: FloatArray, v: FloatArray) -> tuple[list[float], list[float]]:
+    def displacements(self, q: ArrayLike, v: ArrayLike) -> tuple[list[float], list[float]]:
         """Return dt times `interval`: n lowest and n highest displacements of the next tick, [rad].
 
         Plain numbers and comparisons: for n = 7 they take a third of the time that arrays take.
         """
         dt = self.dt
         lowest, highest = [], []
-        for x, speed, (reach, change, leap, lower, upper, free_above, free_below) in zip(q.tolist(), v.tolist(), self._joints):
+        positions, speeds = np.asarray(q, dtype=np.float64).tolist(), np.asarray(v, dtype=np.float64).tolist()
+        for x, speed, (reach, change, leap, lower, upper, free_above, free_below) in zip(positions, speeds, self._joints):
             drift = dt * speed
             bottom, top = drift - leap, drift + leap
             least, most = -reach, reach
@@ -119,7 +121,7 @@ class JointBounds:
         step = largest_step(room - 0.5 * max(drift, 0.0), change)
         return step if step <= max(drift, 0.0) else max(drift, largest_step(room - 0.5 * step, change))
 
-    def interval(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def interval(self, q: ArrayLike, v: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return lowest and highest next velocity, each (n,), [rad/s], of joints at `q` [rad] moving at `v` [rad/s]."""
         lowest, highest = np.array(self.displacements(q, v)) / self.dt
         return lowest, highest

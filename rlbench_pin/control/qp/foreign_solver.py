@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-import qpsolvers
 
 from rlbench_pin.control.qp.quadratic_program import QuadraticProgram
-from rlbench_pin.errors import InfeasibleControl, UnknownName
+from rlbench_pin.errors import InfeasibleControl, MissingExtra, UnknownName
 from rlbench_pin.spatial import FloatArray
+
+try:
+    import qpsolvers
+except ModuleNotFoundError as _error:
+    raise MissingExtra("ForeignSolver", "qpsolvers", "bench") from _error
 
 
 class ForeignSolver:

@@ -11,6 +11,9 @@ Three descents solve inverse kinematics:
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from rlbench_pin.front_door import front_door
 from rlbench_pin.planning.kinematics.goals import PoseRegion, self_motions, symmetric_poses
 from rlbench_pin.planning.kinematics.ik import Descent, descend, solve_ik
 from rlbench_pin.planning.kinematics.pinned_ik import solve_pinned_ik
@@ -24,3 +27,6 @@ __all__ = [
     "solve_pinned_ik",
     "symmetric_poses",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from rlbench_pin.front_door import front_door
 from rlbench_pin.planning.timing.arc import ArcLimits
 from rlbench_pin.planning.timing.retime import retime
 from rlbench_pin.planning.timing.torque import TorqueLimits
@@ -11,3 +14,6 @@ __all__ = [
     "TorqueLimits",
     "retime",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__)

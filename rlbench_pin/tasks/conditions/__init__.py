@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from rlbench_pin.front_door import front_door
 from rlbench_pin.tasks.conditions.combined import AllOf, AnyOf, InOrder
 from rlbench_pin.tasks.conditions.condition import Condition
 from rlbench_pin.tasks.conditions.detected import Detected, DetectedSeveral, TipInside
@@ -26,3 +29,6 @@ __all__ = [
     "NothingGrasped",
     "TipInside",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = front_door(__name__)

@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+import importlib
 import inspect
 import subprocess
 import sys
+from typing import get_args
 
 import pytest
 
 from rlbench_pin import __version__
 from rlbench_pin.cli.main import main
+from rlbench_pin.cli.process import words as words_of_help
 from rlbench_pin.cli.process.commands import COMMANDS
 from rlbench_pin.cli.process.running import run
+from rlbench_pin.datasets import Compression
+from rlbench_pin.environment.observations.camera_config import RenderMode
+from rlbench_pin.evaluation import FOLLOWERS
+from rlbench_pin.recording.export import ExportFormat
 
 Capture = pytest.CaptureFixture[str]
 HEAVY = ("pybullet", "ompl", "toppra", "osqp", "placo", "coal", "pinocchio", "h5py", "av", "scipy", "PIL", "tqdm")
 """Libraries that take long to import."""
+SUBCOMMANDS = ("info", "verify", "merge", "rerender", "seeds", "export")
+"""Those of `dataset`."""
 FOR_TASKS = ("coal", "pinocchio")
 """Those that poses are made of, which tasks import."""
 
@@ -36,6 +45,29 @@ def test_help_imports_no_command(words: tuple[str, ...]) -> None:
     assert loaded_after(*words) == []
 
 
+def test_help_of_a_command_imports_nothing_that_works() -> None:
+    """What a command takes is said without its work: every help in one process, and none of the heavy libraries."""
+    commands = [*COMMANDS, *(f"dataset {name}" for name in SUBCOMMANDS)]
+    code = (
+        "import sys, contextlib, io; from rlbench_pin.cli.main import main\n"
+        f"with contextlib.redirect_stdout(io.StringIO()): codes = {{main([*name.split(), '--help']) for name in {commands!r}}}\n"
+        f"print(codes, [m for m in {HEAVY!r} if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120)
+    assert done.stdout == "{0} []\n"
+
+
+def test_choices_are_those_that_work() -> None:
+    """Help names them without importing what they choose between."""
+    assert tuple(FOLLOWERS) == words_of_help.CONTROLLERS
+    for said, works in (
+        (words_of_help.Compression, Compression),
+        (words_of_help.RenderMode, RenderMode),
+        (words_of_help.ExportFormat, ExportFormat),
+    ):
+        assert get_args(said) == get_args(works)
+
+
 def test_list_imports_tasks_only() -> None:
     """No simulator, no planner, nothing that reads files of data."""
     assert set(loaded_after("list")) <= set(FOR_TASKS)
@@ -44,9 +76,10 @@ def test_list_imports_tasks_only() -> None:
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_table_says_what_the_commands_say(name: str) -> None:
     """The summary is the first paragraph of the docstring; the class is where the table says."""
-    command = COMMANDS[name].load()
-    assert COMMANDS[name].summary == " ".join((inspect.getdoc(command) or "").split("\n\n")[0].split())
-    assert callable(command.run)  # type: ignore[attr-defined]
+    arguments = COMMANDS[name].load()
+    assert COMMANDS[name].summary == " ".join((inspect.getdoc(arguments) or "").split("\n\n")[0].split())
+    work = getattr(importlib.import_module(f"rlbench_pin.cli.{COMMANDS[name].module}"), COMMANDS[name].name)
+    assert issubclass(work, arguments) and callable(work.run)
 
 
 def test_help_lists_every_command(capsys: Capture) -> None:
@@ -60,7 +93,7 @@ def test_help_lists_every_command(capsys: Capture) -> None:
 
 @pytest.mark.parametrize(
     "words",
-    [*((name,) for name in COMMANDS), *(("dataset", n) for n in ("info", "verify", "merge", "rerender", "seeds", "export"))],
+    [*((name,) for name in COMMANDS), *(("dataset", n) for n in SUBCOMMANDS)],
 )
 def test_help_says_what_is_taken(words: tuple[str, ...], capsys: Capture) -> None:
     """Tasks, files, folders or the choices: never just that it is text."""
@@ -69,6 +102,7 @@ def test_help_says_what_is_taken(words: tuple[str, ...], capsys: Capture) -> Non
     assert f"usage: rlbench-pin {' '.join(words)}" in out
     assert "STR" not in out
     assert "[[" not in out
+    assert "{None" not in out and "(default: )" not in out
 
 
 @pytest.mark.parametrize(

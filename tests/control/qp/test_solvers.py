@@ -70,7 +70,7 @@ def test_foreign_solvers_fit_the_interface(name: str, rng: np.random.Generator) 
     """Solvers of the bench extra find the same solutions."""
     pytest.importorskip("qpsolvers")
     pytest.importorskip(name)
-    foreign = pytest.importorskip("rlbench_pin.control.qp.foreign_solver")
+    foreign = pytest.importorskip("rlbench_pin.control.qp.foreign_solver", exc_type=ImportError)
     solver = foreign.ForeignSolver(name)
     for m in (0, ROWS):
         problem = random_program(rng, m=m)

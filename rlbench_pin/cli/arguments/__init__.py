@@ -1,0 +1,1 @@
+"""What each command takes, apart from its work, so that help need not import what the work needs."""

@@ -1,0 +1,69 @@
+"""Draw docs/images/gallery/: every task of the library late in a demonstration, and write docs/gallery.md, which shows them.
+
+Usage: python scripts/gallery.py [TASK ...]    some tasks: their pictures and their entries anew, the others as they are
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+from pathlib import Path
+
+from PIL import Image
+from readme_picture import late_in_a_demonstration
+
+from rlbench_pin.tasks import library_names
+
+DOCS = Path(__file__).resolve().parents[1] / "docs"
+PAGE, PICTURES = DOCS / "gallery.md", DOCS / "images" / "gallery"
+COLUMNS, SIZE = 3, (360, 330)
+HEAD = """# Gallery
+
+The {count} tasks of the library, each late in a demonstration of seed 0 and variation 0, with a sentence that asks for it.
+A picture leads to the task's contact sheet: five cameras at five moments. `rlbench-pin view TASK` draws the sheet of any task,
+`rlbench-pin video TASK` films it. Written by `python scripts/gallery.py`.
+
+"""
+
+
+def draw(name: str) -> str:
+    """Write the picture of a task and return its first instruction."""
+    picture, instruction = late_in_a_demonstration(name)
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    picture.resize(SIZE, Image.Resampling.LANCZOS).save(PICTURES / f"{name}.jpg", quality=80, optimize=True)
+    return instruction
+
+
+def entry(name: str, instruction: str) -> str:
+    """Return the cell of a task."""
+    return f"[![{name}](images/gallery/{name}.jpg)](images/sheets/{name}.jpg)<br>`{name}`<br>{instruction}"
+
+
+def written() -> dict[str, str]:
+    """Return the instructions that the page shows now, by task."""
+    text = PAGE.read_text(encoding="utf-8") if PAGE.exists() else ""
+    return dict(re.findall(r"<br>`(\w+)`<br>([^|]*?) *\|", text))
+
+
+def page(instructions: dict[str, str]) -> str:
+    """Return the whole page."""
+    cells = [entry(name, instructions[name]) for name in library_names() if name in instructions]
+    cells += [""] * (-len(cells) % COLUMNS)
+    rows = [cells[i : i + COLUMNS] for i in range(0, len(cells), COLUMNS)]
+    lines = [["" for _ in range(COLUMNS)], ["---" for _ in range(COLUMNS)], *rows]
+    return HEAD.format(count=len(instructions)) + "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def main() -> None:
+    """Draw the pictures of some or all tasks, and write the page."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("tasks", nargs="*")
+    instructions = written()
+    for name in parser.parse_args().tasks or library_names():
+        instructions[name] = draw(name)
+        print(f"{PICTURES / name}.jpg: {instructions[name]}", flush=True)
+    PAGE.write_text(page(instructions), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
