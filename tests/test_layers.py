@@ -23,6 +23,8 @@ ROWS: tuple[tuple[str, ...], ...] = (
     ("errors", "values", "spatial", "urdf", "observation", "assets", "plugins"),
 )
 FLOOR = len(ROWS) - 1
+SHARED = ("errors", "values")
+"""What the floor itself stands on: errors import nothing, values only errors."""
 
 # Records that neighbours exchange. They hold data only, and import nothing but the floor.
 RECORDS = ("scene.snapshot", "robot.trajectory")
@@ -119,7 +121,7 @@ def arrow_fault(source: str, target: str) -> str | None:
     if row_here < row_there or _is_record(target):
         return None
     if row_here == row_there == FLOOR:
-        return None if (here, there) == ("observation", "spatial") or there == "errors" else "the bottom row imports nothing"
+        return None if (here, there) == ("observation", "spatial") or there in SHARED else "the bottom row imports nothing"
     return "sideways" if row_here == row_there else "upwards"
 
 

@@ -95,10 +95,20 @@ class InvalidValue(RlbenchPinError, ValueError):
 def shown(value: object, most: int = 120) -> str:
     """Return a value as text of about `most` letters on one line, whatever it is."""
     try:
-        text = " ".join(repr(value).split())
+        text = " ".join(repr(_beginning(value, most)).split())
     except Exception:  # objects of users may refuse to be shown
         text = f"a {type(value).__name__}"
     return text if len(text) <= most else f"{text[:most]}..."
+
+
+def _beginning(value: object, most: int) -> object:
+    """Return as much of a long value as its text needs: the text of millions of numbers takes seconds."""
+    if isinstance(value, str | bytes | list | tuple) and type(value).__len__(value) > most:
+        return value[: most + 1]
+    shape = getattr(value, "shape", ())
+    if isinstance(shape, tuple) and len(shape) > 2 and hasattr(value, "ravel"):
+        return f"array of shape {shape}"
+    return value
 
 
 class MissingExtra(RlbenchPinError, ImportError):

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from rlbench_pin.robot.model import FrameChoice, RobotModel
+from rlbench_pin.robot.model import LARGEST, VELOCITY, FrameChoice, RobotModel
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_record, as_vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +26,7 @@ class DynamicsDerivatives:
 
 def inverse_dynamics_derivatives(model: RobotModel, q: FloatArray, v: FloatArray, a: FloatArray) -> DynamicsDerivatives:
     """Return the derivatives of `model.inverse_dynamics(q, v, a)`; arguments of shape (n,), [rad], [rad/s], [rad/s^2]."""
+    q, v, a = _checked(model, q, v, a, "joint acceleration")
     by_q, by_v, by_a = pin.computeRNEADerivatives(model.arm, model.data, q, v, a)
     upper = np.triu(by_a)
     return DynamicsDerivatives(np.array(by_q), np.array(by_v), upper + np.triu(upper, 1).T)
@@ -32,6 +34,7 @@ def inverse_dynamics_derivatives(model: RobotModel, q: FloatArray, v: FloatArray
 
 def forward_dynamics_derivatives(model: RobotModel, q: FloatArray, v: FloatArray, tau: FloatArray) -> DynamicsDerivatives:
     """Return the derivatives of `model.forward_dynamics(q, v, tau)`; arguments of shape (n,), [rad], [rad/s], [N m]."""
+    q, v, tau = _checked(model, q, v, tau, "joint torque")
     by_q, by_v, by_tau = pin.computeABADerivatives(model.arm, model.data, q, v, tau)
     upper = np.triu(by_tau)
     return DynamicsDerivatives(np.array(by_q), np.array(by_v), upper + np.triu(upper, 1).T)
@@ -39,13 +42,25 @@ def forward_dynamics_derivatives(model: RobotModel, q: FloatArray, v: FloatArray
 
 def jacobian_derivative(model: RobotModel, q: FloatArray, frame: FrameChoice = "world") -> FloatArray:
     """Return dJ/dq of the tip Jacobian, shape (n, 6, n): entry k is the derivative by joint k; dJ/dt = sum_k v_k dJ/dq_k."""
+    as_record(model, RobotModel, "model")
     return np.stack([model.jacobian_dot(q, axis, frame) for axis in np.eye(model.size)])
 
 
 def manipulability_gradient(model: RobotModel, q: FloatArray) -> FloatArray:
     """Return the gradient (n,) of m = `model.manipulability(q)`: dm/dq_k = m trace((J J^T)^-1 dJ/dq_k J^T); 0 where m is 0."""
+    as_record(model, RobotModel, "model")
     jacobian, manipulability = model.jacobian(q), model.manipulability(q)
     if manipulability == 0.0:
         return np.zeros(model.size)
     inverse = np.linalg.solve(jacobian @ jacobian.T, jacobian)
     return manipulability * np.einsum("kij,ij->k", jacobian_derivative(model, q), inverse)
+
+
+def _checked(
+    model: RobotModel, q: FloatArray, v: FloatArray, last: FloatArray, what: str
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return configuration, velocity and a third vector of an arm, or raise InvalidValue."""
+    size = as_record(model, RobotModel, "model").size
+    named = ((q, "configuration"), (v, VELOCITY), (last, what))
+    q, v, last = (as_vector(vector, size, name, most=LARGEST) for vector, name in named)
+    return q, v, last

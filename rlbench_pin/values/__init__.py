@@ -10,6 +10,7 @@ from rlbench_pin.values.arrays import SMALLEST_NORM, as_array, as_finite, as_pos
 from rlbench_pin.values.settings import (
     FINITE,
     FLAG,
+    LARGEST_COUNT,
     NOT_NEGATIVE,
     POSITIVE,
     Rule,
@@ -38,6 +39,7 @@ from rlbench_pin.values.single import (
 __all__ = [
     "FINITE",
     "FLAG",
+    "LARGEST_COUNT",
     "LARGEST_SEED",
     "LARGEST_SIDE",
     "NOT_NEGATIVE",

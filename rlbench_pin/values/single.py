@@ -8,13 +8,15 @@ from typing import TypeVar
 
 import numpy as np
 
-from rlbench_pin.errors import InvalidValue, UnknownName
+from rlbench_pin.errors import InvalidValue, UnknownName, shown
 
 KindT = TypeVar("KindT")
 LARGEST_SEED = 2**63 - 1
 """Stored episodes keep their seed in 64 bits, with a sign."""
 LARGEST_SIDE = 8192
 """Pictures have at most so many columns and rows [px]."""
+_NO_NUMBERS = (bool, np.bool_, np.timedelta64)
+"""What numpy and Python count among their whole numbers, and we do not."""
 
 
 def as_number(
@@ -42,7 +44,7 @@ def as_number(
         InvalidValue: It is no number, or outside the range.
     """
     wanted = f"has to be a {'finite ' if finite else ''}number{_range_text(least, most, above)}"
-    if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
+    if isinstance(value, _NO_NUMBERS) or not isinstance(value, int | float | np.integer | np.floating):
         raise error(what, value, wanted)
     try:
         number = float(value)
@@ -68,7 +70,7 @@ def as_whole(
     Raises:
         InvalidValue: It is no whole number, or outside the range.
     """
-    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    whole = isinstance(value, int | np.integer) and not isinstance(value, _NO_NUMBERS)
     number = int(value) if whole else 0  # type: ignore[call-overload]
     if not whole or (least is not None and number < least) or (most is not None and number > most):
         low, high = -math.inf if least is None else least, math.inf if most is None else most
@@ -78,7 +80,7 @@ def as_whole(
 
 def as_flag(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> bool:
     """Return a truth value of Python or numpy, or 0 or 1, as a bool; or raise InvalidValue."""
-    if not isinstance(value, bool | np.bool_ | int | np.integer) or value not in (0, 1):
+    if isinstance(value, np.timedelta64) or not isinstance(value, bool | np.bool_ | int | np.integer) or value not in (0, 1):
         raise error(what, value, "has to be True or False")
     return bool(value)
 
@@ -90,7 +92,7 @@ def as_choice(value: object, what: str, choices: Collection[str]) -> str:
         UnknownName: It is none of them; names the nearest.
     """
     if not isinstance(value, str) or value not in choices:
-        raise UnknownName(what, str(value), tuple(choices))
+        raise UnknownName(what, value if isinstance(value, str) else shown(value), tuple(choices))
     return value
 
 
