@@ -51,6 +51,8 @@ class UnknownName(RlbenchPinError):
     """A name is not in the catalogue it was looked up in."""
 
     def __init__(self, kind: str, name: str, known: Collection[str], command: str = "") -> None:
+        if not isinstance(name, str):
+            name = shown(name)
         self.kind, self.name, self.known = kind, name, tuple(known)
         near = nearest_name(name, self.known)
         guess = f" Did you mean '{near}'?" if near else ""

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from rlbench_pin.errors import InvalidValue, UnknownName, shown
+from rlbench_pin.errors import InvalidValue, UnknownName
 
 KindT = TypeVar("KindT")
 LARGEST_SEED = 2**63 - 1
@@ -92,7 +92,7 @@ def as_choice(value: object, what: str, choices: Collection[str]) -> str:
         UnknownName: It is none of them; names the nearest.
     """
     if not isinstance(value, str) or value not in choices:
-        raise UnknownName(what, value if isinstance(value, str) else shown(value), tuple(choices))
+        raise UnknownName(what, value, tuple(choices))  # type: ignore[arg-type] # it shows whatever it is
     return value
 
 

@@ -80,7 +80,15 @@ class Tally:
         else:
             self.taken += 1
             self._judge_result(case, result)
-        if case.check is not None and (problem := case.check()):
+        self._look_after(case)
+
+    def _look_after(self, case: Case) -> None:
+        """See whether all is as it should be after a case."""
+        try:
+            problem = "" if case.check is None else case.check()
+        except Exception as error:  # whatever is broken now
+            problem = f"afterwards {type(error).__name__} at {_place(error)}: {_one_line(error)}"
+        if problem:
             self._note(case, problem)
 
     def _judge_text(self, case: Case, error: RlbenchPinError) -> None:
@@ -139,7 +147,7 @@ def _place(error: BaseException) -> str:
 
 def _one_line(error: BaseException) -> str:
     try:
-        return " ".join(str(error).split())[:100]
+        return ascii(" ".join(str(error).split()))[:100]
     except Exception:
         return "an error that cannot be shown"
 

@@ -50,7 +50,7 @@ class Hostile:
 
 
 def _plain(value: object, refused_by: frozenset[str] = frozenset()) -> Hostile:
-    return Hostile(repr(value), lambda: value, refused_by)
+    return Hostile(ascii(value)[:40], lambda: value, refused_by)
 
 
 def _nested(depth: int) -> list[object]:

@@ -76,7 +76,9 @@ class JointBounds:
         """
         dt = as_number(dt, "the control tick dt [s]", above=0.0)
         as_record(limits, JointLimits, "limits")
-        margin = as_number(margin, "the margin of joint limits [rad]", least=0.0, most=0.5 * float((limits.upper - limits.lower).min()))
+        margin = as_number(
+            margin, "the margin of joint limits [rad]", least=0.0, most=0.5 * float((limits.upper - limits.lower).min())
+        )
         as_choice(hold, "held quantity", HOLDS)
         as_flag(sudden, "sudden")
         self.limits, self.dt, self.hold = limits, dt, hold
