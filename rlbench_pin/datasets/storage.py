@@ -12,6 +12,7 @@ from types import TracebackType
 from typing import Any
 
 from rlbench_pin.errors import DatasetConflict, StorageError
+from rlbench_pin.values import as_path
 
 
 @contextmanager
@@ -68,7 +69,7 @@ def write_whole(path: Path, data: bytes) -> Path:
 
 def remove_leftovers(folder: Path) -> int:
     """Delete the temporary files that killed writers left below a folder; return how many there were."""
-    parts = list(folder.rglob(".*.part"))
+    parts = list(as_path(folder, "folder").rglob(".*.part"))
     for part in parts:
         part.unlink(missing_ok=True)
     return len(parts)

@@ -32,7 +32,7 @@ from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import RENDERERS, RendererName, World, give_back_memory
 from rlbench_pin.tasks import Task, find_task
-from rlbench_pin.values import as_choice, as_number, as_record, as_seed
+from rlbench_pin.values import as_choice, as_flag, as_number, as_record, as_seed
 
 _SCENE_DATA = {"intrinsics": "intrinsics", "extrinsics": "extrinsics", "near_plane": "near", "far_plane": "far"}
 """Name in the data of a scene -> name in `misc`."""
@@ -93,9 +93,11 @@ class Environment:
         self._visual, self._dynamics = visual_randomization_config, dynamics_randomization_config
         as_choice(renderer, "renderer", RENDERERS)
         self._renderer = renderer
-        self._static_positions, self._shaped_rewards = static_positions, shaped_rewards
+        as_flag(headless, "headless", InvalidArgument)
+        self._static_positions = as_flag(static_positions, "static_positions", InvalidArgument)
+        self._shaped_rewards = as_flag(shaped_rewards, "shaped_rewards", InvalidArgument)
         self._robot = robot_description(robot_setup)
-        self._attach_grasped_objects = attach_grasped_objects
+        self._attach_grasped_objects = as_flag(attach_grasped_objects, "attach_grasped_objects", InvalidArgument)
         self._planner_config = PlannerConfig(
             max_velocity=as_number(arm_max_velocity, "arm_max_velocity", InvalidArgument, above=0.0),
             max_acceleration=as_number(arm_max_acceleration, "arm_max_acceleration", InvalidArgument, above=0.0),

@@ -105,7 +105,7 @@ def shown(value: object, most: int = 120) -> str:
 
 def _beginning(value: object, most: int) -> object:
     """Return as much of a long value as its text needs: the text of millions of numbers takes seconds."""
-    if isinstance(value, str | bytes | list | tuple) and type(value).__len__(value) > most:
+    if isinstance(value, str | bytes | list | tuple) and len(value) > most:
         return value[: most + 1]
     shape = getattr(value, "shape", ())
     if isinstance(shape, tuple) and len(shape) > 2 and hasattr(value, "ravel"):

@@ -129,7 +129,7 @@ class Frame:
     def move_to(self, target: Posed | PoseLike | str) -> None:
         """Move to where a body or another frame is, to the place of that name, or to a world pose (7,)."""
         there = se3_to_pose(self._places.placement(target)) if isinstance(target, str) else target
-        self.set_pose(getattr(there, "pose", there))
+        self.set_pose(getattr(there, "pose", there))  # type: ignore[arg-type]
 
     def set_parent(self, parent: str, keep_in_place: bool = False) -> None:
         """Give the frame another parent.

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
-from typing import TypeVar
+from collections.abc import Collection, Iterable, Sequence
+from os import PathLike, fspath
+from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -142,6 +144,33 @@ def items_of(value: object) -> tuple[object, ...]:
     if isinstance(value, np.ndarray):
         return tuple(value) if value.ndim == 1 else ()
     return tuple(value) if isinstance(value, Sequence) and not isinstance(value, str | bytes) else ()
+
+
+def as_text(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> str:
+    """Return a text, or raise InvalidValue; no number is written out."""
+    if not isinstance(value, str):
+        raise error(what, value, "has to be a text")
+    return value
+
+
+def as_path(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> Path:
+    """Return a path, from a text or a path; or raise InvalidValue."""
+    if not isinstance(value, str | PathLike) or isinstance(text := fspath(value), bytes) or "\0" in text:
+        raise error(what, value, "has to be a path: a text without the character 0, or a Path")
+    return Path(text)
+
+
+def as_function(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> None:
+    """Raise InvalidValue unless `value` can be called, or is None."""
+    if value is not None and not callable(value):
+        raise error(what, value, "has to be a function, or None")
+
+
+def as_several(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> tuple[Any, ...]:
+    """Return what a list, a set or a generator holds, or raise InvalidValue; a text would be its letters."""
+    if not isinstance(value, Iterable) or isinstance(value, str | bytes | np.ndarray):
+        raise error(what, value, "has to be a list")
+    return tuple(value)
 
 
 def as_record(value: object, kind: type[KindT], what: str, error: type[InvalidValue] = InvalidValue) -> KindT:
