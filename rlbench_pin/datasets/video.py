@@ -12,6 +12,7 @@ from typing import cast
 import av
 import numpy as np
 
+from rlbench_pin.datasets.storage import storing
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.values import as_path, as_picture_size, as_whole
 
@@ -42,7 +43,10 @@ class VideoWriter:
         if size[0] % 2 or size[1] % 2:
             raise DatasetError(f"A video of {size[0]} x {size[1]} px cannot be encoded; choose an even width and height.")
         self.path, self.size, self.frames = as_path(path, "path"), size, 0
-        self.path.parent.mkdir(parents=True, exist_ok=True)
+        if not self.path.name:
+            raise DatasetError(f"A film cannot be called '{path}'. Name a file, such as 'out/film.mp4'.")
+        with storing(self.path):
+            self.path.parent.mkdir(parents=True, exist_ok=True)
         self._temporary = self.path.with_name(f".{self.path.stem}.{os.getpid()}.part.mp4")
         # `file:` because FFmpeg takes what stands before a colon in a path for a protocol.
         self._container = av.open(f"file:{self._temporary}", mode="w", options={"movflags": "faststart"})

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import get_args
 
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.datasets.writer import Compression
@@ -47,6 +48,8 @@ class PictureConfig:
         _check_names("camera", self.cameras, CAMERAS)
         _check_names("product", self.products, PRODUCTS)
         as_choice(self.renderer, "renderer", RENDERERS)
+        as_choice(self.compression, "compression", get_args(Compression))
+        as_choice(self.render_mode, "render mode", get_args(RenderMode))
         self.obs_config().check()
 
     def obs_config(self) -> ObservationConfig:

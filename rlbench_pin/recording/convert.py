@@ -172,6 +172,7 @@ def verify(task: TaskEnvironment, demo: Demo, actions: Sequence[FloatArray]) -> 
         demo: Gives the start.
         actions: As from `convert_demo`.
     """
+    as_record(task, TaskEnvironment, "task")
     task.reset_to_demo(demo)
     for action in (*actions, *[_rest(task, actions[-1])] * EXTRA_TICKS):
         try:

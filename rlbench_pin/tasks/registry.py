@@ -12,7 +12,7 @@ from rlbench_pin.plugins import Plugins, PluginTask, installed_plugins
 from rlbench_pin.scene.reader import read_scene
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.tasks.task import Task, snake_case
-from rlbench_pin.tasks.task_file import camel_case, class_in, load_task_file
+from rlbench_pin.tasks.task_file import camel_case, checked_class, class_in, load_task_file
 from rlbench_pin.values import as_text
 
 LIBRARY = Path(__file__).parent / "library"
@@ -98,6 +98,7 @@ def task_scene(task: type[Task]) -> SceneSpec:
         SceneFileError: The file is missing or wrong.
         AssetNotFound: Something that the scene needs does not exist.
     """
+    checked_class(task)
     file = task.scene_file()
     return _read(file, file.stat().st_mtime_ns) if file.is_file() else read_scene(file)
 

@@ -88,6 +88,7 @@ def chosen_tasks_of(root: Path, words: Iterable[str], trust_task_files: bool = F
         UnknownName: No task is called so.
         UntrustedTaskFile: A name stands for code that came with the dataset, and nobody said that it may be run.
     """
+    trust_task_files = as_flag(trust_task_files, "trust_task_files")
     chosen: dict[str, type[Task]] = {}
     for word in as_names(as_several(words, "tasks"), "tasks"):
         name = snake_case(word)

@@ -129,6 +129,7 @@ def task_reference(task: type[Task]) -> str:
 
 def task_digest(task: type[Task]) -> str:
     """Return one text that changes with any file of a task that is not in the library; empty for those of the library."""
+    checked_class(task)
     return "" if is_of_library(task) else " ".join(f"{n}:{s}" for n, s in sorted(digests(task_files(task)).items()))
 
 

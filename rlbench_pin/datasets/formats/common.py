@@ -18,7 +18,7 @@ from rlbench_pin.datasets.storage import storing
 from rlbench_pin.datasets.trust import check_inside
 from rlbench_pin.errors import DatasetConflict, DatasetError
 from rlbench_pin.observation import CAMERAS
-from rlbench_pin.values import as_path
+from rlbench_pin.values import as_names, as_path
 
 FPS = 20
 """Frames of a demonstration in a second of simulated time [1/s]."""
@@ -83,6 +83,7 @@ def rgb_cameras(episodes: Sequence[StoredEpisode], wanted: Sequence[str] = ()) -
     Raises:
         DatasetError: A camera that is wanted has no pictures, or pictures of one camera differ in size.
     """
+    wanted = as_names(wanted, "cameras")
     shapes: dict[str, tuple[int, int, int]] | None = None
     for stored in episodes:
         with Episode(stored.path) as episode:

@@ -75,6 +75,7 @@ def folder_demos(
 
 def read_folder(path: Path, fields: Collection[str] | None = None, *, image_paths: bool = False) -> Demo:
     """Read one episode folder; see `folder_demos`."""
+    path = as_path(path, "path")
     pickled = load(path / LOW_DIM_FILE)
     observations = getattr(pickled, "_observations", pickled)
     if not isinstance(observations, list) or not observations:
@@ -118,6 +119,7 @@ def _arrays(state: object) -> dict[str, np.ndarray] | None:
 
 def folder_descriptions(path: Path) -> tuple[str, ...]:
     """Return the sentences of an episode; a file that holds something else, as some old ones do, counts as none."""
+    path = as_path(path, "path")
     for folder in (path, path.parents[1]):
         if (folder / DESCRIPTIONS_FILE).is_file():
             found = load(folder / DESCRIPTIONS_FILE)

@@ -99,7 +99,7 @@ class GripperJointPosition(GripperMode):
         self, attach_grasped_objects: bool | None = None, detach_before_open: bool = True, absolute_mode: bool = True
     ) -> None:
         super().__init__(attach_grasped_objects, detach_before_open)
-        self.absolute_mode = absolute_mode
+        self.absolute_mode = as_flag(absolute_mode, "absolute_mode")
 
     def make_spec(self, runtime: Runtime) -> ActionSpec:
         """From 0, shut, to the range of a finger; differences span it both ways."""
