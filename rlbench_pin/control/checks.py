@@ -14,6 +14,8 @@ from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_record
 
+FARTHEST = 1e6
+"""No pose is so far away [m]."""
 LARGEST_STATE = 1e4
 """Joints that are, or move, beyond this [rad], [rad/s] were measured wrongly: braking from there has too many ticks."""
 _FLOAT = np.dtype(float)
@@ -63,8 +65,8 @@ def as_pose(pose: ArrayLike, what: str = "target pose") -> list[float]:
     numbers: list[float] = vector.tolist()
     x, y, z, qx, qy, qz, qw = numbers
     square = qx * qx + qy * qy + qz * qz + qw * qw
-    if not math.isfinite(x + y + z + square):
-        raise InvalidTarget(what, vector, "has to be finite")
+    if not math.hypot(x, y, z, square) < FARTHEST:
+        raise InvalidTarget(what, vector, f"has to be finite, and nearer than {FARTHEST:g} m")
     if -1e-9 < square - 1.0 < 1e-9:
         return numbers
     if square < values.SMALLEST_NORM**2:

@@ -141,6 +141,11 @@ class DatasetWriter:
     compression: Compression = "gzip"
     """`gzip` is small, `lzf` is fast."""
 
+    def __post_init__(self) -> None:
+        """Raise InvalidValue or UnknownName for what is no folder and no compression."""
+        object.__setattr__(self, "root", as_path(self.root, "DatasetWriter.root"))
+        as_choice(self.compression, "compression", get_args(Compression))
+
     def add(self, demo: Demo) -> Path:
         """Store a demonstration and return its file.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Sequence
-from os import PathLike, fspath
+from os import PathLike, fsencode, fspath
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -17,6 +17,8 @@ LARGEST_SEED = 2**63 - 1
 """Stored episodes keep their seed in 64 bits, with a sign."""
 LARGEST_SIDE = 8192
 """Pictures have at most so many columns and rows [px]."""
+LONGEST_NAME, LONGEST_PATH = 255, 4095
+"""Bytes of file names and paths of Linux."""
 _NO_NUMBERS = (bool, np.bool_, np.timedelta64)
 """What numpy and Python count among their whole numbers, and we do not."""
 
@@ -157,6 +159,12 @@ def as_path(value: object, what: str, error: type[InvalidValue] = InvalidValue) 
     """Return a path, from a text or a path; or raise InvalidValue."""
     if not isinstance(value, str | PathLike) or isinstance(text := fspath(value), bytes) or "\0" in text:
         raise error(what, value, "has to be a path: a text without the character 0, or a Path")
+    try:
+        lengths = [len(part) for part in fsencode(text).split(b"/")]
+    except UnicodeEncodeError as failure:
+        raise error(what, value, f"cannot be the name of a file: {failure.reason}") from failure
+    if max(lengths) > LONGEST_NAME or sum(lengths) + len(lengths) > LONGEST_PATH:
+        raise error(what, value, f"is too long: names have {LONGEST_NAME} bytes at most, paths {LONGEST_PATH}")
     return Path(text)
 
 

@@ -32,7 +32,7 @@ PLANNING = (
     "solve_pinned_ik", "straight_path", "symmetric_poses", "certify", "JointPath",
 )  # fmt: skip
 LOOSE = {
-    "JointLimits": "velocity acceleration effort",
+    "JointLimits": "lower upper velocity acceleration effort",
     "JointLimits.contains": "tolerance",
     "CartesianImpedance": "stiffness",
     "JointImpedance": "stiffness",

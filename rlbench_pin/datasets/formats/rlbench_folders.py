@@ -17,7 +17,7 @@ from rlbench_pin.datasets.formats.rlbench_pickle import PickledDemo, PickledObse
 from rlbench_pin.datasets.formats.rlbench_pictures import encode_depth, encode_mask, spread_bytes, write_png
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import CAMERAS, FIELDS, Demo, Observation
-from rlbench_pin.values import as_choice, as_function
+from rlbench_pin.values import as_choice, as_function, as_path
 
 Layout = Literal["upstream", "peract"]
 LOW_DIM_FILE, DESCRIPTIONS_FILE, VARIATION_FILE = "low_dim_obs.pkl", "variation_descriptions.pkl", "variation_number.pkl"
@@ -42,6 +42,7 @@ def export_rlbench(
     """
     as_choice(layout, "layout", get_args(Layout))
     as_function(on_episode, "on_episode")
+    out = as_path(out, "out")
     numbers: dict[str, int] = {}
     with new_folder(out) as folder:
         for index, stored in enumerate(stored_episodes(root, tasks)):
