@@ -10,7 +10,7 @@ from gymnasium.vector import AsyncVectorEnv, AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from rlbench_pin.environment.episode import checked_seed
-from rlbench_pin.errors import InvalidActionError, InvalidValue
+from rlbench_pin.errors import InvalidActionError, InvalidArgument, InvalidValue
 from rlbench_pin.values import as_array, as_finite
 
 AnyEnv = gymnasium.Env[Any, Any]
@@ -57,6 +57,8 @@ class LazyAsyncVectorEnv(VectorEnv[Any, Any, Any]):
         Raises:
             InvalidArgument: A seed is none; there is one for each environment, or the first of a row.
         """
+        if isinstance(seed, list | tuple) and len(seed) != self.num_envs:
+            raise InvalidArgument("seed", seed, f"has to be one whole number, or {self.num_envs}, one for each environment")
         for one in seed if isinstance(seed, list | tuple) else (seed,):
             if one is not None:
                 checked_seed(one)

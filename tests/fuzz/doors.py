@@ -22,6 +22,7 @@ class Door:
         good: Name of an argument -> a value that it takes, or a function of no argument that makes one (`Fresh`).
         loose: Arguments that take more than their annotation says.
         finite: Whether results are finite.
+        good_is_taken: Whether the good arguments are taken; otherwise they are refused as the hostile ones are.
         check: Says what is wrong after a case.
         result: Says what is wrong with a result.
     """
@@ -31,6 +32,7 @@ class Door:
     good: Mapping[str, object] = field(default_factory=dict)
     loose: frozenset[str] = frozenset()
     finite: bool = True
+    good_is_taken: bool = True
     check: Callable[[], str] | None = None
     result: Callable[[object], str] | None = None
 
@@ -77,7 +79,7 @@ def missing(door: Door) -> list[str]:
 
 def cases_of(door: Door, rng: np.random.Generator, share: float = 1.0) -> Iterator[Case]:
     """Yield cases of a door: the good one, and each hostile value in each argument; a random share of them."""
-    yield _case(door, {}, "good arguments", must_take=True)
+    yield _case(door, {}, "good arguments", must_take=door.good_is_taken)
     for name, parameter in parameters_of(door.target()).items():
         kind = kind_of(parameter.annotation)
         takes_function = any(word in str(parameter.annotation) for word in ("Callable", "IsFree", "OnEpisode"))
@@ -87,7 +89,13 @@ def cases_of(door: Door, rng: np.random.Generator, share: float = 1.0) -> Iterat
             if rng.random() < share:
                 strict = name not in door.loose
                 refuse = strict and kind in value.refused_by and kind in ALL
-                yield _case(door, {name: value}, f"{name}={value.words}", must_refuse=refuse, must_take=strict and is_good)
+                yield _case(
+                    door,
+                    {name: value},
+                    f"{name}={value.words}",
+                    must_refuse=refuse,
+                    must_take=strict and is_good and door.good_is_taken,
+                )
 
 
 def _values(kind: str, good: object, rng: np.random.Generator) -> Iterator[tuple[Hostile, bool]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import itertools
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
@@ -12,7 +13,7 @@ import numpy as np
 
 from rlbench_pin import checking, datasets, environment, evaluation, gym, observation, recording, scene, tasks
 from rlbench_pin.datasets import formats
-from rlbench_pin.environment import Discrete, JointPosition, MoveArmThenGripper, TaskEnvironment
+from rlbench_pin.environment import Discrete, ExtraCamera, JointPosition, MoveArmThenGripper, TaskEnvironment
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.recording import PictureConfig, RecordConfig
 from rlbench_pin.robot import RobotModel, robot_description
@@ -27,6 +28,10 @@ SKIPPED = frozenset({
     "hold", "record", "rerender", "ProcessEngine", "run_trials", "explain_failure", "follow_demo", "record_legs", "make_env",
     "GymnasiumEnv", "LeRobotEnv", "LazyAsyncVectorEnv", "Runtime", "TaskEnvironment", "Cameras", "Camera",  # have cases elsewhere
 })  # fmt: skip
+LONG = ("close", "get_task", "step", "set_state", "get_demos", "reset_to_demo", "remove_camera")
+"""These have cases elsewhere, or need what a made-up demonstration has not."""
+PLAYED = frozenset({"convert_by_playing", "replay_demo", "verify", "folder_demos", "read_folder", "read_recording"})
+"""Likewise: their good arguments are refused here."""
 LOOSE = {"key_frames": "demo", "rgb_handles_to_mask": "rgb", "encode_demo": "demo"}
 
 
@@ -38,6 +43,7 @@ def samples(folder: Path, task: TaskEnvironment) -> dict[str, object]:
     library = Path(tasks.__file__).parent / "library"
     new = Fresh(lambda: folder / f"new{next(numbers)}")
     film = Fresh(lambda: folder / f"film{next(numbers)}.mp4")
+    extra = ExtraCamera(pose=np.array([0.0, 0, 1, 0, 0, 0, 1]))
     mode, kind = MoveArmThenGripper(JointPosition(), Discrete()), type(task.task)
     plain: dict[str, object] = {
         "root": root, "path": first, "task": "reach_target", "variation": 0, "episode": 0,
@@ -65,6 +71,10 @@ def samples(folder: Path, task: TaskEnvironment) -> dict[str, object]:
         "stored_demos.random_selection": False, "load_task_file.path": library / "reach_target.py",
         "ObservationConfig.camera.name": "front",
     }  # fmt: skip
+    special |= {
+        "ObservationConfig.add_camera.name": Fresh(lambda: f"extra{next(numbers)}"),
+        "ObservationConfig.add_camera.camera": extra,
+    }
     special |= {f"{name}.task": kind for name in ("keep_task", "task_digest", "task_reference", "task_scene")}
     special |= {f"{name}.task": task for name in ("Film", "convert_by_playing", "replay_demo", "verify")}
     return plain | special | {"keep_tasks.tasks": [kind], "keep_tasks.root": new, "keep_task.root": new}
@@ -88,7 +98,8 @@ def data_doors(folder: Path, task: TaskEnvironment) -> list[Door]:
     good = samples(folder, task)
     modules = (datasets, formats, scene, recording, evaluation, checking, tasks, gym, environment)
     doors = [door for module in modules for door in _public(module, good)]
+    doors = [replace(door, good_is_taken=door.name not in PLAYED) for door in doors]
     doors += functions(observation, ["Demo"], good, LOOSE)
     things = (low_dim_config(), datasets.DatasetWriter(folder / "data"), datasets.Episode(good["path"]), task)  # type: ignore[arg-type]
-    found = [door for thing in things for door in methods(thing, good, LOOSE, skip=("close", "get_task", "step", "set_state"))]
-    return doors + [door for door in found if not missing(door)]
+    found = [door for thing in things for door in methods(thing, good, LOOSE, skip=LONG)]
+    return doors + [replace(door, finite=not door.name.startswith("Episode.")) for door in found if not missing(door)]

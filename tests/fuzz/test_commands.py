@@ -26,9 +26,12 @@ BASES = (
     ("list",), ("new", "touch_it", "--out", "NEW"), ("demo", TASK, "--episodes", "1", "--no-video", "--out", "NEW"),
     ("record", TASK, "--episodes", "1", "--workers", "0", "--products", "--out", "NEW"), ("record", "--resume", "--out", "DATA"),
     ("dataset", "info", "DATA"), ("dataset", "verify", "DATA"), ("dataset", "merge", "DATA", "--out", "NEW"),
-    ("dataset", "export", "robomimic", "DATA", "NEW"), ("dataset", "rerender", "DATA", "--out", "NEW"), ("dataset", "seeds", "DATA"),
-    ("replay", "DATA"), ("view", TASK, "--size", "32", "--out", "FILE/x.png"), ("video", TASK, "--size", "64", "48", "--out", "FILE"),
-    ("check", TASK, "--episodes", "0", "--contract-seeds", "0", "--placements", "1", "--out", "FILE"), ("problems", "export", TASK, "--out", "FILE"),
+    ("dataset", "export", "robomimic", "DATA", "NEW"), ("dataset", "rerender", "DATA", "--out", "NEW"),
+    ("dataset", "seeds", "DATA"),
+    ("replay", "DATA"), ("view", TASK, "--size", "32", "--out", "FILE/x.png"),
+    ("video", TASK, "--size", "64", "48", "--out", "FILE"),
+    ("check", TASK, "--episodes", "0", "--contract-seeds", "0", "--placements", "1", "--out", "FILE"),
+    ("problems", "export", TASK, "--out", "FILE"),
     ("evaluate", "--tasks", "nothing"), ("doctor", "x"), ("nothing",), (),
 )  # fmt: skip
 """Command lines that are short, or refused early; NEW is a new folder, DATA a dataset, FILE a file where a folder should be."""

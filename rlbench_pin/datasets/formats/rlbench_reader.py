@@ -120,7 +120,7 @@ def _arrays(state: object) -> dict[str, np.ndarray] | None:
 def folder_descriptions(path: Path) -> tuple[str, ...]:
     """Return the sentences of an episode; a file that holds something else, as some old ones do, counts as none."""
     path = as_path(path, "path")
-    for folder in (path, path.parents[1]):
+    for folder in (path, path.parent.parent):
         if (folder / DESCRIPTIONS_FILE).is_file():
             found = load(folder / DESCRIPTIONS_FILE)
             return tuple(found) if isinstance(found, list) and all(isinstance(s, str) for s in found) else ()
