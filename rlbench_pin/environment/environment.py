@@ -91,11 +91,9 @@ class Environment:
         self._obs_config = _checked_settings(obs_config)
         self._randomize_every, self._frequency = randomize_every, frequency
         self._visual, self._dynamics = visual_randomization_config, dynamics_randomization_config
-        as_choice(renderer, "renderer", RENDERERS)
-        self._renderer = renderer
-        as_flag(headless, "headless", InvalidArgument)
-        self._static_positions = as_flag(static_positions, "static_positions", InvalidArgument)
-        self._shaped_rewards = as_flag(shaped_rewards, "shaped_rewards", InvalidArgument)
+        self._renderer: RendererName = as_choice(renderer, "renderer", RENDERERS)  # type: ignore[assignment]
+        _check_switches(headless=headless, static_positions=static_positions, shaped_rewards=shaped_rewards)
+        self._static_positions, self._shaped_rewards = static_positions, shaped_rewards
         self._robot = robot_description(robot_setup)
         self._attach_grasped_objects = as_flag(attach_grasped_objects, "attach_grasped_objects", InvalidArgument)
         self._planner_config = PlannerConfig(
@@ -267,6 +265,11 @@ def _check_given(mode: object, root: object) -> None:
         raise InvalidArgument("dataset_root", root, "has to be the path of a folder, or ''")
     if root and not Path(root).is_dir():
         raise DatasetError(f"The dataset root '{root}' does not exist. Create it, or pass dataset_root=''.")
+
+
+def _check_switches(**switches: object) -> None:
+    for name, switch in switches.items():
+        as_flag(switch, name, InvalidArgument)
 
 
 def _checked_settings(config: ObservationConfig | None) -> ObservationConfig:

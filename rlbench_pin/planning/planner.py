@@ -150,8 +150,7 @@ class MotionPlanner:
             GoalInCollision: Collisions count, and all configurations collide.
         """
         q = self._checked(q_seed, rng, allowed, "seed configuration", free=ignore_collisions)
-        collision = None if ignore_collisions else self.collision
-        poses = as_goal_poses(pose)
+        collision, poses = None if ignore_collisions else self.collision, as_goal_poses(pose)
         with self.listeners.reach():
             if collision is not None:
                 collision.clear()
@@ -165,8 +164,7 @@ class MotionPlanner:
         self, q: FloatArray, rng: object, allowed: Collection[str], what: str = "start configuration", *, free: object
     ) -> FloatArray:
         """Check what was given, and return the start as `_within` does."""
-        check_options(rng, allowed)
-        check_switches(ignore_collisions=free)
+        check_options(rng, allowed, free)
         return self._within(q, what)
 
     def _within(self, q: FloatArray, what: str) -> FloatArray:

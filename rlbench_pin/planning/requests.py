@@ -77,7 +77,8 @@ def check_switches(**switches: object) -> None:
         as_flag(switch, name, InvalidRequest)
 
 
-def check_options(rng: object, allowed: Collection[str]) -> None:
-    """Raise InvalidRequest unless `rng` is a generator and `allowed` a collection of names; a text would be its letters."""
+def check_options(rng: object, allowed: Collection[str], free: object) -> None:
+    """Raise InvalidRequest unless `rng` is a generator, `allowed` a collection of names, no text, and `free` True or False."""
+    check_switches(ignore_collisions=free)
     check_generator(rng)
     as_names(allowed, "allowed, the bodies that may be touched,", InvalidRequest)

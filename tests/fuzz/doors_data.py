@@ -40,11 +40,8 @@ def samples(folder: Path, task: TaskEnvironment) -> dict[str, object]:
     root, numbers = folder / "data", itertools.count()
     first = datasets.DatasetWriter(root).add(make_demo(seed=1))
     entry = datasets.read_manifest(root, "reach_target")[0]
-    library = Path(tasks.__file__).parent / "library"
     new = Fresh(lambda: folder / f"new{next(numbers)}")
-    film = Fresh(lambda: folder / f"film{next(numbers)}.mp4")
-    extra = ExtraCamera(pose=np.array([0.0, 0, 1, 0, 0, 0, 1]))
-    mode, kind = MoveArmThenGripper(JointPosition(), Discrete()), type(task.task)
+    mode = MoveArmThenGripper(JointPosition(), Discrete())
     plain: dict[str, object] = {
         "root": root, "path": first, "task": "reach_target", "variation": 0, "episode": 0,
         "demo": Fresh(lambda: make_demo(seed=5)),
@@ -61,6 +58,15 @@ def samples(folder: Path, task: TaskEnvironment) -> dict[str, object]:
         "arm_action_mode": JointPosition(), "gripper_action_mode": Discrete(), "rgb": np.zeros((2, 2, 3)), "namespace": "fuzz",
         "asset": "objects/cube_small/cube_small.urdf", "actions": [], "observations": [], "value": True, "camera": None,
     }  # fmt: skip
+    return plain | special_samples(folder, task, numbers, first)
+
+
+def special_samples(folder: Path, task: TaskEnvironment, numbers: Iterator[int], first: Path) -> dict[str, object]:
+    """Return good arguments of single doors, `door.argument`."""
+    library = Path(tasks.__file__).parent / "library"
+    new = Fresh(lambda: folder / f"new{next(numbers)}")
+    film = Fresh(lambda: folder / f"film{next(numbers)}.mp4")
+    extra, kind = ExtraCamera(pose=np.array([0.0, 0, 1, 0, 0, 0, 1])), type(task.task)
     special: dict[str, object] = {
         "read_scene.path": library / "reach_target.toml", "resolve_asset.source": library / "reach_target.toml",
         "gym_id.mode": "state",
@@ -77,7 +83,7 @@ def samples(folder: Path, task: TaskEnvironment) -> dict[str, object]:
     }
     special |= {f"{name}.task": kind for name in ("keep_task", "task_digest", "task_reference", "task_scene")}
     special |= {f"{name}.task": task for name in ("Film", "convert_by_playing", "replay_demo", "verify")}
-    return plain | special | {"keep_tasks.tasks": [kind], "keep_tasks.root": new, "keep_task.root": new}
+    return special | {"keep_tasks.tasks": [kind], "keep_tasks.root": new, "keep_task.root": new}
 
 
 def _public(module: ModuleType, good: dict[str, object]) -> Iterator[Door]:
