@@ -11,6 +11,7 @@ import numpy as np
 
 from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.front_door import front_door
+from rlbench_pin.values import as_names, as_record, as_several, as_text, as_whole
 
 Array = np.ndarray
 RandomState = tuple[Any, ...]
@@ -142,15 +143,15 @@ class Demo(Sequence[Observation]):
         attempt: int = 0,
         task_name: str = "",
     ) -> None:
-        self._observations = list(observations)
+        self._observations = list(as_several(observations, "Demo.observations"))  # type: ignore[arg-type]
         self.random_seed = random_seed
-        self.num_reset_attempts = num_reset_attempts
-        self.variation_number = variation_number
-        self.instructions = tuple(instructions)
-        self.state = dict(state) if state is not None else None
-        self.versions = dict(versions or {})
-        self.attempt = attempt
-        self.task_name = task_name
+        self.num_reset_attempts = None if num_reset_attempts is None else as_whole(num_reset_attempts, "Demo.num_reset_attempts")
+        self.variation_number = as_whole(variation_number, "Demo.variation_number")
+        self.instructions = as_names(as_several(instructions, "Demo.instructions"), "Demo.instructions")
+        self.state = None if state is None else dict(as_record(state, Mapping, "Demo.state"))  # type: ignore[type-abstract]
+        self.versions = {} if versions is None else dict(as_record(versions, Mapping, "Demo.versions"))  # type: ignore[type-abstract]
+        self.attempt = as_whole(attempt, "Demo.attempt")
+        self.task_name = as_text(task_name, "Demo.task_name")
 
     @property
     def seed(self) -> int | None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from rlbench_pin.errors import InvalidValue
 from rlbench_pin.front_door import front_door
+from rlbench_pin.values import as_array, as_finite, as_number, as_pose, as_vector
 
 FloatArray = NDArray[np.float64]
 PoseLike = Sequence[float] | FloatArray
@@ -26,7 +27,7 @@ TABLE_HEIGHT = 0.752
 
 def above_table(height: float) -> float:
     """Return the world z [m] of what is `height` [m] above the table top, without float dust."""
-    return round(TABLE_HEIGHT + height, 12)
+    return round(TABLE_HEIGHT + as_number(height, "height"), 12)
 
 
 IDENTITY: FloatArray = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
@@ -39,9 +40,7 @@ def pose_to_se3(pose: PoseLike) -> pin.SE3:
     Raises:
         InvalidValue: It has another shape, or its quaternion is zero or not finite (also a ValueError).
     """
-    p = np.asarray(pose, dtype=float)
-    if p.shape != (7,):
-        raise InvalidValue("A pose", pose, f"has to have shape (7,), not {p.shape}", "Write [x, y, z, qx, qy, qz, qw].")
+    p = as_vector(pose, 7, "A pose [x, y, z, qx, qy, qz, qw]")
     norm = np.linalg.norm(p[3:])
     if not 0.0 < norm < np.inf:
         raise InvalidValue(
@@ -52,6 +51,8 @@ def pose_to_se3(pose: PoseLike) -> pin.SE3:
 
 def se3_to_pose(transform: pin.SE3) -> FloatArray:
     """Convert `pin.SE3` to a pose (7,) with qw >= 0."""
+    if not isinstance(transform, pin.SE3):
+        raise InvalidValue("A transform", transform, "has to be a `pin.SE3`")
     pose = np.asarray(pin.SE3ToXYZQUAT(transform))
     return pose if pose[6] >= 0 else np.concatenate([pose[:3], -pose[3:]])
 
@@ -62,12 +63,23 @@ def pose_to_matrix(pose: PoseLike) -> FloatArray:
 
 
 def matrix_to_pose(matrix: FloatArray) -> FloatArray:
-    """Convert a homogeneous matrix (4, 4) to a pose (7,)."""
-    return se3_to_pose(pin.SE3(np.asarray(matrix, dtype=float)))
+    """Convert a homogeneous matrix (4, 4) to a pose (7,).
+
+    Raises:
+        InvalidValue: It has another shape, or its rotation is none (also a ValueError).
+    """
+    m = as_finite(as_array(matrix, "A matrix"), "A matrix")
+    if m.shape != (4, 4) or not np.allclose(m[3], (0.0, 0.0, 0.0, 1.0), atol=1e-6):
+        raise InvalidValue("A matrix", matrix, "has to have shape (4, 4) and the last row [0, 0, 0, 1]")
+    if not np.allclose(m[:3, :3] @ m[:3, :3].T, np.eye(3), atol=1e-3) or np.linalg.det(m[:3, :3]) < 0.0:
+        raise InvalidValue("A matrix", matrix, "has no rotation in its first three rows and columns")
+    return se3_to_pose(pin.SE3(m))
 
 
 def compose(*poses: PoseLike) -> FloatArray:
-    """Chain poses: `compose(T_a_b, T_b_c)` is T_a_c."""
+    """Chain poses: `compose(T_a_b, T_b_c)` is T_a_c; of none it is the pose where nothing moves."""
+    if not poses:
+        return IDENTITY.copy()
     result = pose_to_se3(poses[0])
     for pose in poses[1:]:
         result = result * pose_to_se3(pose)
@@ -86,23 +98,27 @@ def relative(pose: PoseLike, reference: PoseLike) -> FloatArray:
 
 def euler_to_quaternion(roll: float, pitch: float, yaw: float) -> FloatArray:
     """Quaternion [qx, qy, qz, qw] of the rotation Rz(yaw) Ry(pitch) Rx(roll), angles in [rad]."""
+    roll, pitch, yaw = as_number(roll, "roll"), as_number(pitch, "pitch"), as_number(yaw, "yaw")
     return np.asarray(pin.Quaternion(pin.rpy.rpyToMatrix(roll, pitch, yaw)).coeffs())
 
 
 def quaternion_yaw(quaternion: PoseLike) -> float:
     """Heading of the rotated x axis about world z [rad]."""
-    rotation = pin.Quaternion(np.asarray(quaternion, dtype=float)).toRotationMatrix()
+    q = as_vector(quaternion, 4, "A quaternion [qx, qy, qz, qw]")
+    if not 0.0 < (norm := float(np.linalg.norm(q))) < np.inf:
+        raise InvalidValue("A quaternion", quaternion, f"has norm {norm}", "No rotation is [0, 0, 0, 1].")
+    rotation = pin.Quaternion(q / norm).toRotationMatrix()
     return float(np.arctan2(rotation[1, 0], rotation[0, 0]))
 
 
 def pose_at(position: Sequence[float], roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0) -> FloatArray:
     """Build a pose (7,) from a position [m] and Euler angles [rad]."""
-    return np.concatenate([np.asarray(position, dtype=float), euler_to_quaternion(roll, pitch, yaw)])
+    return np.concatenate([as_vector(position, 3, "A position"), euler_to_quaternion(roll, pitch, yaw)])
 
 
 def rotation_distance(a: PoseLike, b: PoseLike) -> float:
     """Angle [rad] between the orientations of two poses."""
-    dot = abs(float(np.dot(np.asarray(a)[3:], np.asarray(b)[3:])))
+    dot = abs(float(np.dot(as_pose(a)[3:], as_pose(b)[3:])))
     return 2.0 * float(np.arccos(min(1.0, dot)))
 
 

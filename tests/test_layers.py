@@ -23,6 +23,8 @@ ROWS: tuple[tuple[str, ...], ...] = (
     ("errors", "values", "spatial", "urdf", "observation", "assets", "plugins", "front_door", "processes"),
 )
 FLOOR = len(ROWS) - 1
+SHARED = ("errors", "values", "front_door")
+"""What the floor itself stands on: errors and front doors import nothing, values only errors."""
 
 # Records that neighbours exchange. They hold data only, and import nothing but the floor.
 RECORDS = ("scene.snapshot", "robot.trajectory")
@@ -119,11 +121,7 @@ def arrow_fault(source: str, target: str) -> str | None:
     if row_here < row_there or _is_record(target):
         return None
     if row_here == row_there == FLOOR:
-        return (
-            None
-            if (here, there) == ("observation", "spatial") or there in ("errors", "front_door")
-            else "the bottom row imports nothing"
-        )
+        return None if (here, there) == ("observation", "spatial") or there in SHARED else "the bottom row imports nothing"
     return "sideways" if row_here == row_there else "upwards"
 
 

@@ -18,6 +18,7 @@ from rlbench_pin.datasets.storage import storing
 from rlbench_pin.environment.demonstrate import LegReport
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.tasks import LIBRARY, find_task
+from rlbench_pin.values import as_names, as_path
 
 _PACKAGE = ASSETS.parent
 _DECISIVE = ("judge.py", "reach.py", "records.py", "stopwatch.py", "trials.py")
@@ -40,8 +41,9 @@ class TrialJournal:
     """
 
     def __init__(self, path: Path | None, tasks: Sequence[str]) -> None:
+        path = None if path is None else as_path(path, "path")
         self._path = path
-        self._marks = {} if path is None else _marks(tasks)
+        self._marks = {} if path is None else _marks(as_names(tasks, "tasks"))
         self._done: dict[str, list[Trial]] = {}
         if path is not None and path.is_file():
             self._read(path)

@@ -24,6 +24,7 @@ from rlbench_pin.checking.records import (
 )
 from rlbench_pin.checking.speed import LegStatistics, Speed, leg_statistics, speed_of
 from rlbench_pin.checking.statistics import Rate
+from rlbench_pin.values import as_flag, as_record, as_several, as_text
 
 FIRST_TRY_FLOOR = 0.95
 REPLAY_FLOOR = 0.95
@@ -139,6 +140,10 @@ def summarise(task: str, trials: Sequence[Trial], by_chance: bool = False, share
         by_chance: Whether random actions may succeed now and then.
         shared_goals: Whether variations may ask for the same.
     """
+    task, by_chance = as_text(task, "task"), as_flag(by_chance, "by_chance")
+    shared_goals = as_flag(shared_goals, "shared_goals")
+    for trial in as_several(trials, "trials"):
+        as_record(trial, Trial, "A trial")
     trials = ordered(trials)
     return TaskReport(
         task=task,

@@ -14,6 +14,10 @@ from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_record
 
+FARTHEST = 1e6
+"""No pose is so far away [m]."""
+LARGEST_STATE = 1e4
+"""Joints that are, or move, beyond this [rad], [rad/s] were measured wrongly: braking from there has too many ticks."""
 _FLOAT = np.dtype(float)
 
 
@@ -36,12 +40,13 @@ def as_state(q: ArrayLike, v: ArrayLike, size: int) -> tuple[FloatArray, FloatAr
     """Return configuration and joint velocity as finite float64 vectors of shape (size,).
 
     Raises:
-        InvalidTarget: One of them has another shape, or holds NaN or infinity.
+        InvalidTarget: One of them has another shape, or holds NaN, infinity, or a number beyond `LARGEST_STATE`.
     """
     plain = type(q) is type(v) is np.ndarray and q.dtype is v.dtype is _FLOAT and q.shape == v.shape == (size,)
-    if plain and math.isfinite(sum(q.tolist()) + sum(v.tolist())):  # type: ignore[union-attr] # NaN shows in any sum
+    if plain and math.hypot(*q.tolist(), *v.tolist()) <= LARGEST_STATE:  # type: ignore[union-attr] # NaN shows in any length
         return q, v  # type: ignore[return-value]
-    return as_vector(q, size, "configuration"), as_vector(v, size, "joint velocity")
+    q = values.as_vector(q, size, "configuration", InvalidTarget, most=LARGEST_STATE)
+    return q, values.as_vector(v, size, "joint velocity", InvalidTarget, most=LARGEST_STATE)
 
 
 def as_placement(pose: ArrayLike, what: str = "target pose") -> pin.SE3:
@@ -60,8 +65,8 @@ def as_pose(pose: ArrayLike, what: str = "target pose") -> list[float]:
     numbers: list[float] = vector.tolist()
     x, y, z, qx, qy, qz, qw = numbers
     square = qx * qx + qy * qy + qz * qz + qw * qw
-    if not math.isfinite(x + y + z + square):
-        raise InvalidTarget(what, vector, "has to be finite")
+    if not math.hypot(x, y, z, square) < FARTHEST:
+        raise InvalidTarget(what, vector, f"has to be finite, and nearer than {FARTHEST:g} m")
     if -1e-9 < square - 1.0 < 1e-9:
         return numbers
     if square < values.SMALLEST_NORM**2:

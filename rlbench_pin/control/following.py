@@ -20,11 +20,12 @@ from numpy.typing import ArrayLike
 
 from rlbench_pin.control.checks import as_state, check_made_of
 from rlbench_pin.control.qp.constraints import HeldQuantity, JointBounds
+from rlbench_pin.errors import InvalidTarget
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.values import as_number
+from rlbench_pin.values import as_number, as_record
 
 
 class FollowingBackend(Protocol):
@@ -45,8 +46,13 @@ class VelocityFollowing:
         self.dt, self.gain = dt, as_number(gain, "gain", least=0.0)
         self.bounds = JointBounds(limits, dt, hold)
 
+    def _state(self, trajectory: Trajectory, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+        as_record(trajectory, Trajectory, "trajectory")
+        return as_state(q, v, len(self.bounds.velocity))
+
     def command(self, trajectory: Trajectory, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
         """Return the joint velocity (n,), [rad/s]."""
+        q, v = self._state(trajectory, q, v)
         now, after = trajectory.sample(t), trajectory.sample(t + self.dt)
         feedforward = (after[0] - now[0]) / self.dt if self.bounds.hold == "velocity" else after[1]
         slowest, fastest = self.bounds.interval(q, v)
@@ -64,6 +70,8 @@ class ComputedTorque:
 
     def command(self, trajectory: Trajectory, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
         """Return the joint torques (n,), [N m], within the effort limits."""
+        as_record(trajectory, Trajectory, "trajectory")
+        q, v = as_state(q, v, self.model.size)
         q_d, v_d, a_d = trajectory.sample(t)
         omega, effort = self.frequency, self.model.limits.effort
         a = a_d + 2.0 * omega * (v_d - v) + omega * omega * (q_d - q)
@@ -89,7 +97,11 @@ class TrajectoryFollower:
 
     def __init__(self, trajectory: Trajectory, backend: FollowingBackend) -> None:
         """Start at the trajectory's begin."""
-        self.trajectory, self.backend = trajectory, backend
+        self.trajectory, self.backend = as_record(trajectory, Trajectory, "trajectory"), backend
+        if not callable(getattr(backend, "command", None)):
+            raise InvalidTarget(
+                "backend", backend, "has to turn states into commands", "For example `VelocityFollowing(model.limits)`."
+            )
         self._ticks, self._squares, self._largest, self._last = 0, 0.0, 0.0, 0.0
 
     @property

@@ -16,10 +16,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from rlbench_pin.control.checks import as_vector
 from rlbench_pin.errors import InvalidTarget
 from rlbench_pin.robot.description import RobotDescription
-from rlbench_pin.values import POSITIVE, check_settings
+from rlbench_pin.values import POSITIVE, as_array, as_finite, as_number, as_record, check_settings
 
 GripperState = Literal["moving", "reached", "holding", "stalled"]
 
@@ -78,7 +77,7 @@ class GripperController:
 
     def __init__(self, config: GripperConfig) -> None:
         """Start with the goal of standing open."""
-        self.config = config
+        self.config = as_record(config, GripperConfig, "config")
         self.open()
 
     def open(self) -> None:
@@ -95,9 +94,8 @@ class GripperController:
         Raises:
             InvalidTarget: NaN or infinity, or a force that is not > 0 (also a ValueError).
         """
-        width, limit = as_vector([width, self.config.force if force is None else force], 2, "gripper goal").tolist()
-        if limit <= 0.0:
-            raise InvalidTarget("a gripping force [N]", limit, "has to be > 0")
+        width = as_number(width, "a gripper width [m]", InvalidTarget)
+        limit = self.config.force if force is None else as_number(force, "a gripping force [N]", InvalidTarget, above=0.0)
         self.target, self.force = min(max(width, 0.0), self.config.widest), min(limit, self.config.force)
         self.state: GripperState = "moving"
         self._last: float | None = None
@@ -124,8 +122,11 @@ class GripperController:
         Raises:
             InvalidTarget: NaN or infinity.
         """
-        forces = [force] if isinstance(force, int | float) else list(force)
-        width, *measured = as_vector([width, *forces], 1 + len(forces), "measured width and force").tolist()
+        width = as_number(width, "measured width [m]", InvalidTarget)
+        forces = as_array(force, "measured force [N]", InvalidTarget)
+        measured = as_finite(forces, "measured force [N]", InvalidTarget).ravel().tolist()
+        if not measured:
+            raise InvalidTarget("measured force [N]", force, "has to be a number, or one for each finger")
         closing = self.target < width
         self._note_motion(width)
         if self.state == "holding" and abs(width - self._held_at) > self.config.slip:

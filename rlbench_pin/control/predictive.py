@@ -167,6 +167,8 @@ class CartesianMPC:
             program.set_objective(k, *self._objective(nominal[k], goal))
             if self.distances is not None:
                 program.set_distances(k, *self._clearances(nominal[k]))
+        if not np.isfinite(program.cost.data).all() or not np.isfinite(program.linear).all():
+            return PredictiveCommand(self.bounds.braking(v), nominal, 0.0, True)
         self._osqp.update(q=program.linear, l=program.low, u=program.high, Px=program.cost.data, Ax=program.rows.data)
         result = self._osqp.solve(raise_error=False)
         self.iterations = int(result.info.iter)

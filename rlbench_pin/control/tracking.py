@@ -9,7 +9,7 @@ import numpy as np
 from rlbench_pin.errors import InvalidValue
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.values import as_number
+from rlbench_pin.values import as_number, as_record
 
 MOST_TICKS = 10_000_000
 
@@ -23,8 +23,9 @@ class TrajectoryTracker(Iterator[FloatArray]):
 
     def __init__(self, trajectory: Trajectory, dt: float, least_speed: float = 0.0) -> None:
         """Start before the first command; a command per `dt` [s]; `least_speed` in [rad/s]."""
-        as_number(dt, "the control tick dt [s]", above=0.0)
-        as_number(least_speed, "least_speed", least=0.0)
+        as_record(trajectory, Trajectory, "trajectory")
+        dt = as_number(dt, "the control tick dt [s]", above=0.0)
+        least_speed = as_number(least_speed, "least_speed", least=0.0)
         if trajectory.duration > MOST_TICKS * dt:
             raise InvalidValue("the control tick dt [s]", dt, f"makes too many commands of {trajectory.duration:.4g} s")
         self.trajectory, self.dt = trajectory, dt

@@ -21,6 +21,7 @@ from rlbench_pin.datasets.trust.listing import altered, check_file
 from rlbench_pin.datasets.writer import DESCRIPTIONS, FORMAT, VERSION
 from rlbench_pin.errors import DatasetError, EpisodeFileError
 from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.values import as_path, as_text
 
 _GROUPS = ("observations", "misc")
 _JSON = ("instructions", "versions", "random_state")
@@ -43,7 +44,9 @@ class Episode:
     """
 
     def __init__(self, path: Path, sha256: str | None = None, inspector: Inspector | None = None) -> None:
-        self.path, self._is_closed = Path(path), False
+        self.path, self._is_closed = as_path(path, "path"), False
+        if sha256 is not None:
+            as_text(sha256, "sha256")
         if not self.path.is_file():
             raise EpisodeFileError(self.path, f"The episode '{self.path}' does not exist.")
         with self._named():

@@ -8,6 +8,7 @@ import numpy as np
 
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import Observation
+from rlbench_pin.values import as_number, as_record, as_whole
 
 
 def key_frames(demo: Sequence[Observation], *, max_speed: float = 0.1, frames_between_stops: int = 4) -> list[int]:
@@ -33,6 +34,11 @@ def key_frames(demo: Sequence[Observation], *, max_speed: float = 0.1, frames_be
     Raises:
         DatasetError: An observation lacks one of the two fields.
     """
+    max_speed = as_number(max_speed, "max_speed", least=0.0)
+    frames_between_stops = as_whole(frames_between_stops, "frames_between_stops", least=0)
+    demo = as_record(demo, Sequence, "demo")  # type: ignore[type-abstract]
+    for observation in demo:
+        as_record(observation, Observation, "An observation of the demo")
     resting = [_speed(demo, i) <= max_speed for i in range(len(demo))]
     opening = [_opening(demo, i) for i in range(len(demo))]
     stops = _stops(resting, opening, frames_between_stops)

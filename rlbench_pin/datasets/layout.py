@@ -7,7 +7,8 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from rlbench_pin.datasets.trust import check_inside
-from rlbench_pin.errors import DatasetError, nearest_name
+from rlbench_pin.errors import DatasetError, nearest_name, shown
+from rlbench_pin.values import as_flag, as_names, as_path, as_whole
 
 EPISODE_SUFFIX = ".h5"
 MANIFEST = "manifest.json"
@@ -25,8 +26,8 @@ def checked_task_name(task: str) -> str:
     Raises:
         DatasetError: It has a slash, dots or anything else that leads out of the dataset.
     """
-    if _TASK.fullmatch(task) is None:
-        raise DatasetError(f"{task!r} is not a task name: letters, digits, '_' and '-' only, at most 128 of them.")
+    if not isinstance(task, str) or _TASK.fullmatch(task) is None:
+        raise DatasetError(f"{shown(task)} is not a task name: letters, digits, '_' and '-' only, at most 128 of them.")
     return task
 
 
@@ -37,12 +38,13 @@ def episode_file(variation: int, episode: int) -> str:
 
 def episode_path(root: Path, task: str, variation: int, episode: int) -> Path:
     """Return the file of one episode."""
-    return Path(root) / checked_task_name(task) / episode_file(variation, episode)
+    variation, episode = as_whole(variation, "variation", least=0), as_whole(episode, "episode", least=0)
+    return as_path(root, "root") / checked_task_name(task) / episode_file(variation, episode)
 
 
 def manifest_path(root: Path, task: str) -> Path:
     """Return the manifest of one task."""
-    return Path(root) / checked_task_name(task) / MANIFEST
+    return as_path(root, "root") / checked_task_name(task) / MANIFEST
 
 
 def is_episode_place(path: Path) -> bool:
@@ -54,7 +56,7 @@ def is_episode_place(path: Path) -> bool:
 
 def episode_number(path: Path) -> int:
     """Return j of `episode<j>.h5`."""
-    match = _EPISODE.fullmatch(Path(path).name)
+    match = _EPISODE.fullmatch(as_path(path, "path").name)
     if match is None:
         raise DatasetError(f"'{path}' is not called like an episode; expected episode<number>{EPISODE_SUFFIX}.")
     return int(match[1])
@@ -70,10 +72,11 @@ def stored_tasks(root: Path, *, at_least_one: bool = False) -> tuple[str, ...]:
     Raises:
         DatasetError: The root does not exist, holds no task where there must be one, or the folder of a task is a link out of it.
     """
+    at_least_one = as_flag(at_least_one, "at_least_one")
     folders = [p for p in _root_folder(root).iterdir() if p.is_dir() and _TASK.fullmatch(p.name)]
     tasks = sorted(p.name for p in folders if (p / MANIFEST).is_file() or any(p.glob("variation*/episodes")))
     for task in tasks:
-        check_inside(root, Path(root) / task)
+        check_inside(root, as_path(root, "root") / task)
     if at_least_one and not tasks:
         raise DatasetError(f"'{root}' holds no demonstrations. `rlbench-pin record TASK --out {root}` makes some.")
     return tuple(tasks)
@@ -85,6 +88,7 @@ def chosen_tasks(place: Path, stored: Sequence[str], tasks: Sequence[str]) -> tu
     Raises:
         DatasetError: One of them is not stored.
     """
+    stored, tasks = as_names(stored, "stored"), as_names(tasks, "tasks")
     for task in tasks:
         if task not in stored:
             raise _unknown_task(place, task, stored)
@@ -114,6 +118,7 @@ def episode_files(root: Path, task: str, variation: int = ALL_VARIATIONS) -> tup
 
 def check_variation(root: Path, task: str, variation: int, stored: Collection[int]) -> None:
     """Raise DatasetError unless the variation is one of those stored, or all (-1)."""
+    variation = as_whole(variation, "variation, -1 for all,")
     if variation != ALL_VARIATIONS and variation not in stored:
         raise DatasetError(f"'{root}' holds no variation {variation} of '{task}', only {sorted(stored)}.")
 
@@ -124,7 +129,7 @@ def _episodes_in(folder: Path) -> list[Path]:
 
 
 def _root_folder(root: Path) -> Path:
-    root = Path(root)
+    root = as_path(root, "root")
     if not root.is_dir():
         raise DatasetError(f"The dataset folder '{root}' does not exist. Make one with `rlbench-pin record TASK --out {root}`.")
     return root
@@ -133,7 +138,7 @@ def _root_folder(root: Path) -> Path:
 def _task_folder(root: Path, task: str) -> Path:
     folder = _root_folder(root) / checked_task_name(task)
     if not folder.is_dir():
-        raise _unknown_task(root, task, sorted(p.name for p in Path(root).iterdir() if p.is_dir()))
+        raise _unknown_task(root, task, sorted(p.name for p in as_path(root, "root").iterdir() if p.is_dir()))
     check_inside(root, folder)
     return folder
 

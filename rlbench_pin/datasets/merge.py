@@ -14,6 +14,7 @@ from rlbench_pin.datasets.task_copy import check_alike, copy_kept
 from rlbench_pin.datasets.trust import check_inside
 from rlbench_pin.datasets.writer import DatasetWriter
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
+from rlbench_pin.values import as_function, as_path, items_of
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,8 @@ def merge_datasets(roots: Sequence[Path], out: Path, on_episode: Callable[[Move]
         EpisodeFileError: A file is missing or not what its manifest says.
         StorageError: The disk cannot be written to. Every episode stored before is whole; merging again completes the rest.
     """
-    out = Path(out)
+    out = as_path(out, "out")
+    as_function(on_episode, "on_episode")
     if not plan_merge(roots, out):
         return ()
     with hold(out):
@@ -58,12 +60,14 @@ def merge_datasets(roots: Sequence[Path], out: Path, on_episode: Callable[[Move]
 
 def plan_merge(roots: Sequence[Path], out: Path) -> tuple[Move, ...]:
     """Return what `merge` would copy, having checked that it all goes together."""
+    roots = [as_path(root, "root") for root in items_of(roots)]
     if not roots:
         raise DatasetError("No dataset was named to merge.")
+    out = as_path(out, "out")
     moves: list[Move] = []
     tasks = sorted({task for root in roots for task in stored_tasks(root)})
     for task in tasks:
-        moves += _plan_task([Path(root) for root in roots], Path(out), task)
+        moves += _plan_task(roots, out, task)
     return tuple(moves)
 
 

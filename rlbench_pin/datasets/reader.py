@@ -13,6 +13,7 @@ from rlbench_pin.datasets.manifest import has_manifest, read_manifest
 from rlbench_pin.datasets.trust import Inspector, check_inside
 from rlbench_pin.errors import DatasetError, EpisodeFileError
 from rlbench_pin.observation import CAMERAS, PRODUCTS, Demo
+from rlbench_pin.values import as_flag, as_path, as_record, as_text, as_whole
 
 PICTURES = tuple(f"{camera}_{product}" for camera in CAMERAS for product in PRODUCTS)
 
@@ -38,7 +39,7 @@ def read_demo(
         DatasetError: The file is missing, truncated, damaged, or of another format or version; names the file.
     """
     with Episode(path, sha256, inspector) as episode:
-        if not image_paths:
+        if not as_flag(image_paths, "image_paths"):
             return episode.demo(fields)
         wanted = [name for name in episode.fields if fields is None or name in fields]
         pictures = [name for name in wanted if name in PICTURES]
@@ -55,11 +56,11 @@ def read_picture(reference: str) -> np.ndarray:
     Raises:
         DatasetError: The text names no stored picture.
     """
-    path, _, inside = reference.rpartition("#")
+    path, _, inside = as_text(reference, "reference").rpartition("#")
     name, _, frame = inside.partition("/")
     if not path or name not in PICTURES or not frame.isdigit():
         raise DatasetError(f"{reference!r} stands for no picture; expected '<file>#<field>/<frame>', as image_paths=True gives.")
-    with Episode(Path(path)) as episode:
+    with Episode(as_path(path, "path")) as episode:
         if name not in episode.fields or int(frame) >= len(episode):
             raise DatasetError(f"'{path}' holds no {name} of frame {frame}; it has {len(episode)} frames of {episode.fields}.")
         picture = episode.series(name, range(int(frame), int(frame) + 1))[0]
@@ -97,7 +98,7 @@ def stored_demos(
         DatasetError: More are asked for than are stored, or from a later one on, or a file cannot be read, or a listed one is
             missing.
     """
-    root = Path(root)
+    root = as_path(root, "root")
     sums = counted_files(root, task, variation)
     files = select(
         list(sums), f"of variation {variation} of '{task}' in '{root}'", amount,
@@ -126,6 +127,7 @@ def counted_files(root: Path, task: str, variation: int = ALL_VARIATIONS) -> dic
 
 def check_there(path: Path) -> None:
     """Raise EpisodeFileError unless a listed file is there, and in its dataset: no link that leads elsewhere."""
+    path = as_path(path, "path")
     if not path.is_file():
         raise EpisodeFileError(
             path,
@@ -169,6 +171,7 @@ def select(
     Raises:
         DatasetError: There are too few.
     """
+    amount, random_selection = as_whole(amount, "amount, -1 for all,"), as_flag(random_selection, "random_selection")
     if amount < -1:
         raise DatasetError(f"{amount} demos cannot be read; ask for 0 or more, or for all with -1.")
     first = 0 if random_selection else _checked_first(from_episode_number, len(episodes), what)
@@ -181,12 +184,14 @@ def select(
     if random_selection:
         if rng is None:
             raise DatasetError("A random selection needs a generator: pass `rng`, or random_selection=False.")
+        as_record(rng, np.random.Generator, "rng")
         chosen = [chosen[i] for i in rng.permutation(len(chosen))]
     return chosen if amount < 0 else chosen[:amount]
 
 
 def _checked_first(number: int, count: int, what: str) -> int:
     """Return the index of the first episode, or raise DatasetError when there is none."""
+    number = as_whole(number, "from_episode_number")
     if number == 0 or 0 < number < count:
         return number
     stored = f"it holds {count}, counted from 0" if count else "it holds none"

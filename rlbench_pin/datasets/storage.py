@@ -11,7 +11,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from rlbench_pin.errors import DatasetConflict, StorageError
+from rlbench_pin.errors import DatasetConflict, InvalidValue, StorageError
+from rlbench_pin.values import as_path, as_record
 
 
 @contextmanager
@@ -52,6 +53,9 @@ def write_whole(path: Path, data: bytes) -> Path:
     Raises:
         StorageError: The disk cannot be written to; nothing is left behind and an earlier file of that name is as it was.
     """
+    path, data = as_path(path, "path"), as_record(data, bytes, "data")
+    if not path.name:
+        raise InvalidValue("path", path, "has to be the name of a file")
     temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     with storing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -68,7 +72,7 @@ def write_whole(path: Path, data: bytes) -> Path:
 
 def remove_leftovers(folder: Path) -> int:
     """Delete the temporary files that killed writers left below a folder; return how many there were."""
-    parts = list(folder.rglob(".*.part"))
+    parts = list(as_path(folder, "folder").rglob(".*.part"))
     for part in parts:
         part.unlink(missing_ok=True)
     return len(parts)

@@ -15,6 +15,7 @@ from rlbench_pin.datasets.layout import checked_task_name
 from rlbench_pin.datasets.manifest import digest, file_digest
 from rlbench_pin.datasets.storage import write_whole
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
+from rlbench_pin.values import as_path, as_record, as_text
 
 FOLDER = "task_file"
 _INDEX = "files.json"
@@ -69,7 +70,7 @@ def kept_task(root: Path, task: str) -> KeptTask | None:
     Raises:
         EpisodeFileError: The list of files is damaged, or names anything but files of its own folder.
     """
-    folder = Path(root) / checked_task_name(task) / FOLDER
+    folder = as_path(root, "root") / checked_task_name(task) / FOLDER
     index = folder / _INDEX
     if not os.path.isfile(index):  # no also where nothing can be looked up: whoever writes there finds out why
         return None
@@ -101,7 +102,12 @@ def keep_files(root: Path, task: str, file: str, contents: Mapping[str, bytes]) 
         DatasetConflict: Other files are kept there.
         StorageError: The disk cannot be written to.
     """
-    kept = KeptTask(task, Path(root) / checked_task_name(task) / FOLDER, file, {n: digest(d) for n, d in contents.items()})
+    as_text(file, "file")
+    for name, content in as_record(contents, Mapping, "contents").items():  # type: ignore[type-abstract]
+        as_record(content, bytes, f"the content of {as_text(name, 'the name of a file')}")
+    kept = KeptTask(
+        task, as_path(root, "root") / checked_task_name(task) / FOLDER, file, {n: digest(d) for n, d in contents.items()}
+    )
     before = kept_task(root, task)
     if before is not None:
         check_same(before, kept.files, f"'{file}', which is to be recorded")

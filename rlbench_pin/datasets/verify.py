@@ -11,6 +11,7 @@ from rlbench_pin.datasets.task_copy import kept_faults
 from rlbench_pin.datasets.trust import check_inside
 from rlbench_pin.datasets.trust.listing import altered
 from rlbench_pin.errors import DatasetError, EpisodeFileError
+from rlbench_pin.values import as_flag
 
 
 def task_faults(root: Path, task: str, *, structure: bool = True) -> list[DatasetError]:
@@ -21,6 +22,7 @@ def task_faults(root: Path, task: str, *, structure: bool = True) -> list[Datase
         task: Task name.
         structure: Also open every file and read every value; False only compares checksums.
     """
+    structure = as_flag(structure, "structure")
     manifest = manifest_path(root, task)
     try:
         entries = read_manifest(root, task)

@@ -12,7 +12,9 @@ from typing import cast
 import av
 import numpy as np
 
+from rlbench_pin.datasets.storage import storing
 from rlbench_pin.errors import DatasetError
+from rlbench_pin.values import as_path, as_picture_size, as_whole
 
 _CODECS: tuple[tuple[str, dict[str, str]], ...] = (
     ("libx264", {"crf": "20", "preset": "medium"}),
@@ -34,10 +36,17 @@ class VideoWriter:
     def __init__(
         self, path: Path, size: tuple[int, int], fps: int = 20, *, key_frames: int | None = None, quality: int = 20
     ) -> None:
+        size = as_picture_size(size, "size of a video")
+        fps, quality = as_whole(fps, "fps", least=1, most=1000), as_whole(quality, "quality", least=0, most=51)
+        if key_frames is not None:
+            key_frames = as_whole(key_frames, "key_frames", least=1, most=100_000)
         if size[0] % 2 or size[1] % 2:
             raise DatasetError(f"A video of {size[0]} x {size[1]} px cannot be encoded; choose an even width and height.")
-        self.path, self.size, self.frames = Path(path), size, 0
-        self.path.parent.mkdir(parents=True, exist_ok=True)
+        self.path, self.size, self.frames = as_path(path, "path"), size, 0
+        if not self.path.name:
+            raise DatasetError(f"A film cannot be called '{path}'. Name a file, such as 'out/film.mp4'.")
+        with storing(self.path):
+            self.path.parent.mkdir(parents=True, exist_ok=True)
         self._temporary = self.path.with_name(f".{self.path.stem}.{os.getpid()}.part.mp4")
         # `file:` because FFmpeg takes what stands before a colon in a path for a protocol.
         self._container = av.open(f"file:{self._temporary}", mode="w", options={"movflags": "faststart"})
@@ -57,8 +66,10 @@ class VideoWriter:
     def add(self, picture: np.ndarray) -> None:
         """Append one picture, uint8 (h, w, 3)."""
         width, height = self.size
-        if picture.shape != (height, width, 3):
-            raise DatasetError(f"A picture of shape {picture.shape} does not fit a video of {width} x {height} px.")
+        shape = getattr(picture, "shape", None)
+        if shape != (height, width, 3) or picture.dtype.kind not in "ui":
+            kind = getattr(picture, "dtype", type(picture).__name__)
+            raise DatasetError(f"A picture of shape {shape} and type {kind} does not fit a video of {width} x {height} px.")
         frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture, dtype=np.uint8), format="rgb24")
         frame.pts = self.frames
         self.frames += 1

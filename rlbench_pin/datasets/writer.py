@@ -6,7 +6,7 @@ import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 import h5py
 
@@ -17,6 +17,7 @@ from rlbench_pin.datasets.storage import write_whole
 from rlbench_pin.datasets.trust import check_inside
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import FIELDS, Demo
+from rlbench_pin.values import LARGEST_SEED, as_choice, as_names, as_path, as_record, as_seed, as_text, as_whole
 
 FORMAT = "rlbench_pin.episode"
 VERSION = 1
@@ -37,6 +38,8 @@ def encode_demo(demo: Demo, compression: Compression = "gzip") -> bytes:
     Raises:
         DatasetError: The demo is empty or holds something that cannot be stored.
     """
+    _check_demo(demo)
+    as_choice(compression, "compression", get_args(Compression))
     if len(demo) == 0:
         raise DatasetError("A demonstration without observations cannot be written.")
     buffer = io.BytesIO()
@@ -48,6 +51,19 @@ def encode_demo(demo: Demo, compression: Compression = "gzip") -> bytes:
         except TypeError as error:
             raise DatasetError(f"The demonstration of '{demo.task_name}' cannot be written: {error}.") from error
     return buffer.getvalue()
+
+
+def _check_demo(demo: Demo) -> None:
+    """Raise InvalidValue unless it is a demonstration whose numbers an episode file can hold."""
+    as_record(demo, Demo, "demo")
+    if demo.seed is not None:
+        as_seed(demo.seed, "Demo.random_seed")
+    for name in ("variation_number", "attempt"):
+        as_whole(getattr(demo, name), f"Demo.{name}", least=0, most=LARGEST_SEED)
+    if demo.num_reset_attempts is not None:
+        as_whole(demo.num_reset_attempts, "Demo.num_reset_attempts", least=0, most=LARGEST_SEED)
+    as_text(demo.task_name, "Demo.task_name")
+    as_names(demo.instructions, "Demo.instructions")
 
 
 def write_demo(demo: Demo, path: Path, compression: Compression = "gzip") -> Path:
@@ -62,7 +78,7 @@ def write_demo(demo: Demo, path: Path, compression: Compression = "gzip") -> Pat
         DatasetError: The demo is empty or holds something that cannot be stored.
         StorageError: The disk cannot be written to.
     """
-    return write_whole(Path(path), encode_demo(demo, compression))
+    return write_whole(as_path(path, "path"), encode_demo(demo, compression))
 
 
 def _write_head(file: h5py.File, demo: Demo) -> None:
@@ -125,12 +141,17 @@ class DatasetWriter:
     compression: Compression = "gzip"
     """`gzip` is small, `lzf` is fast."""
 
+    def __post_init__(self) -> None:
+        """Raise InvalidValue or UnknownName for what is no folder and no compression."""
+        object.__setattr__(self, "root", as_path(self.root, "DatasetWriter.root"))
+        as_choice(self.compression, "compression", get_args(Compression))
+
     def add(self, demo: Demo) -> Path:
         """Store a demonstration and return its file.
 
         A demo of the same variation and seed is replaced, so that running a command twice leaves no duplicates.
         """
-        if not demo.task_name:
+        if not as_record(demo, Demo, "demo").task_name:
             raise DatasetError("A demonstration without a task name cannot be stored; set `Demo.task_name`.")
         data = encode_demo(demo, self.compression)
         with locked_manifest(self.root, demo.task_name) as entries:
@@ -150,7 +171,8 @@ class DatasetWriter:
             DatasetError: The entry names another place than that of its episode, or a link leads out of the dataset.
             StorageError: The disk cannot be written to; the episode does not count.
         """
-        entry.check(manifest_path(self.root, task))
+        as_record(data, bytes, "data")
+        as_record(entry, EpisodeEntry, "entry").check(manifest_path(self.root, task))
         path = episode_path(self.root, task, entry.variation, entry.episode)
         check_inside(self.root, path.parent)
         write_whole(path, data)
@@ -160,6 +182,9 @@ class DatasetWriter:
 
 def episode_entry(demo: Demo, data: bytes, number: int, failures: Sequence[str] = ()) -> EpisodeEntry:
     """Return the line of the manifest that describes a demonstration encoded as `data`."""
+    _check_demo(demo)
+    number, data = as_whole(number, "number", least=0), as_record(data, bytes, "data")
+    failures = as_names(failures, "failures")
     return EpisodeEntry(
         file=episode_file(demo.variation_number, number),
         variation=demo.variation_number,

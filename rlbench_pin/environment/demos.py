@@ -11,9 +11,10 @@ import numpy as np
 from rlbench_pin.environment.demonstrate import DemoOutcome, DemoPlayer, try_play
 from rlbench_pin.environment.episode import EpisodeOrigin, checked_seed
 from rlbench_pin.environment.runtime import Runtime
-from rlbench_pin.errors import DemoError, TaskEnvironmentError
+from rlbench_pin.errors import DemoError, InvalidArgument, TaskEnvironmentError
 from rlbench_pin.observation import Demo, Observation, RandomState
 from rlbench_pin.tasks import Task
+from rlbench_pin.values import as_record
 
 LIBRARIES = ("rlbench_pin", "pin", "coal", "pybullet", "ompl", "toppra", "placo", "osqp", "numpy")
 """Distributions that shape a demonstration."""
@@ -107,6 +108,7 @@ def check_start(demo: Demo, task_name: str) -> int:
     Raises:
         TaskEnvironmentError: It is of another task than `task_name`, or carries no seed, or a state without a snapshot.
     """
+    as_record(demo, Demo, "demo", InvalidArgument)
     if demo.task_name and demo.task_name != task_name:
         raise TaskEnvironmentError(f"The demonstration shows '{demo.task_name}', this is '{task_name}'.")
     if demo.random_seed is None:

@@ -32,7 +32,7 @@ from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import RENDERERS, RendererName, World, give_back_memory
 from rlbench_pin.tasks import Task, find_task
-from rlbench_pin.values import as_choice, as_number, as_record, as_seed
+from rlbench_pin.values import as_choice, as_flag, as_number, as_record, as_seed
 
 _SCENE_DATA = {"intrinsics": "intrinsics", "extrinsics": "extrinsics", "near_plane": "near", "far_plane": "far"}
 """Name in the data of a scene -> name in `misc`."""
@@ -91,11 +91,11 @@ class Environment:
         self._obs_config = _checked_settings(obs_config)
         self._randomize_every, self._frequency = randomize_every, frequency
         self._visual, self._dynamics = visual_randomization_config, dynamics_randomization_config
-        as_choice(renderer, "renderer", RENDERERS)
-        self._renderer = renderer
+        self._renderer: RendererName = as_choice(renderer, "renderer", RENDERERS)  # type: ignore[assignment]
+        _check_switches(headless=headless, static_positions=static_positions, shaped_rewards=shaped_rewards)
         self._static_positions, self._shaped_rewards = static_positions, shaped_rewards
         self._robot = robot_description(robot_setup)
-        self._attach_grasped_objects = attach_grasped_objects
+        self._attach_grasped_objects = as_flag(attach_grasped_objects, "attach_grasped_objects", InvalidArgument)
         self._planner_config = PlannerConfig(
             max_velocity=as_number(arm_max_velocity, "arm_max_velocity", InvalidArgument, above=0.0),
             max_acceleration=as_number(arm_max_acceleration, "arm_max_acceleration", InvalidArgument, above=0.0),
@@ -265,6 +265,11 @@ def _check_given(mode: object, root: object) -> None:
         raise InvalidArgument("dataset_root", root, "has to be the path of a folder, or ''")
     if root and not Path(root).is_dir():
         raise DatasetError(f"The dataset root '{root}' does not exist. Create it, or pass dataset_root=''.")
+
+
+def _check_switches(**switches: object) -> None:
+    for name, switch in switches.items():
+        as_flag(switch, name, InvalidArgument)
 
 
 def _checked_settings(config: ObservationConfig | None) -> ObservationConfig:

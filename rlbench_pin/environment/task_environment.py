@@ -20,7 +20,7 @@ from rlbench_pin.errors import InvalidArgument, NoShapedReward, NotReset, TaskEn
 from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.sim import World
 from rlbench_pin.tasks import Task
-from rlbench_pin.values import LARGEST_SEED, as_record, as_whole
+from rlbench_pin.values import LARGEST_SEED, as_flag, as_function, as_record, as_whole
 
 MAX_DEMO_ATTEMPTS = 10
 """Tries per live demonstration."""
@@ -246,7 +246,7 @@ class TaskEnvironment:
             DemoError: A live demonstration failed `max_attempts` times (also a RuntimeError).
             DatasetError: Stored demonstrations are missing or broken.
         """
-        if not live_demos:
+        if not as_flag(live_demos, "live_demos", InvalidArgument):
             wanted = StoredSelection(amount, self._variation_number, image_paths, random_selection, from_episode_number)
             return read_stored_demos(self._dataset_root, self.get_name(), wanted, self._obs_config, self._seeds)
         return demos.live_demos(
@@ -277,6 +277,8 @@ class TaskEnvironment:
         if variation is not None:
             self.set_variation(variation)
         episode = self._start(checked_seed(seed), as_whole(attempt, "attempt", InvalidArgument, least=0, most=LARGEST_SEED))
+        as_function(on_frame, "on_frame", InvalidArgument)
+        record = as_flag(record, "record", InvalidArgument)
         gripper = self._obs_config.record_gripper_closing
         return demos.play_demo(self._runtime, episode, record=record, record_gripper=gripper, on_frame=on_frame)
 

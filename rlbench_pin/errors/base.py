@@ -51,6 +51,8 @@ class UnknownName(RlbenchPinError):
     """A name is not in the catalogue it was looked up in."""
 
     def __init__(self, kind: str, name: str, known: Collection[str], command: str = "") -> None:
+        if not isinstance(name, str):
+            name = shown(name)
         self.kind, self.name, self.known = kind, name, tuple(known)
         near = nearest_name(name, self.known)
         guess = f" Did you mean '{near}'?" if near else ""
@@ -95,10 +97,20 @@ class InvalidValue(RlbenchPinError, ValueError):
 def shown(value: object, most: int = 120) -> str:
     """Return a value as text of about `most` letters on one line, whatever it is."""
     try:
-        text = " ".join(repr(value).split())
+        text = " ".join(repr(_beginning(value, most)).split())
     except Exception:  # objects of users may refuse to be shown
         text = f"a {type(value).__name__}"
     return text if len(text) <= most else f"{text[:most]}..."
+
+
+def _beginning(value: object, most: int) -> object:
+    """Return as much of a long value as its text needs: the text of millions of numbers takes seconds."""
+    if isinstance(value, str | bytes | list | tuple) and len(value) > most:
+        return value[: most + 1]
+    shape = getattr(value, "shape", ())
+    if isinstance(shape, tuple) and len(shape) > 2 and hasattr(value, "ravel"):
+        return f"array of shape {shape}"
+    return value
 
 
 class MissingExtra(RlbenchPinError, ImportError):

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rlbench_pin.evaluation.controller_trials import PLAN, LegTrial
+from rlbench_pin.values import as_record, as_several
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,8 @@ class ControllerSummary:
 
 def summarise_legs(trials: Sequence[LegTrial]) -> list[ControllerSummary]:
     """Return one summary per controller and kind of leg, free legs first, controllers in the order they came."""
+    for trial in as_several(trials, "trials"):
+        as_record(trial, LegTrial, "A trial")
     names = tuple(dict.fromkeys(t.controller for t in trials))
     groups = [
         (name, free, [t for t in trials if t.controller == name and t.leg.free == free])
@@ -103,6 +106,8 @@ HEADER = (
 
 def table(summaries: Sequence[ControllerSummary]) -> str:
     """Return a Markdown table of summaries; errors as median / maximum, violations as position / velocity / acceleration."""
+    for summary in as_several(summaries, "summaries"):
+        as_record(summary, ControllerSummary, "A summary")
     rows = [HEADER, *map(_row, summaries)]
     widths = [max(map(len, column)) for column in zip(*rows)]
     rows.insert(1, tuple("-" * width for width in widths))

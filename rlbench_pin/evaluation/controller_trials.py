@@ -28,6 +28,7 @@ from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.sim import World
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Waypoint
+from rlbench_pin.values import as_names
 
 TOUCH = 0.001
 """Pairs nearer than this at the start of a leg do not count as clearance [m]."""
@@ -127,6 +128,7 @@ def chosen_controllers(names: Collection[str]) -> tuple[str, ...]:
     Raises:
         UnknownName: One of them does not exist.
     """
+    names = as_names(names, "controllers")
     for name in names:
         if name not in FOLLOWERS:
             raise UnknownName("controller", name, tuple(FOLLOWERS))

@@ -8,6 +8,8 @@ from typing import Any
 
 import gymnasium
 
+from rlbench_pin.values import as_choice, as_text
+
 MODES = ("state", "vision")
 """What an environment observes: numbers, or pictures as well."""
 MAX_EPISODE_STEPS = 1000
@@ -22,7 +24,7 @@ _ENTRY_POINT = "rlbench_pin.gym.environment:GymnasiumEnv"
 
 def gym_id(task: str, mode: str) -> str:
     """Return the id of a task: `rlbench_pin/reach_target-state-v0`."""
-    return f"rlbench_pin/{task}-{mode}-v0"
+    return f"rlbench_pin/{as_text(task, 'task')}-{as_choice(mode, 'mode', MODES)}-v0"
 
 
 def register_ids() -> None:

@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import re
 from os import PathLike
 
 import gymnasium
 
-from rlbench_pin.errors import TaskEnvironmentError
+from rlbench_pin.errors import InvalidArgument, TaskEnvironmentError
 from rlbench_pin.gym.ids import MODES, register
-from rlbench_pin.tasks import Task, find_task, is_task_file, task_names, task_origin, task_reference, usable_task_names
+from rlbench_pin.tasks import (
+    Task,
+    checked_class,
+    find_task,
+    is_task_file,
+    task_names,
+    task_origin,
+    task_reference,
+    usable_task_names,
+)
 
 
 def register_task(task: type[Task] | str | PathLike[str], namespace: str = "rlbench_pin") -> tuple[str, ...]:
@@ -23,7 +33,9 @@ def register_task(task: type[Task] | str | PathLike[str], namespace: str = "rlbe
         UnknownName: No task has this name.
         TaskError: The file cannot be loaded.
     """
-    chosen = find_task(task) if isinstance(task, str | PathLike) else task
+    if not isinstance(namespace, str) or not re.fullmatch(r"[\w-]+", namespace):
+        raise InvalidArgument("namespace", namespace, "has to be of letters, digits, '_' and '-'")
+    chosen = find_task(task) if isinstance(task, str | PathLike) else checked_class(task)
     by_name = is_task_file(chosen) or (chosen.get_name() in task_names() and find_task(chosen.get_name()) is chosen)
     found_by = task_reference(chosen) if by_name else chosen  # a text, where there is one: every process understands it
     ids = tuple(f"{namespace}/{chosen.get_name()}-{mode}-v0" for mode in MODES)

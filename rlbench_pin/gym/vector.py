@@ -9,6 +9,10 @@ import gymnasium
 from gymnasium.vector import AsyncVectorEnv, AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from rlbench_pin.environment.episode import checked_seed
+from rlbench_pin.errors import InvalidActionError, InvalidArgument, InvalidValue
+from rlbench_pin.values import as_array, as_finite
+
 AnyEnv = gymnasium.Env[Any, Any]
 
 
@@ -48,12 +52,34 @@ class LazyAsyncVectorEnv(VectorEnv[Any, Any, Any]):
         return self._running is not None
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Start an episode in each environment."""
+        """Start an episode in each environment.
+
+        Raises:
+            InvalidArgument: A seed is none; there is one for each environment, or the first of a row.
+        """
+        if isinstance(seed, list | tuple) and len(seed) != self.num_envs:
+            raise InvalidArgument("seed", seed, f"has to be one whole number, or {self.num_envs}, one for each environment")
+        for one in seed if isinstance(seed, list | tuple) else (seed,):
+            if one is not None:
+                checked_seed(one)
         return self.running.reset(seed=seed, options=options)
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
-        """Run one action in each environment."""
+        """Run one action in each environment.
+
+        Raises:
+            InvalidActionError: There are not as many, of a wrong shape, or not of finite numbers; nothing has moved.
+        """
+        self._check(actions)
         return self.running.step(actions)
+
+    def _check(self, actions: Any) -> None:
+        try:
+            array = as_finite(as_array(actions, "The actions"), "The actions")
+        except InvalidValue as error:
+            raise InvalidActionError(str(error)) from error
+        if array.shape != self.action_space.shape:
+            raise InvalidActionError(f"The actions have to have shape {self.action_space.shape}, not {array.shape}.")
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """Call a method of each environment, or read an attribute."""

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from rlbench_pin.planning.path import JointPath
 from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import LARGEST_COUNT, as_record, as_whole
 
 LEVELS = (0.16, 0.07, 0.03, 0.012, 0.005, 0.002, 0.0008, 0.0003)
 """Distances that are asked for, one after the other [m]."""
@@ -78,6 +79,9 @@ def certify(path: JointPath, collision: CollisionModel, checks: int = 20_000) ->
         collision: Carries the rules; see `CollisionModel.keeps_away`.
         checks: Budget; a path that needs more is in doubt.
     """
+    as_record(path, JointPath, "path")
+    as_record(collision, CollisionModel, "collision")
+    checks = as_whole(checks, "checks", least=0, most=LARGEST_COUNT)
     pieces = _Pieces(*path.bezier())
     reaches, first = collision.reaches, collision.checks
     for level in LEVELS:

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_record
 
 IsFree = Callable[[FloatArray], bool]
 """Says whether a configuration (n,) is free of collisions."""
@@ -18,6 +19,7 @@ class JointPath:
 
     def __init__(self, spline: BSpline) -> None:
         """Take a cubic spline on 0..1 with values of shape (n,), [rad]."""
+        as_record(spline, BSpline, "spline")
         self._orders = (spline, spline.derivative(1), spline.derivative(2))
 
     def __call__(self, s: FloatArray | float, order: int = 0) -> FloatArray:

@@ -14,7 +14,7 @@ from rlbench_pin.planning.kinematics.ik import cost, solve_ik
 from rlbench_pin.planning.listener import PlanningListeners, PlanRequest
 from rlbench_pin.planning.path import JointPath, along, edge_is_free, through
 from rlbench_pin.planning.plan import Method, Plan, PlannerConfig, PlanReport
-from rlbench_pin.planning.requests import as_configuration, as_goal_poses, check_options
+from rlbench_pin.planning.requests import as_configuration, as_goal_poses, check_options, check_switches
 from rlbench_pin.planning.rules import Rules
 from rlbench_pin.planning.search.around import path_around
 from rlbench_pin.planning.stages import Stages
@@ -27,6 +27,7 @@ from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.robot.payload import payload_inertia
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray, PoseLike, rotation_distance
+from rlbench_pin.values import as_record
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,10 +42,8 @@ class MotionPlanner:
 
     def __init__(self, model: RobotModel, config: PlannerConfig | None = None) -> None:
         """Prepare a planner of one arm in an empty world; None takes the default settings."""
-        self.model = model
-        self.config = PlannerConfig() if config is None else config
-        if not isinstance(self.config, PlannerConfig):
-            raise InvalidRequest("config", config, "has to be a PlannerConfig, or None for the default settings")
+        self.model = as_record(model, RobotModel, "model", InvalidRequest)
+        self.config = as_record(PlannerConfig() if config is None else config, PlannerConfig, "config", InvalidRequest)
         self.collision = CollisionModel(model)
         self.torque = TorqueLimits(model) if self.config.torque_limits else None
         self.limits = model.limits.capped(self.config.max_velocity, self.config.max_acceleration)
@@ -52,8 +51,7 @@ class MotionPlanner:
 
     def update(self, snapshot: WorldSnapshot) -> None:
         """Take over the world as it is now."""
-        if not isinstance(snapshot, WorldSnapshot):
-            raise InvalidRequest("snapshot", snapshot, "has to be a WorldSnapshot", "`world.snapshot()` makes one.")
+        as_record(snapshot, WorldSnapshot, "snapshot, as `world.snapshot()` makes one,", InvalidRequest)
         with self.listeners.update(snapshot):
             self.collision.update(snapshot)
             if self.torque is not None:
@@ -88,7 +86,8 @@ class MotionPlanner:
             NoPath: The goal is free, but no way to it was found.
             RetimingError: The path cannot be timed.
         """
-        q = self._checked(q_start, rng, allowed)
+        q = self._checked(q_start, rng, allowed, free=ignore_collisions)
+        check_switches(straight=straight is not None and straight)
         poses = pose.sample(self.config.region_samples, rng) if isinstance(pose, PoseRegion) else as_goal_poses(pose)
         with self._open(PlanRequest("pose", q_start, pose, ignore_collisions, tuple(allowed))) as stages:
             rules = self._rules(stages, q, allowed, ignore_collisions)
@@ -109,7 +108,7 @@ class MotionPlanner:
         rng: np.random.Generator,
     ) -> Plan:
         """Plan a motion to a joint configuration (n,), [rad]; raises as `plan_to_pose`."""
-        q, goal = self._checked(q_start, rng, allowed), self._checked(q_goal, rng, allowed, "goal configuration")
+        q, goal = self._checked(q_start, rng, allowed, free=ignore_collisions), self._within(q_goal, "goal configuration")
         with self._open(PlanRequest("configuration", q_start, q_goal, ignore_collisions, tuple(allowed))) as stages:
             rules = self._rules(stages, q, allowed, ignore_collisions)
             if not ignore_collisions and self.collision.goal_in_collision(goal):
@@ -128,7 +127,7 @@ class MotionPlanner:
     ) -> Plan:
         """Plan a motion whose tip passes `poses` (7,) one after the other without stopping; raises as `plan_to_pose`."""
         unused = np.random.default_rng(0) if rng is None else rng
-        q, poses = self._checked(q_start, unused, allowed), as_goal_poses(poses, "curve")
+        q, poses = self._checked(q_start, unused, allowed, free=ignore_collisions), as_goal_poses(poses, "curve")
         with self._open(PlanRequest("curve", q_start, poses, ignore_collisions, tuple(allowed))) as stages:
             rules = self._rules(stages, q, allowed, ignore_collisions)
             with stages.stage("straight"):
@@ -150,8 +149,8 @@ class MotionPlanner:
             NoIkSolution: None is within reach.
             GoalInCollision: Collisions count, and all configurations collide.
         """
-        collision, q = None if ignore_collisions else self.collision, self._checked(q_seed, rng, allowed, "seed configuration")
-        poses = as_goal_poses(pose)
+        q = self._checked(q_seed, rng, allowed, "seed configuration", free=ignore_collisions)
+        collision, poses = None if ignore_collisions else self.collision, as_goal_poses(pose)
         with self.listeners.reach():
             if collision is not None:
                 collision.clear()
@@ -162,10 +161,14 @@ class MotionPlanner:
         return self.listeners.plan(request, Stages(checks=self.collision.checks))
 
     def _checked(
-        self, q: FloatArray, rng: np.random.Generator, allowed: Collection[str], what: str = "start configuration"
+        self, q: FloatArray, rng: object, allowed: Collection[str], what: str = "start configuration", *, free: object
     ) -> FloatArray:
-        """Check what was given, and return the nearest configuration (n,) within the joint limits, at most `FORGIVEN` away."""
-        check_options(rng, allowed)
+        """Check what was given, and return the start as `_within` does."""
+        check_options(rng, allowed, free)
+        return self._within(q, what)
+
+    def _within(self, q: FloatArray, what: str) -> FloatArray:
+        """Return the nearest configuration (n,) within the joint limits, at most `FORGIVEN` away."""
         return np.clip(as_configuration(self.model, q, what), self.limits.lower, self.limits.upper)
 
     def _rules(self, stages: Stages, q: FloatArray, allowed: Collection[str], ignore_collisions: bool) -> Rules | None:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from rlbench_pin.errors import InvalidRequest, OutsideJointLimits
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, PoseLike
-from rlbench_pin.values import SMALLEST_NORM, as_array, as_finite, as_names, as_vector
+from rlbench_pin.values import SMALLEST_NORM, as_array, as_finite, as_flag, as_names, as_record, as_vector
 
 FORGIVEN = 1e-3
 """How far beyond its limits a joint may be at the ends of a motion, which then begins or ends at the limit [rad]."""
@@ -28,6 +28,7 @@ def as_configuration(model: RobotModel, q: ArrayLike, what: str) -> FloatArray:
         InvalidRequest: NaN, a wrong shape, or no numbers.
         OutsideJointLimits: A joint is beyond its limits by more than `FORGIVEN`; names the farthest.
     """
+    as_record(model, RobotModel, "model", InvalidRequest)
     vector, limits = as_vector(q, model.size, f"The {what}", InvalidRequest), model.limits
     if not limits.contains(vector, FORGIVEN):
         worst = int(np.argmax(np.maximum(limits.lower - vector, vector - limits.upper)))
@@ -64,7 +65,20 @@ def check_generator(rng: object) -> None:
         raise InvalidRequest("rng", rng, "has to be a generator of numpy", "`np.random.default_rng(0)` makes one.")
 
 
-def check_options(rng: object, allowed: Collection[str]) -> None:
-    """Raise InvalidRequest unless `rng` is a generator and `allowed` a collection of names; a text would be its letters."""
+def check_callable(function: object, what: str) -> None:
+    """Raise InvalidRequest unless `function` can be called, or is None."""
+    if function is not None and not callable(function):
+        raise InvalidRequest(what, function, "has to be a function that takes a configuration (n,), or None")
+
+
+def check_switches(**switches: object) -> None:
+    """Raise InvalidRequest unless each is True or False."""
+    for name, switch in switches.items():
+        as_flag(switch, name, InvalidRequest)
+
+
+def check_options(rng: object, allowed: Collection[str], free: object) -> None:
+    """Raise InvalidRequest unless `rng` is a generator, `allowed` a collection of names, no text, and `free` True or False."""
+    check_switches(ignore_collisions=free)
     check_generator(rng)
     as_names(allowed, "allowed, the bodies that may be touched,", InvalidRequest)

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation, RotationSpline
 from rlbench_pin.errors import NotStraight
 from rlbench_pin.planning.kinematics.ik import descend
 from rlbench_pin.planning.path import IsFree, JointPath, through
-from rlbench_pin.planning.requests import as_configuration, as_goal_pose, as_goal_poses
+from rlbench_pin.planning.requests import as_configuration, as_goal_pose, as_goal_poses, check_callable
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3
 
@@ -36,6 +36,7 @@ def straight_path(model: RobotModel, q_start: FloatArray, goal: PoseLike, is_fre
         NotStraight: A joint limit, a singularity or a collision interrupts the line.
     """
     q_start, goal = as_configuration(model, q_start, "start configuration"), as_goal_pose(goal)
+    check_callable(is_free, "is_free")
     return _follow(model, q_start, _line(model.tip_se3(q_start), pose_to_se3(goal)), is_free)
 
 
@@ -48,6 +49,7 @@ def curve_path(model: RobotModel, q_start: FloatArray, poses: Sequence[PoseLike]
         NotStraight: As in `straight_path`.
     """
     q_start, poses = as_configuration(model, q_start, "start configuration"), as_goal_poses(poses, "curve")
+    check_callable(is_free, "is_free")
     targets = _curve([model.tip_se3(q_start), *(pose_to_se3(pose) for pose in poses)])
     return _follow(model, q_start, targets, is_free)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import get_args
 
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.datasets.writer import Compression
@@ -17,7 +18,7 @@ from rlbench_pin.errors import InvalidArgument, InvalidCamera, TaskEnvironmentEr
 from rlbench_pin.observation import CAMERAS, PRODUCTS
 from rlbench_pin.sim import RENDERERS, RendererName
 from rlbench_pin.tasks import Task, find_task, task_digest
-from rlbench_pin.values import as_choice, as_flag, as_names, as_number, as_picture_size, as_seed, as_whole
+from rlbench_pin.values import as_choice, as_flag, as_names, as_number, as_picture_size, as_record, as_seed, as_whole
 
 MOST = 10_000_000
 """Episodes, tries and variations of one recording at most."""
@@ -47,6 +48,8 @@ class PictureConfig:
         _check_names("camera", self.cameras, CAMERAS)
         _check_names("product", self.products, PRODUCTS)
         as_choice(self.renderer, "renderer", RENDERERS)
+        as_choice(self.compression, "compression", get_args(Compression))
+        as_choice(self.render_mode, "render mode", get_args(RenderMode))
         self.obs_config().check()
 
     def obs_config(self) -> ObservationConfig:
@@ -109,6 +112,7 @@ class RecordConfig:
             raise InvalidArgument("variations", 0, "records nothing", "Write -1 for all variations.")
         for name in ("max_velocity", "max_acceleration"):
             as_number(getattr(self, name), name, InvalidArgument, above=0.0)
+        as_record(self.pictures, PictureConfig, "pictures", InvalidArgument)
         for name in ("per_variation", "draw_variations"):
             as_flag(getattr(self, name), name, InvalidArgument)
         if not as_names(self.tasks, "tasks", InvalidArgument):

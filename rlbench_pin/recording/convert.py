@@ -27,6 +27,7 @@ from rlbench_pin.errors import DemoError, InvalidActionError
 from rlbench_pin.observation import Demo
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, compose, inverse, relative
+from rlbench_pin.values import as_number, as_record
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +61,9 @@ def convert_demo(demo: Demo, action_mode: ActionMode, model: RobotModel, dt: flo
         DemoError: The demonstration lacks what the conversion needs.
         InvalidActionError: The mode cannot express a demonstration.
     """
+    as_record(action_mode, ActionMode, "action_mode")
+    as_record(model, RobotModel, "model")
+    dt = as_number(dt, "the control tick dt [s]", above=0.0)
     moments = demo_moments(demo)
     finger = finger_conversion(action_mode, model)
     mode = unwrapped(action_mode.arm_action_mode)
@@ -72,6 +76,7 @@ def demo_moments(demo: Demo) -> list[Moment]:
     Raises:
         DemoError: It lacks joint positions, velocities or actions.
     """
+    as_record(demo, Demo, "demo")
     moments: list[Moment] = []
     amount = 1.0
     for before, after in zip(demo[:-1], demo[1:], strict=True):
@@ -167,6 +172,7 @@ def verify(task: TaskEnvironment, demo: Demo, actions: Sequence[FloatArray]) -> 
         demo: Gives the start.
         actions: As from `convert_demo`.
     """
+    as_record(task, TaskEnvironment, "task")
     task.reset_to_demo(demo)
     for action in (*actions, *[_rest(task, actions[-1])] * EXTRA_TICKS):
         try:

@@ -30,6 +30,7 @@ from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.observation import Demo
 from rlbench_pin.recording.convert import Moment, demo_moments, finger_conversion, tip_pose_action, tip_twist
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_record
 
 POSITION_SHARE = 0.5
 """g: share of the position error that a tick of torques removes."""
@@ -51,6 +52,7 @@ def convert_by_playing(task: TaskEnvironment, demo: Demo) -> list[FloatArray]:
         DemoError: The demonstration lacks what the conversion needs.
         InvalidActionError: The mode cannot express a demonstration, or refused an action.
     """
+    as_record(task, TaskEnvironment, "task")
     moments, runtime = demo_moments(demo), task.runtime
     play = _player(task)
     finger = finger_conversion(task.action_mode, runtime.model)

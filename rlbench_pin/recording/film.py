@@ -12,6 +12,7 @@ from rlbench_pin.datasets import VideoWriter
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.observations.cameras import look_at
 from rlbench_pin.sim import CameraView, World
+from rlbench_pin.values import as_path, as_record
 
 FILM_SIZE = (640, 480)
 """Width and height [px]."""
@@ -38,9 +39,9 @@ class Film:
     """
 
     def __init__(self, task: TaskEnvironment, folder: Path) -> None:
-        self._task = task
+        self._task = as_record(task, TaskEnvironment, "task")
         fps = round(1.0 / task.world.control_dt)
-        self._video = VideoWriter(folder / f".filming{os.getpid()}.mp4", FILM_SIZE, fps)
+        self._video = VideoWriter(as_path(folder, "folder") / f".filming{os.getpid()}.mp4", FILM_SIZE, fps)
         self._pause = fps
         self._kept = False
 

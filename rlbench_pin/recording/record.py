@@ -24,6 +24,7 @@ from rlbench_pin.recording.engines import Engine, ProcessEngine, WorkerDeath
 from rlbench_pin.recording.settings_file import RECORDING, read_recording, write_recording
 from rlbench_pin.recording.work import ItemResult
 from rlbench_pin.tasks import Task, chosen_tasks_of, is_task_file, keep_tasks, task_reference
+from rlbench_pin.values import as_path
 
 
 @dataclass(frozen=True)
@@ -96,7 +97,7 @@ def record(
         StorageError: The disk is full or cannot be written. Every episode stored before is whole.
         UnknownName: A task does not exist.
     """
-    root = Path(root)
+    root = as_path(root, "root")
     tasks = chosen_tasks_of(root, config.tasks, trust_task_files)
     references = {task_reference(task) if is_task_file(task) else word: task for word, task in tasks.items()}
     items = plan_items(config, references)

@@ -8,6 +8,7 @@ from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.values import as_record
 
 JOINT_TOLERANCE = 1e-3
 """How far a joint may be from where it was recorded, in replay [rad]."""
@@ -23,6 +24,7 @@ def replay_demo(task: TaskEnvironment, stored: Demo) -> Demo:
     Raises:
         DemoError: It has no actions, or the motion comes out otherwise than it was recorded.
     """
+    as_record(task, TaskEnvironment, "task")
     _, first = task.reset_to_demo(stored)
     _keep_flag(first, stored[0])
     frames = [first]

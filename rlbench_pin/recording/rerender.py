@@ -17,6 +17,7 @@ from rlbench_pin.recording.config import PictureConfig, WorkItem
 from rlbench_pin.recording.engines import Engine
 from rlbench_pin.recording.record import OnProgress, RecordReport, run_items
 from rlbench_pin.tasks import OwnTasks, Task, keep_tasks, stored_task, task_class, task_digest, task_origin, task_reference
+from rlbench_pin.values import as_path
 
 SEEDS_FORMAT = "rlbench_pin.seeds"
 VERSION = 1
@@ -61,7 +62,7 @@ def seeds_of(root: Path, tasks: Sequence[str] = ()) -> list[EpisodeSeed]:
 def write_seeds(path: Path, seeds: Sequence[EpisodeSeed]) -> Path:
     """Write a list of seeds, some forty bytes an episode instead of megabytes."""
     content = {"format": SEEDS_FORMAT, "version": VERSION, "episodes": [asdict(seed) for seed in seeds]}
-    return write_whole(Path(path), (json.dumps(content, indent=1) + "\n").encode())
+    return write_whole(as_path(path, "path"), (json.dumps(content, indent=1) + "\n").encode())
 
 
 def read_seeds(path: Path) -> list[EpisodeSeed]:
@@ -71,7 +72,7 @@ def read_seeds(path: Path) -> list[EpisodeSeed]:
         EpisodeFileError: The file holds none.
     """
     try:
-        content = parse_json(Path(path).read_text(encoding="utf-8"))
+        content = parse_json(as_path(path, "path").read_text(encoding="utf-8"))
         if (content["format"], content["version"]) != (SEEDS_FORMAT, VERSION):
             found = f"format {content['format']!r}, version {content['version']!r}"
             raise ValueError(f"it has {found}, this package reads {SEEDS_FORMAT!r}, version {VERSION}")
@@ -116,7 +117,7 @@ def rerender(
         UntrustedTaskFile: A task is code that came with the dataset, and nobody said that it may be run.
         DatasetError: The source cannot be used, or `out` is the source.
     """
-    source, out = Path(source), Path(out)
+    source, out = as_path(source, "source"), as_path(out, "out")
     if source.is_dir() and source.resolve() == out.resolve():
         raise DatasetConflict(f"'{out}' is the dataset to be rerendered. Choose another folder for the result.")
     items = _items(source, tasks)

@@ -13,6 +13,7 @@ from rlbench_pin.datasets.storage import write_whole
 from rlbench_pin.datasets.trust import is_texts, is_whole, parse_json, short
 from rlbench_pin.errors import EpisodeFileError, RlbenchPinError
 from rlbench_pin.recording.config import PictureConfig, RecordConfig
+from rlbench_pin.values import as_path
 
 RECORDING = "recording.json"
 VERSION = 1
@@ -28,7 +29,7 @@ def read_recording(root: Path | str) -> RecordConfig:
     Raises:
         DatasetError: There are none, or they cannot be read.
     """
-    path = Path(root) / RECORDING
+    path = as_path(root, "root") / RECORDING
     if not path.exists():
         raise EpisodeFileError(
             path,

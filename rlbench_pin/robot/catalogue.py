@@ -76,5 +76,5 @@ def robot_description(name: str) -> RobotDescription:
     """
     key = name.lower() if isinstance(name, str) else ""
     if key not in SUPPORTED_ROBOTS:
-        raise UnknownRobot("robot", str(name), tuple(SUPPORTED_ROBOTS))
+        raise UnknownRobot("robot", name, tuple(SUPPORTED_ROBOTS))
     return SUPPORTED_ROBOTS[key]

@@ -17,6 +17,7 @@ from rlbench_pin.robot.collision_geometry import CollisionGeometry, Distance, Ow
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import BodySnapshot, WorldSnapshot
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_names, as_number, as_record, as_vector
 
 TOUCH = 5e-4
 """Things nearer than this at the start of a motion count as touching [m]."""
@@ -37,7 +38,7 @@ class CollisionModel:
 
     def __init__(self, model: RobotModel) -> None:
         """Start in an empty world, at home, fingers open."""
-        self.model = model
+        self.model = as_record(model, RobotModel, "model")
         self.checks = 0
         """Number of configurations checked so far."""
         self._data = model.full.createData()
@@ -51,6 +52,7 @@ class CollisionModel:
 
         A held body that is fixed to the world cannot follow the hand: it is left out.
         """
+        as_record(snapshot, WorldSnapshot, "snapshot")
         self._q = self.model.full_configuration(snapshot.arm, snapshot.fingers)
         bodies = [body for body in snapshot.bodies if body.collides and not (body.fixed and body.name in snapshot.attached)]
         bodies = [body for body in bodies if not self._is_beyond_reach(body)]
@@ -77,7 +79,7 @@ class CollisionModel:
 
         The room stays solid: table, floor and walls are never passed through.
         """
-        self._allow(names)
+        self._allow(as_names(names, "names"))
         self._apply()
 
     def begin(self, q_start: FloatArray, *, margin: float = 0.0, own: float = 0.0, allowed: Collection[str] = ()) -> None:
@@ -90,6 +92,9 @@ class CollisionModel:
         Raises:
             StartInCollision: The start penetrates the room or the arm itself.
         """
+        q_start = as_vector(q_start, self.model.size, "start configuration")
+        margin, own = as_number(margin, "margin [m]", least=0.0), as_number(own, "own [m]", least=0.0)
+        as_names(allowed, "allowed")
         self._active = np.ones(self._active.shape, dtype=bool)
         self._margins = np.where(self._geometry.crosses, margin, own)
         self._allow(allowed)
@@ -182,7 +187,7 @@ class CollisionModel:
     def in_collision(self, q: FloatArray) -> bool:
         """Say whether arm configuration `q` breaks the rules: touches something, or is nearer than its margin."""
         self.checks += 1
-        self._q[self._arm_index] = q
+        self._q[self._arm_index] = as_vector(q, self.model.size, "configuration")
         return bool(pin.computeCollisions(self.model.full, self._data, self._manager, self._q, True))
 
     def keeps_away(self, q: FloatArray, distance: float) -> bool:
@@ -192,9 +197,9 @@ class CollisionModel:
         than `SURE`, count from `SLACK / 2` deeper than their margin. Asking with the same distance again is cheapest.
         """
         self.checks += 1
-        if distance != self._level:
+        if distance is not self._level and as_number(distance, "distance [m]") != self._level:
             self._widen(distance)
-        self._q[self._arm_index] = q
+        self._q[self._arm_index] = as_vector(q, self.model.size, "configuration")
         return not pin.computeCollisions(self.model.full, self._data, self._wide, self._q, True)
 
     def _widen(self, distance: float) -> None:
@@ -242,7 +247,8 @@ class CollisionModel:
 
     def distances(self, q: FloatArray, within: float = np.inf) -> list[Distance]:
         """Return the distances of all active pairs nearer than `within` [m], nearest first; margins do not matter."""
-        self._q[self._arm_index] = q
+        within = as_number(within, "within [m]", finite=False)
+        self._q[self._arm_index] = as_vector(q, self.model.size, "configuration")
         geometry = self._geometry
         pin.computeDistances(self.model.full, self._data, geometry.model, geometry.data, self._q)
         found = [
@@ -258,7 +264,7 @@ class CollisionModel:
 
     def _breaking(self, q: FloatArray) -> list[int]:
         """Return the indices of the active pairs that break their margin."""
-        self._q[self._arm_index] = q
+        self._q[self._arm_index] = as_vector(q, self.model.size, "configuration")
         geometry = self._geometry
         pin.computeCollisions(self.model.full, self._data, geometry.model, geometry.data, self._q, False)
         active = geometry.data.activeCollisionPairs

@@ -8,8 +8,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from rlbench_pin.robot.model import FrameChoice, RobotModel
+from rlbench_pin.robot.model import LARGEST, VELOCITY, FrameChoice, RobotModel
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_record, as_vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,25 +27,29 @@ class DynamicsDerivatives:
 
 def inverse_dynamics_derivatives(model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> DynamicsDerivatives:
     """Return the derivatives of `model.inverse_dynamics(q, v, a)`; arguments of shape (n,), [rad], [rad/s], [rad/s^2]."""
-    by_q, by_v, by_a = pin.computeRNEADerivatives(model.arm, model.data, *_arrays(q, v, a))
+    q, v, a = _checked(model, q, v, a, "joint acceleration")
+    by_q, by_v, by_a = pin.computeRNEADerivatives(model.arm, model.data, q, v, a)
     upper = np.triu(by_a)
     return DynamicsDerivatives(np.array(by_q), np.array(by_v), upper + np.triu(upper, 1).T)
 
 
 def forward_dynamics_derivatives(model: RobotModel, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> DynamicsDerivatives:
     """Return the derivatives of `model.forward_dynamics(q, v, tau)`; arguments of shape (n,), [rad], [rad/s], [N m]."""
-    by_q, by_v, by_tau = pin.computeABADerivatives(model.arm, model.data, *_arrays(q, v, tau))
+    q, v, tau = _checked(model, q, v, tau, "joint torque")
+    by_q, by_v, by_tau = pin.computeABADerivatives(model.arm, model.data, q, v, tau)
     upper = np.triu(by_tau)
     return DynamicsDerivatives(np.array(by_q), np.array(by_v), upper + np.triu(upper, 1).T)
 
 
 def jacobian_derivative(model: RobotModel, q: ArrayLike, frame: FrameChoice = "world") -> FloatArray:
     """Return dJ/dq of the tip Jacobian, shape (n, 6, n): entry k is the derivative by joint k; dJ/dt = sum_k v_k dJ/dq_k."""
+    as_record(model, RobotModel, "model")
     return np.stack([model.jacobian_dot(q, axis, frame) for axis in np.eye(model.size)])
 
 
 def manipulability_gradient(model: RobotModel, q: ArrayLike) -> FloatArray:
     """Return the gradient (n,) of m = `model.manipulability(q)`: dm/dq_k = m trace((J J^T)^-1 dJ/dq_k J^T); 0 where m is 0."""
+    as_record(model, RobotModel, "model")
     jacobian, manipulability = model.jacobian(q), model.manipulability(q)
     if manipulability == 0.0:
         return np.zeros(model.size)
@@ -52,5 +57,11 @@ def manipulability_gradient(model: RobotModel, q: ArrayLike) -> FloatArray:
     return manipulability * np.einsum("kij,ij->k", jacobian_derivative(model, q), inverse)
 
 
-def _arrays(*vectors: ArrayLike) -> list[FloatArray]:
-    return [np.asarray(vector, dtype=np.float64) for vector in vectors]
+def _checked(
+    model: RobotModel, q: ArrayLike, v: ArrayLike, last: ArrayLike, what: str
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return configuration, velocity and a third vector of an arm, or raise InvalidValue."""
+    size = as_record(model, RobotModel, "model").size
+    named = ((q, "configuration"), (v, VELOCITY), (last, what))
+    q, v, last = (as_vector(vector, size, name, most=LARGEST) for vector, name in named)
+    return q, v, last

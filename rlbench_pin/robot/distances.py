@@ -24,6 +24,7 @@ from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.robot.motion_bounds import IndexArray, MotionBounds, cross
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_names, as_record, as_vector, as_whole
 
 
 class DistanceModel:
@@ -31,7 +32,7 @@ class DistanceModel:
 
     def __init__(self, model: RobotModel) -> None:
         """Start in an empty world, at home."""
-        self.model = model
+        self.model = as_record(model, RobotModel, "model")
         self._data = model.full.createData()
         self._columns = model.full_index[: model.size]
         self._layout: object = None
@@ -40,6 +41,8 @@ class DistanceModel:
 
     def update(self, snapshot: WorldSnapshot, allowed: Collection[str] = ()) -> None:
         """Take over the world; pairs with bodies named in `allowed` do not count until the next update."""
+        as_record(snapshot, WorldSnapshot, "snapshot")
+        as_names(allowed, "allowed")
         self._q = self.model.full_configuration(snapshot.arm, snapshot.fingers)
         bodies = [body for body in snapshot.bodies if body.collides and not (body.fixed and body.name in snapshot.attached)]
         layout = (snapshot.attached, tuple(body.layout for body in bodies))
@@ -125,6 +128,8 @@ class DistanceModel:
 
     def nearest(self, q: FloatArray, count: int = 1) -> list[Distance]:
         """Return the `count` smallest distances of pairs that count, at `q` (n,) [rad], nearest first."""
+        as_whole(count, "count", least=1)
+        as_vector(q, self.model.size, "configuration")
         self.place(q)
         self.measure(np.flatnonzero(self.counts))
         order = np.argsort(np.where(self.counts, self.bounds, np.inf), kind="stable")[:count]

@@ -8,7 +8,7 @@ import numpy as np
 
 from rlbench_pin.errors import InvalidValue
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.values import as_array, as_number
+from rlbench_pin.values import as_array, as_number, as_vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +28,7 @@ class JointLimits:
 
     def __post_init__(self) -> None:
         """Copy every field into a read-only float array of one shape; raise InvalidValue where that cannot be."""
-        size = np.size(self.lower)
+        size = as_array(self.lower, "JointLimits.lower").size
         for name in ("lower", "upper", "velocity", "acceleration", "effort"):
             array = as_array(getattr(self, name), f"JointLimits.{name}").copy()
             if array.shape != (size,) or np.isnan(array).any():
@@ -37,6 +37,9 @@ class JointLimits:
             object.__setattr__(self, name, array)
         if np.any(self.lower > self.upper):
             raise InvalidValue("JointLimits.lower", self.lower, f"has to be below `upper`, which is {self.upper}")
+        for name in ("velocity", "acceleration", "effort"):
+            if np.any(getattr(self, name) < 0.0):
+                raise InvalidValue(f"JointLimits.{name}", getattr(self, name), "has to be >= 0")
 
     def capped(self, velocity: float, acceleration: float) -> JointLimits:
         """Return these limits with no joint faster than `velocity` [rad/s] or accelerating beyond `acceleration` [rad/s^2].
@@ -52,8 +55,10 @@ class JointLimits:
 
     def contains(self, q: FloatArray, tolerance: float = 0.0) -> bool:
         """Say whether a configuration (n,) lies within the position limits."""
+        q, tolerance = as_vector(q, len(self.lower), "configuration"), as_number(tolerance, "tolerance", finite=False)
         return bool(np.all(q >= self.lower - tolerance) and np.all(q <= self.upper + tolerance))
 
     def margin(self, q: FloatArray) -> float:
         """Return the distance of the joint nearest to one of its position limits."""
+        q = as_vector(q, len(self.lower), "configuration")
         return float(min(np.min(q - self.lower), np.min(self.upper - q)))

@@ -12,13 +12,17 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from rlbench_pin.errors import RobotModelError
+from rlbench_pin.errors import InvalidValue, RobotModelError
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3, se3_to_pose
+from rlbench_pin.values import as_array, as_choice, as_finite, as_number, as_record, as_vector
 
 FrameChoice = Literal["world", "tip"]
 _REFERENCE = {"world": pin.LOCAL_WORLD_ALIGNED, "tip": pin.LOCAL}
+VELOCITY = "joint velocity"
+LARGEST = 1e6
+"""Positions, velocities, accelerations and torques of joints beyond this are mistakes, in any unit."""
 
 
 class RobotModel:
@@ -34,7 +38,7 @@ class RobotModel:
         Raises:
             RobotModelError: Description and URDF disagree, or home is outside the joint limits.
         """
-        self.description = description
+        self.description = as_record(description, RobotDescription, "description")
         self.base = pose_to_se3(description.base_pose if base_pose is None else base_pose)
         self.full = _load(description, self.base)
         self.full_index = _indices(self.full, (*description.arm_joints, *description.gripper_joints))
@@ -70,18 +74,22 @@ class RobotModel:
     def full_configuration(self, q: ArrayLike, fingers: ArrayLike | None = None) -> FloatArray:
         """Return arm and finger positions in the order of the full Pinocchio model; fingers default to open."""
         values = np.full(len(self.full_index), self.description.gripper_open)
-        values[: self.size] = q
+        values[: self.size] = as_vector(q, self.size, "configuration", most=LARGEST)
         if fingers is not None:
-            values[self.size :] = fingers
+            values[self.size :] = as_vector(fingers, len(values) - self.size, "finger positions", most=LARGEST)
         result = np.empty(self.full.nq)
         result[self.full_index] = values
         return result
+
+    def _joints(self, vector: ArrayLike, what: str = "configuration") -> FloatArray:
+        """Return a vector (n,) of the arm's joints, or raise InvalidValue."""
+        return as_vector(vector, self.size, what, most=LARGEST)
 
     # Kinematics ---------------------------------------------------------------------------------------------------
 
     def tip_se3(self, q: ArrayLike) -> pin.SE3:
         """Return T_world_tip."""
-        pin.framesForwardKinematics(self.arm, self.data, _array(q))
+        pin.framesForwardKinematics(self.arm, self.data, self._joints(q))
         return self.data.oMf[self.tip_id].copy()
 
     def tip_pose(self, q: ArrayLike) -> FloatArray:
@@ -90,19 +98,19 @@ class RobotModel:
 
     def joint_poses(self, q: ArrayLike) -> list[FloatArray]:
         """Return the pose (7,) in the world of every arm joint's frame, base first; the joints turn or slide along its axes."""
-        pin.forwardKinematics(self.arm, self.data, _array(q))
+        pin.forwardKinematics(self.arm, self.data, self._joints(q))
         placements = self.data.oMi
         return [se3_to_pose(placements[i]) for i in range(1, self.size + 1)]
 
     def jacobian(self, q: ArrayLike, frame: FrameChoice = "world") -> FloatArray:
         """Return J (6, n) with v_tip = J dq, `[linear, angular]`, along world axes or in tip axes."""
-        return pin.computeFrameJacobian(self.arm, self.data, _array(q), self.tip_id, _REFERENCE[frame])
+        return pin.computeFrameJacobian(self.arm, self.data, self._joints(q), self.tip_id, _reference(frame))
 
     def jacobian_dot(self, q: ArrayLike, v: ArrayLike, frame: FrameChoice = "world") -> FloatArray:
         """Return dJ/dt (6, n) at joint velocity `v` [rad/s]."""
-        pin.computeJointJacobiansTimeVariation(self.arm, self.data, _array(q), _array(v))
+        pin.computeJointJacobiansTimeVariation(self.arm, self.data, self._joints(q), self._joints(v, VELOCITY))
         pin.updateFramePlacements(self.arm, self.data)
-        return np.array(pin.getFrameJacobianTimeVariation(self.arm, self.data, self.tip_id, _REFERENCE[frame]))
+        return np.array(pin.getFrameJacobianTimeVariation(self.arm, self.data, self.tip_id, _reference(frame)))
 
     def manipulability(self, q: ArrayLike) -> float:
         """Return sqrt(det(J J^T)): 0 in a singular configuration."""
@@ -113,24 +121,27 @@ class RobotModel:
 
     def mass_matrix(self, q: ArrayLike) -> FloatArray:
         """Return the joint-space inertia M(q), shape (n, n)."""
-        upper = np.triu(pin.crba(self.arm, self.data, _array(q)))
+        upper = np.triu(pin.crba(self.arm, self.data, self._joints(q)))
         return upper + np.triu(upper, 1).T
 
     def gravity(self, q: ArrayLike) -> FloatArray:
         """Return the torques that carry the arm's weight [N m]."""
-        return np.array(pin.computeGeneralizedGravity(self.arm, self.data, _array(q)))
+        return np.array(pin.computeGeneralizedGravity(self.arm, self.data, self._joints(q)))
 
     def coriolis(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         """Return C(q, v) v [N m]."""
-        return np.array(pin.nonLinearEffects(self.arm, self.data, _array(q), _array(v))) - self.gravity(q)
+        q, v = self._joints(q), self._joints(v, VELOCITY)
+        return np.array(pin.nonLinearEffects(self.arm, self.data, q, v)) - self.gravity(q)
 
     def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> FloatArray:
         """Return the torques [N m] that produce acceleration `a` [rad/s^2]."""
-        return np.array(pin.rnea(self.arm, self.data, _array(q), _array(v), _array(a)))
+        q, v, a = self._joints(q), self._joints(v, VELOCITY), self._joints(a, "joint acceleration")
+        return np.array(pin.rnea(self.arm, self.data, q, v, a))
 
     def forward_dynamics(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> FloatArray:
         """Return the acceleration [rad/s^2] that torques `tau` [N m] produce."""
-        return np.array(pin.aba(self.arm, self.data, _array(q), _array(v), _array(tau)))
+        q, v, tau = self._joints(q), self._joints(v, VELOCITY), self._joints(tau, "joint torque")
+        return np.array(pin.aba(self.arm, self.data, q, v, tau))
 
     def set_payload(self, mass: float, center: ArrayLike, inertia: ArrayLike | None = None) -> None:
         """Add a body to the dynamics of the hand; a mass of 0 takes it away.
@@ -139,20 +150,33 @@ class RobotModel:
             mass: [kg].
             center: Centre of mass in the tip frame, shape (3,), [m].
             inertia: Rotational inertia about that centre in tip axes, shape (3, 3), [kg m^2]; None is a point.
+
+        Raises:
+            InvalidValue: A negative mass, NaN, or a wrong shape (also a ValueError).
         """
-        load = pin.Inertia(mass, _array(center), np.zeros((3, 3)) if inertia is None else _array(inertia))
+        mass, center = as_number(mass, "mass [kg]", least=0.0, most=LARGEST), as_vector(center, 3, "center", most=LARGEST)
+        load = pin.Inertia(mass, center, np.zeros((3, 3)) if inertia is None else _as_inertia(inertia))
         T_joint_tip = self.arm.frames[self.tip_id].placement
         self.carry(T_joint_tip.act(load) if mass > 0.0 else pin.Inertia.Zero())
 
     def carry(self, payload: pin.Inertia) -> None:
         """Add an inertia, in the frame of the last joint, to the dynamics of the hand; it replaces what was added before."""
+        as_record(payload, pin.Inertia, "payload")
         self.arm.inertias[self.size] = self._bare_inertia + payload if payload.mass > 0.0 else self._bare_inertia.copy()
         self.data = self.arm.createData()
 
 
-def _array(values: ArrayLike) -> FloatArray:
-    """Return float64 numbers as Pinocchio takes them: an array of these as it is, a list as an array."""
-    return np.asarray(values, dtype=np.float64)
+def _reference(frame: FrameChoice) -> pin.ReferenceFrame:
+    """Return what Pinocchio calls a frame, or raise UnknownName."""
+    return _REFERENCE[frame if type(frame) is str and frame in _REFERENCE else as_choice(frame, "frame", ("world", "tip"))]
+
+
+def _as_inertia(inertia: ArrayLike) -> FloatArray:
+    """Return a rotational inertia (3, 3), or raise InvalidValue."""
+    matrix = as_finite(as_array(inertia, "inertia"), "inertia")
+    if matrix.shape != (3, 3) or np.abs(matrix - matrix.T).max() > 1e-6 or np.linalg.eigvalsh(matrix).min() < -1e-9:
+        raise InvalidValue("inertia", inertia, "has to be a symmetric matrix (3, 3) with no negative eigenvalue")
+    return matrix
 
 
 def _load(description: RobotDescription, base: pin.SE3) -> pin.Model:

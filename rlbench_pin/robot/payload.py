@@ -13,10 +13,13 @@ from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import NO_FILE, BodySnapshot, WorldSnapshot
 from rlbench_pin.spatial import FloatArray, pose_to_se3
 from rlbench_pin.urdf import read_urdf
+from rlbench_pin.values import as_record
 
 
 def payload_inertia(model: RobotModel, snapshot: WorldSnapshot) -> pin.Inertia:
     """Return the inertia of all held bodies in the frame of the last arm joint; those fixed to the world count nothing."""
+    as_record(model, RobotModel, "model")
+    as_record(snapshot, WorldSnapshot, "snapshot")
     total = pin.Inertia.Zero()
     held = [body for body in snapshot.bodies if body.name in snapshot.attached and not body.fixed]
     if held:

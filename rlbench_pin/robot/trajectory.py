@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rlbench_pin.errors import InvalidValue
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_array, as_finite, as_number, as_rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,9 +28,18 @@ class Trajectory:
     """Accelerations (m, n), [rad/s^2]."""
 
     def __post_init__(self) -> None:
-        """Keep lists as arrays."""
-        for name in ("times", "q", "v", "a"):
-            object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=np.float64))
+        """Raise InvalidValue unless there is a sample, each is later than the last, and as many of all (also a ValueError)."""
+        times = as_array(self.times, "Trajectory.times")
+        as_finite(times, "Trajectory.times")
+        if times.ndim != 1 or not len(times) or times[0] != 0.0 or (np.diff(times) <= 0.0).any():
+            raise InvalidValue("Trajectory.times", self.times, "has to have shape (m,), begin at 0 and increase")
+        q = as_array(self.q, "Trajectory.q")
+        for name in ("q", "v", "a"):
+            rows = as_rows(getattr(self, name), q.shape[-1] if q.ndim else 1, f"Trajectory.{name}")
+            if len(rows) != len(times):
+                raise InvalidValue(f"Trajectory.{name}", rows, f"has to have {len(times)} rows, one for each of `times`")
+            object.__setattr__(self, name, rows)
+        object.__setattr__(self, "times", times)
 
     @property
     def duration(self) -> float:
@@ -37,7 +48,8 @@ class Trajectory:
 
     def sample(self, t: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return q, v, a at time `t` [s]; before the start and after the end the joints rest."""
-        if t < 0.0 or t > self.duration:
+        t = as_number(t, "the time t [s]", finite=False)
+        if t < 0.0 or t > self.duration or len(self.times) == 1:
             q = self.q[0] if t < 0.0 else self.q[-1]
             return q.copy(), np.zeros_like(q), np.zeros_like(q)
         i = min(int(np.searchsorted(self.times, t, side="right")) - 1, len(self.times) - 2)

@@ -12,6 +12,7 @@ from rlbench_pin.errors import SceneFileError, nearest_name, shown
 from rlbench_pin.scene.checks import check_scene
 from rlbench_pin.scene.short_forms import POSED_TABLES, ShortFormError, placement_from_file, short_keys, write_out
 from rlbench_pin.scene.spec import FORMAT, SceneSpec
+from rlbench_pin.values import as_path
 
 Raw = dict[str, Any]
 
@@ -27,7 +28,7 @@ def read_scene(path: Path | str) -> SceneSpec:
         AssetNotFound: A URDF, mesh or texture that the scene needs does not exist.
         AssetInvalid: A URDF is not XML.
     """
-    path = Path(path)
+    path = as_path(path, "path")
     raw = _parse(path)
     _check_format(path, raw)
     if raw["format"] == FORMAT:

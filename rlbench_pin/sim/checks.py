@@ -31,6 +31,19 @@ def pose_vector(pose: ArrayLike, what: str) -> FloatArray:
     return values.as_pose(pose, f"The {what}", InvalidNumbers, tolerance=1e-3)
 
 
+def color_values(color: ArrayLike) -> tuple[float, float, float, float]:
+    """Return red, green, blue and alpha, which is 1 where it is not given.
+
+    Raises:
+        InvalidNumbers: It is not 3 or 4 numbers in 0..1.
+    """
+    array = values.as_array(color, "A colour", InvalidNumbers)
+    if array.shape not in ((3,), (4,)) or not ((array >= 0.0) & (array <= 1.0)).all():
+        raise InvalidNumbers("A colour", color, "has to be 3 or 4 numbers in 0..1")
+    red, green, blue, alpha = (*array.tolist(), 1.0)[:4]
+    return red, green, blue, alpha
+
+
 def whole_ratio(control_dt: float, timestep: float) -> int:
     """Return how many physics steps of length `timestep` [s] a control tick of length `control_dt` [s] has.
 

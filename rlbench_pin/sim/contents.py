@@ -15,6 +15,7 @@ from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.sim.contacts import ContactReader
 from rlbench_pin.sim.places import PlaceTree
 from rlbench_pin.sim.render.masks import MaskTable
+from rlbench_pin.values import as_record
 
 
 class Contents:
@@ -79,7 +80,7 @@ class Contents:
         Raises:
             UnknownName: There is none of that name.
         """
-        body = self.bodies.get(name) or self.room.get(name)
+        body = (self.bodies.get(name) or self.room.get(name)) if isinstance(name, str) else None
         if body is None:
             raise UnknownName("body of this scene", name, (*self.bodies, *self.room))
         return body
@@ -90,7 +91,7 @@ class Contents:
         Raises:
             UnknownName: There is none of that name.
         """
-        body, _, joint = name.partition("/")
+        body, _, joint = name.partition("/") if isinstance(name, str) else ("", "", "")
         if body not in self.bodies or joint not in self.bodies[body].joints:
             known = [f"{b.name}/{j}" for b in self.bodies.values() for j in b.joints]
             raise UnknownName("joint of this scene", name, known)
@@ -102,7 +103,7 @@ class Contents:
         Raises:
             UnknownName: There is none of that name.
         """
-        return self.robot if name == self._robot_name else self.body(name).model
+        return self.robot if isinstance(name, str) and name == self._robot_name else self.body(name).model
 
     def joints_with_springs(self) -> list[ObjectJoint]:
         """Joints that a spring pulls, in the order of the scene file."""
@@ -124,7 +125,10 @@ class Contents:
 
         Raises:
             RlbenchPinError: The name is in use.
+            InvalidValue: The name is no text, or the spec none.
         """
+        as_record(name, str, "the name of a new body")
+        as_record(spec, BodySpec, "spec")
         if name in self.bodies or name in self.room or self.places.contains(name):
             raise RlbenchPinError(f"The name '{name}' is in use. Choose another for the new body.")
         spec = spec.model_copy(update={"name": name})

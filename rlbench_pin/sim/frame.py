@@ -11,6 +11,7 @@ import pinocchio as pin
 from rlbench_pin.scene.spec import WORLD
 from rlbench_pin.sim.checks import finite_vector, pose_vector
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3, se3_to_pose
+from rlbench_pin.values import as_flag
 
 
 class Posed(Protocol):
@@ -128,7 +129,7 @@ class Frame:
     def move_to(self, target: Posed | PoseLike | str) -> None:
         """Move to where a body or another frame is, to the place of that name, or to a world pose (7,)."""
         there = se3_to_pose(self._places.placement(target)) if isinstance(target, str) else target
-        self.set_pose(there if isinstance(there, Sequence | np.ndarray) else there.pose)
+        self.set_pose(getattr(there, "pose", there))  # type: ignore[arg-type]
 
     def set_parent(self, parent: str, keep_in_place: bool = False) -> None:
         """Give the frame another parent.
@@ -137,6 +138,7 @@ class Frame:
             parent: Name of the new parent.
             keep_in_place: Stay where it is in the world; otherwise keep the pose relative to the parent, as a scene file would.
         """
+        keep_in_place = as_flag(keep_in_place, "keep_in_place")
         self._places.check_parent(self.name, parent)
         pose = self.pose
         self._parent = parent

@@ -41,13 +41,13 @@ class PlaceTree:
 
     def frame(self, name: str) -> Frame:
         """Return a frame of any kind."""
-        if name not in self.frames:
+        if not isinstance(name, str) or name not in self.frames:
             raise UnknownName("frame of this scene", name, tuple(self.frames))
         return self.frames[name]
 
     def frame_of_kind(self, name: str, kind: type[Kind], word: str) -> Kind:
         """Return a region or a sensor."""
-        found = self.frames.get(name)
+        found = self.frames.get(name) if isinstance(name, str) else None
         if not isinstance(found, kind):
             raise UnknownName(f"{word} of this scene", name, [n for n, f in self.frames.items() if isinstance(f, kind)])
         return found
@@ -58,6 +58,8 @@ class PlaceTree:
 
     def placement(self, name: str) -> pin.SE3:
         """Return T_world_x of a body, a link, a frame, `root` or `world`."""
+        if not isinstance(name, str):
+            self._find_body(name)  # says what there is
         if name in self.frames:
             return self.frames[name].placement()
         if name == WORLD:

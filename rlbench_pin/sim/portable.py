@@ -25,6 +25,7 @@ from rlbench_pin.sim.state import (
     separate_bodies,
     write_logical_state,
 )
+from rlbench_pin.values import as_record
 
 if TYPE_CHECKING:
     from rlbench_pin.sim.world import World
@@ -104,6 +105,7 @@ def from_arrays(world: World, arrays: Mapping[str, np.ndarray]) -> None:
     Raises:
         RlbenchPinError: The arrays are incomplete or damaged, or belong to another scene, robot or version of this format.
     """
+    as_record(arrays, Mapping, "arrays, what `World.arrays()` returned,")  # type: ignore[type-abstract]
     missing = (_KEYS if "physics" in arrays else _KEYS | _MEASURED) - set(arrays)
     if missing:
         raise RlbenchPinError(

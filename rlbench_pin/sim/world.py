@@ -33,6 +33,7 @@ from rlbench_pin.sim.render.texture_overrides import TextureOverrides
 from rlbench_pin.sim.sensor import Sensor
 from rlbench_pin.sim.state import WorldState
 from rlbench_pin.spatial import PoseLike
+from rlbench_pin.values import as_flag, as_record, as_whole
 
 
 class World:
@@ -156,7 +157,7 @@ class World:
 
     def set_ticks(self, ticks: int) -> None:
         """Set the clock."""
-        self._ticks = ticks
+        self._ticks = as_whole(ticks, "ticks", least=0)
 
     def step(self) -> None:
         """Advance one control tick."""
@@ -248,11 +249,11 @@ class World:
     def save(self, portable: bool = False) -> WorldState:
         """Remember this instant exactly, in memory; freed with the returned object. A `portable` one can be pickled."""
         self.end_building()
-        return state.save(self, portable)
+        return state.save(self, as_flag(portable, "portable"))
 
     def restore(self, saved: WorldState) -> None:
         """Go back to a remembered instant of this world, exactly."""
-        state.restore(self, saved)
+        state.restore(self, as_record(saved, WorldState, "saved"))
 
     def build_again(self) -> None:
         """Go back to the origin, in a physics server that was emptied and built again; saved states stay valid.
@@ -269,13 +270,11 @@ class World:
         state.build_again(self)
 
     def arrays(self, exact: bool = True) -> dict[str, np.ndarray]:
-        """Return this instant as plain arrays that another process can continue from.
-
-        Args:
-            exact: To the last bit; otherwise without contact forces, smaller, and with the same bytes in every process.
+        """Return this instant as plain arrays that another process can continue from: `exact` to the last bit, otherwise
+        without contact forces, smaller, and with the same bytes in every process.
         """
         self.end_building()
-        return portable.to_arrays(self, exact)
+        return portable.to_arrays(self, as_flag(exact, "exact"))
 
     def set_arrays(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Continue from `arrays` of a world with the same scene and robot."""

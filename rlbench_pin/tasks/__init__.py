@@ -45,6 +45,7 @@ from rlbench_pin.tasks.task import Task, TaskState
 from rlbench_pin.tasks.task_file import (
     OwnTasks,
     camel_case,
+    checked_class,
     is_task_file,
     load_task_file,
     own_tasks,
@@ -85,6 +86,7 @@ __all__ = [
     "Tray",
     "Waypoint",
     "camel_case",
+    "checked_class",
     "chosen_tasks_of",
     "clearance",
     "distractor_colors",

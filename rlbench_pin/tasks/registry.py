@@ -12,7 +12,8 @@ from rlbench_pin.plugins import Plugins, PluginTask, installed_plugins
 from rlbench_pin.scene.reader import read_scene
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.tasks.task import Task, snake_case
-from rlbench_pin.tasks.task_file import camel_case, class_in, load_task_file
+from rlbench_pin.tasks.task_file import camel_case, checked_class, class_in, load_task_file
+from rlbench_pin.values import as_text
 
 LIBRARY = Path(__file__).parent / "library"
 LIST_COMMAND = "rlbench-pin list"
@@ -39,6 +40,8 @@ def task_class(name: str) -> type[Task]:
         UnknownName: No task is called so; proposes the nearest name.
         TaskError: The package that brings it is broken, or two packages claim the name.
     """
+    if not isinstance(name, str):
+        raise UnknownName("task", name, task_names(), LIST_COMMAND)
     stem = snake_case(name)
     if stem in library_names():
         return class_in(importlib.import_module(f"rlbench_pin.tasks.library.{stem}"), camel_case(stem))
@@ -57,6 +60,8 @@ def find_task(name: str | PathLike[str]) -> type[Task]:
         UnknownName: No task is called so.
         TaskError: The file does not exist, cannot be loaded, or holds no task class named after it.
     """
+    if not isinstance(name, str | PathLike):
+        raise UnknownName("task", name, task_names(), LIST_COMMAND)
     if isinstance(name, PathLike) or name.endswith(".py") or "/" in name:
         return load_task_file(name)
     return task_class(name)
@@ -64,7 +69,7 @@ def find_task(name: str | PathLike[str]) -> type[Task]:
 
 def task_origin(name: str) -> str:
     """Return the package that brings a task, with its version; empty for those of the library."""
-    task = _plugins().tasks.get(name)
+    task = _plugins().tasks.get(as_text(name, "name"))
     return task.origin if task else ""
 
 
@@ -93,6 +98,7 @@ def task_scene(task: type[Task]) -> SceneSpec:
         SceneFileError: The file is missing or wrong.
         AssetNotFound: Something that the scene needs does not exist.
     """
+    checked_class(task)
     file = task.scene_file()
     return _read(file, file.stat().st_mtime_ns) if file.is_file() else read_scene(file)
 

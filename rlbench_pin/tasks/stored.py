@@ -6,14 +6,15 @@ stranger, so they are run only when the user says so. What the user names, or ha
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from rlbench_pin.datasets import has_manifest, keep_files, kept_task
+from rlbench_pin.datasets import checked_task_name, has_manifest, keep_files, kept_task
 from rlbench_pin.errors import DatasetConflict, TaskError, UntrustedTaskFile
 from rlbench_pin.tasks.registry import find_task, library_names, task_class, task_names
 from rlbench_pin.tasks.task import Task, snake_case
-from rlbench_pin.tasks.task_file import OwnTasks, digests, is_of_library, load_task_file, task_files
+from rlbench_pin.tasks.task_file import OwnTasks, checked_class, digests, is_of_library, load_task_file, task_files
+from rlbench_pin.values import as_flag, as_names, as_record, as_several
 
 
 def keep_task(root: Path, task: type[Task]) -> None:
@@ -23,7 +24,7 @@ def keep_task(root: Path, task: type[Task]) -> None:
         DatasetConflict: It holds episodes of another task of that name, or of this one before its files changed.
         StorageError: The disk cannot be written to.
     """
-    name = task.get_name()
+    name = checked_class(task).get_name()
     kept = kept_task(root, name)
     if is_of_library(task):
         if kept is not None:
@@ -40,7 +41,7 @@ def keep_task(root: Path, task: type[Task]) -> None:
 
 def keep_tasks(root: Path, tasks: Iterable[type[Task]]) -> None:
     """Keep the files of several tasks; see `keep_task`."""
-    for task in tasks:
+    for task in as_several(tasks, "tasks"):
         keep_task(root, task)
 
 
@@ -61,7 +62,9 @@ def stored_task(root: Path, name: str, own: OwnTasks | None = None, trust_task_f
         EpisodeFileError: That code is damaged.
         UnknownName: No task is called so.
     """
-    if own and name in own:
+    as_flag(trust_task_files, "trust_task_files")
+    checked_task_name(name)
+    if own is not None and name in as_record(own, Mapping, "own"):  # type: ignore[type-abstract]
         return own[name]
     kept = kept_task(root, name)
     if kept is None:
@@ -85,8 +88,9 @@ def chosen_tasks_of(root: Path, words: Iterable[str], trust_task_files: bool = F
         UnknownName: No task is called so.
         UntrustedTaskFile: A name stands for code that came with the dataset, and nobody said that it may be run.
     """
+    trust_task_files = as_flag(trust_task_files, "trust_task_files")
     chosen: dict[str, type[Task]] = {}
-    for word in words:
+    for word in as_names(as_several(words, "tasks"), "tasks"):
         name = snake_case(word)
         task = stored_task(root, name, None, trust_task_files) if _is_kept(root, name) else find_task(word)
         same = [known for known in chosen.values() if known.get_name() == task.get_name()]

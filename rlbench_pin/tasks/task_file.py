@@ -11,11 +11,12 @@ from os import PathLike
 from pathlib import Path
 from types import ModuleType
 
-from rlbench_pin.errors import AssetInvalid, AssetNotFound, TaskError
+from rlbench_pin.errors import AssetInvalid, AssetNotFound, InvalidValue, TaskError
 from rlbench_pin.scene.model_files import resolve_asset
 from rlbench_pin.scene.reader import read_scene
 from rlbench_pin.tasks.task import Task, snake_case
 from rlbench_pin.urdf import read_urdf
+from rlbench_pin.values import as_path, as_several, as_text
 
 OwnTasks = Mapping[str, type[Task]]
 """Task name -> class that the user named a file of."""
@@ -34,7 +35,7 @@ def load_task_file(path: str | PathLike[str]) -> type[Task]:
     Raises:
         TaskError: The file does not exist, cannot be run, or holds no task class named after it.
     """
-    path = Path(path).resolve()
+    path = as_path(path, "path").resolve()
     if not path.is_file():
         near = path.with_name(f"{path.name}.py")
         advice = f"Did you mean '{near}'?" if near.is_file() else "`rlbench-pin new` makes one."
@@ -50,7 +51,7 @@ def load_task_file(path: str | PathLike[str]) -> type[Task]:
 
 def camel_case(name: str) -> str:
     """Turn `reach_target` into `ReachTarget`."""
-    return "".join(word.capitalize() for word in name.split("_"))
+    return "".join(word.capitalize() for word in as_text(name, "name").split("_"))
 
 
 def class_in(module: ModuleType, name: str) -> type[Task]:
@@ -65,9 +66,16 @@ def class_in(module: ModuleType, name: str) -> type[Task]:
     raise TaskError(f"'{module.__file__}' holds no class '{name}' derived from Task. Name the class after its file.")
 
 
+def checked_class(task: object) -> type[Task]:
+    """Return a task class, or raise InvalidValue."""
+    if not isinstance(task, type) or not issubclass(task, Task):
+        raise InvalidValue("task", task, "has to be a task class", "`find_task(name)` returns one.")
+    return task
+
+
 def is_task_file(task: type[Task]) -> bool:
     """Whether a task was loaded from a file by `load_task_file`."""
-    return task.__module__.startswith(_PREFIX)
+    return checked_class(task).__module__.startswith(_PREFIX)
 
 
 def is_of_library(task: type[Task]) -> bool:
@@ -107,7 +115,7 @@ def own_tasks(files: Iterable[str | PathLike[str]]) -> dict[str, type[Task]]:
         TaskError: A file cannot be loaded, or two are of one name.
     """
     found: dict[str, type[Task]] = {}
-    for file in files:
+    for file in as_several(files, "files"):
         task = load_task_file(file)
         if found.setdefault(task.get_name(), task) is not task:
             raise TaskError(f"Two task files are called '{task.get_name()}'; the second is '{file}'. Name one of them.")
@@ -121,6 +129,7 @@ def task_reference(task: type[Task]) -> str:
 
 def task_digest(task: type[Task]) -> str:
     """Return one text that changes with any file of a task that is not in the library; empty for those of the library."""
+    checked_class(task)
     return "" if is_of_library(task) else " ".join(f"{n}:{s}" for n, s in sorted(digests(task_files(task)).items()))
 
 

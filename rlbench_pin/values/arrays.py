@@ -48,18 +48,25 @@ def _kind_text(array: NDArray) -> str:
     return kinds.get(array.dtype.kind, str(array.dtype))
 
 
-def as_vector(value: ArrayLike, size: int, what: str, error: type[InvalidValue] = InvalidValue) -> FloatArray:
+def as_vector(
+    value: ArrayLike, size: int, what: str, error: type[InvalidValue] = InvalidValue, *, most: float | None = None
+) -> FloatArray:
     """Return `value` as a finite float64 vector of shape (size,); the caller's array itself when it is one.
 
     Raises:
-        InvalidValue: It is no array of numbers, has another shape, or holds NaN or infinity.
+        InvalidValue: It is no array of numbers, has another shape, or holds NaN, infinity or a number beyond +-`most`.
     """
-    if type(value) is np.ndarray and value.dtype is _FLOAT and value.shape == (size,) and math.isfinite(sum(value.tolist())):
-        return value
+    if type(value) is np.ndarray and value.dtype is _FLOAT and value.shape == (size,):
+        numbers = value.tolist()  # NaN and infinity show in any sum, and in any length
+        if math.isfinite(sum(numbers)) if most is None else math.hypot(*numbers) <= most:
+            return value
     vector = as_array(value, what, error)
     if vector.shape != (size,):
         raise error(what, value, f"has to have shape ({size},), not {vector.shape}")
-    return as_finite(vector, what, error)
+    as_finite(vector, what, error)
+    if most is not None and size and np.abs(vector).max() > most:
+        raise error(what, value, f"has to hold numbers from {-most:g} to {most:g}")
+    return vector
 
 
 def as_rows(value: ArrayLike, size: int, what: str, error: type[InvalidValue] = InvalidValue, *, least: int = 1) -> FloatArray:
@@ -74,8 +81,9 @@ def as_finite(array: FloatArray, what: str, error: type[InvalidValue] = InvalidV
     """Return `array` itself, or raise InvalidValue when it holds NaN or infinity; names the first places."""
     good = np.isfinite(array)
     if not good.all():
-        places = [tuple(place) if len(place) > 1 else place[0] for place in np.argwhere(~good)[:8].tolist()] or [0]
-        raise error(what, array, f"has to be finite; NaN or infinity is at {', '.join(map(str, places))}")
+        places = [place[0] if len(place) == 1 else tuple(place) for place in np.argwhere(~good)[:8].tolist()]
+        where = f"; NaN or infinity is at {', '.join(map(str, places))}" if array.ndim else ""
+        raise error(what, array, f"has to be finite{where}")
     return array
 
 

@@ -18,7 +18,11 @@ NOT_NEGATIVE: Rule = partial(as_number, least=0.0)
 FLAG: Rule = as_flag
 
 
-def counted(least: int, most: int | None = None) -> Rule:
+LARGEST_COUNT = 2**31 - 1
+"""Settings that count something are at most this."""
+
+
+def counted(least: int, most: int = LARGEST_COUNT) -> Rule:
     """Return the rule of whole numbers from `least` to `most`."""
     return partial(as_whole, least=least, most=most)
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
-from typing import TypeVar
+from collections.abc import Collection, Iterable, Sequence
+from os import PathLike, fsencode, fspath
+from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -15,6 +17,10 @@ LARGEST_SEED = 2**63 - 1
 """Stored episodes keep their seed in 64 bits, with a sign."""
 LARGEST_SIDE = 8192
 """Pictures have at most so many columns and rows [px]."""
+LONGEST_NAME, LONGEST_PATH = 255, 4095
+"""Bytes of file names and paths of Linux."""
+_NO_NUMBERS = (bool, np.bool_, np.timedelta64)
+"""What numpy and Python count among their whole numbers, and we do not."""
 
 
 def as_number(
@@ -42,7 +48,7 @@ def as_number(
         InvalidValue: It is no number, or outside the range.
     """
     wanted = f"has to be a {'finite ' if finite else ''}number{_range_text(least, most, above)}"
-    if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
+    if isinstance(value, _NO_NUMBERS) or not isinstance(value, int | float | np.integer | np.floating):
         raise error(what, value, wanted)
     try:
         number = float(value)
@@ -68,7 +74,7 @@ def as_whole(
     Raises:
         InvalidValue: It is no whole number, or outside the range.
     """
-    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    whole = isinstance(value, int | np.integer) and not isinstance(value, _NO_NUMBERS)
     number = int(value) if whole else 0  # type: ignore[call-overload]
     if not whole or (least is not None and number < least) or (most is not None and number > most):
         low, high = -math.inf if least is None else least, math.inf if most is None else most
@@ -78,7 +84,7 @@ def as_whole(
 
 def as_flag(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> bool:
     """Return a truth value of Python or numpy, or 0 or 1, as a bool; or raise InvalidValue."""
-    if not isinstance(value, bool | np.bool_ | int | np.integer) or value not in (0, 1):
+    if isinstance(value, np.timedelta64) or not isinstance(value, bool | np.bool_ | int | np.integer) or value not in (0, 1):
         raise error(what, value, "has to be True or False")
     return bool(value)
 
@@ -90,7 +96,7 @@ def as_choice(value: object, what: str, choices: Collection[str]) -> str:
         UnknownName: It is none of them; names the nearest.
     """
     if not isinstance(value, str) or value not in choices:
-        raise UnknownName(what, str(value), tuple(choices))
+        raise UnknownName(what, value, tuple(choices))  # type: ignore[arg-type] # it shows whatever it is
     return value
 
 
@@ -140,6 +146,39 @@ def items_of(value: object) -> tuple[object, ...]:
     if isinstance(value, np.ndarray):
         return tuple(value) if value.ndim == 1 else ()
     return tuple(value) if isinstance(value, Sequence) and not isinstance(value, str | bytes) else ()
+
+
+def as_text(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> str:
+    """Return a text, or raise InvalidValue; no number is written out."""
+    if not isinstance(value, str):
+        raise error(what, value, "has to be a text")
+    return value
+
+
+def as_path(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> Path:
+    """Return a path, from a text or a path; or raise InvalidValue."""
+    if not isinstance(value, str | PathLike) or isinstance(text := fspath(value), bytes) or "\0" in text:
+        raise error(what, value, "has to be a path: a text without the character 0, or a Path")
+    try:
+        lengths = [len(part) for part in fsencode(text).split(b"/")]
+    except UnicodeEncodeError as failure:
+        raise error(what, value, f"cannot be the name of a file: {failure.reason}") from failure
+    if max(lengths) > LONGEST_NAME or sum(lengths) + len(lengths) > LONGEST_PATH:
+        raise error(what, value, f"is too long: names have {LONGEST_NAME} bytes at most, paths {LONGEST_PATH}")
+    return Path(text)
+
+
+def as_function(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> None:
+    """Raise InvalidValue unless `value` can be called, or is None."""
+    if value is not None and not callable(value):
+        raise error(what, value, "has to be a function, or None")
+
+
+def as_several(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> tuple[Any, ...]:
+    """Return what a list, a set or a generator holds, or raise InvalidValue; a text would be its letters."""
+    if not isinstance(value, Iterable) or isinstance(value, str | bytes | np.ndarray):
+        raise error(what, value, "has to be a list")
+    return tuple(value)
 
 
 def as_record(value: object, kind: type[KindT], what: str, error: type[InvalidValue] = InvalidValue) -> KindT:

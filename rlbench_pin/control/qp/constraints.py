@@ -33,7 +33,7 @@ from numpy.typing import ArrayLike
 
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.values import as_choice, as_number, as_record
+from rlbench_pin.values import as_choice, as_flag, as_number, as_record
 
 HOLDS = ("velocity", "acceleration", "any")
 HeldQuantity = Literal["velocity", "acceleration", "any"]
@@ -75,10 +75,13 @@ class JointBounds:
         Raises:
             InvalidValue: The tick is not > 0, the margin negative or wider than half of a joint's range (also a ValueError).
         """
-        as_number(dt, "the control tick dt [s]", above=0.0)
+        dt = as_number(dt, "the control tick dt [s]", above=0.0)
         as_record(limits, JointLimits, "limits")
-        as_number(margin, "the margin of joint limits [rad]", least=0.0, most=0.5 * float((limits.upper - limits.lower).min()))
+        margin = as_number(
+            margin, "the margin of joint limits [rad]", least=0.0, most=0.5 * float((limits.upper - limits.lower).min())
+        )
         as_choice(hold, "held quantity", HOLDS)
+        as_flag(sudden, "sudden")
         self.limits, self.dt, self.hold = limits, dt, hold
         self.velocity = np.array(limits.velocity)
         self.step = limits.acceleration * dt

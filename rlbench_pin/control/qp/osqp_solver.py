@@ -18,8 +18,9 @@ import osqp
 import scipy.sparse as sp
 
 from rlbench_pin.control.qp.quadratic_program import QuadraticProgram
-from rlbench_pin.errors import InfeasibleControl
+from rlbench_pin.errors import InfeasibleControl, InvalidValue
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import LARGEST_COUNT, as_array, as_finite, as_number, as_whole
 
 INFINITE = 1e30
 """OSQP takes this for no bound."""
@@ -48,7 +49,13 @@ class OsqpSolver:
             tolerance: Residual of the scaled problem that counts as solved.
             iterations: When to give up.
         """
-        self.scale, self.rows = np.asarray(scale, dtype=float), rows
+        self.scale = as_finite(as_array(scale, "scale"), "scale")
+        if self.scale.ndim > 1 or not self.scale.size or self.scale.min() <= 0.0:
+            raise InvalidValue("scale", scale, "has to be numbers > 0, one, or of shape (n,)")
+        self.rows = as_whole(rows, "rows", least=0, most=1_000_000)
+        as_number(rho, "rho", above=0.0)
+        as_number(tolerance, "tolerance", above=0.0)
+        as_whole(iterations, "iterations", least=1, most=LARGEST_COUNT)
         self.settings = FIXED | {
             "warm_starting": False,
             "rho": rho,
@@ -68,7 +75,7 @@ class OsqpSolver:
         """
         n, m = len(problem.q), len(problem.lower)
         if m > self.rows:
-            raise ValueError(f"this solver takes up to {self.rows} rows, not {m}")
+            raise InvalidValue("problem.lower", problem.lower, f"has {m} rows; this solver takes up to {self.rows} rows")
         if n != self._size:
             self._setup(n)
         D, low, high = self._D, self._low, self._high

@@ -18,6 +18,7 @@ from rlbench_pin.datasets.storage import storing
 from rlbench_pin.datasets.trust import check_inside
 from rlbench_pin.errors import DatasetConflict, DatasetError
 from rlbench_pin.observation import CAMERAS
+from rlbench_pin.values import as_names, as_path
 
 FPS = 20
 """Frames of a demonstration in a second of simulated time [1/s]."""
@@ -82,6 +83,7 @@ def rgb_cameras(episodes: Sequence[StoredEpisode], wanted: Sequence[str] = ()) -
     Raises:
         DatasetError: A camera that is wanted has no pictures, or pictures of one camera differ in size.
     """
+    wanted = as_names(wanted, "cameras")
     shapes: dict[str, tuple[int, int, int]] | None = None
     for stored in episodes:
         with Episode(stored.path) as episode:
@@ -119,7 +121,7 @@ def new_folder(out: Path) -> Iterator[Path]:
         DatasetConflict: `out` exists.
         StorageError: The disk cannot be written to.
     """
-    out = Path(out)
+    out = as_path(out, "out")
     if out.exists():
         raise DatasetConflict(f"'{out}' exists. Choose a new folder or file for the export.")
     temporary = out.with_name(f".{out.name}.{os.getpid()}.part")

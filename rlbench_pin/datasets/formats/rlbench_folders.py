@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from rlbench_pin.datasets.formats.rlbench_pickle import PickledDemo, PickledObse
 from rlbench_pin.datasets.formats.rlbench_pictures import encode_depth, encode_mask, spread_bytes, write_png
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import CAMERAS, FIELDS, Demo, Observation
+from rlbench_pin.values import as_choice, as_function, as_path
 
 Layout = Literal["upstream", "peract"]
 LOW_DIM_FILE, DESCRIPTIONS_FILE, VARIATION_FILE = "low_dim_obs.pkl", "variation_descriptions.pkl", "variation_number.pkl"
@@ -39,6 +40,9 @@ def export_rlbench(
     Raises:
         DatasetError: Something is missing or damaged, or a picture cannot be encoded.
     """
+    as_choice(layout, "layout", get_args(Layout))
+    as_function(on_episode, "on_episode")
+    out = as_path(out, "out")
     numbers: dict[str, int] = {}
     with new_folder(out) as folder:
         for index, stored in enumerate(stored_episodes(root, tasks)):

@@ -16,6 +16,7 @@ from rlbench_pin.datasets.layout import ALL_VARIATIONS, checked_task_name
 from rlbench_pin.datasets.reader import select
 from rlbench_pin.errors import EpisodeFileError
 from rlbench_pin.observation import CAMERAS, FIELDS, Demo, Observation
+from rlbench_pin.values import as_path, as_whole
 
 _EPISODE = re.compile(r"episode(\d+)")
 _VARIATION = re.compile(r"variation(\d+)")
@@ -26,7 +27,8 @@ _DECODERS = {f"{camera}_{product}": decode for camera in CAMERAS for product, de
 
 def folder_episodes(root: Path, task: str, variation: int = ALL_VARIATIONS) -> list[Path]:
     """Return the episode folders of one variation, or of all (-1), in natural order; none when there are none."""
-    task_folder = Path(root) / checked_task_name(task)
+    variation = as_whole(variation, "variation, -1 for all,")
+    task_folder = as_path(root, "root") / checked_task_name(task)
     parents = sorted((p for p in task_folder.glob("variation*") if _VARIATION.fullmatch(p.name)), key=lambda p: int(p.name[9:]))
     if variation != ALL_VARIATIONS:
         parents = [p for p in parents if p.name == f"variation{variation}"]
@@ -65,7 +67,7 @@ def folder_demos(
     Raises:
         DatasetError: There are too few, or a file is missing or broken.
     """
-    episodes = folder_episodes(Path(root), task, variation)
+    episodes = folder_episodes(as_path(root, "root"), task, variation)
     what = f"of variation {variation} of '{task}' in '{root}'"
     chosen = select(episodes, what, amount, random_selection=random_selection, from_episode_number=from_episode_number, rng=rng)
     return [read_folder(path, fields, image_paths=image_paths) for path in chosen]
@@ -73,6 +75,7 @@ def folder_demos(
 
 def read_folder(path: Path, fields: Collection[str] | None = None, *, image_paths: bool = False) -> Demo:
     """Read one episode folder; see `folder_demos`."""
+    path = as_path(path, "path")
     pickled = load(path / LOW_DIM_FILE)
     observations = getattr(pickled, "_observations", pickled)
     if not isinstance(observations, list) or not observations:
@@ -116,7 +119,8 @@ def _arrays(state: object) -> dict[str, np.ndarray] | None:
 
 def folder_descriptions(path: Path) -> tuple[str, ...]:
     """Return the sentences of an episode; a file that holds something else, as some old ones do, counts as none."""
-    for folder in (path, path.parents[1]):
+    path = as_path(path, "path")
+    for folder in (path, path.parent.parent):
         if (folder / DESCRIPTIONS_FILE).is_file():
             found = load(folder / DESCRIPTIONS_FILE)
             return tuple(found) if isinstance(found, list) and all(isinstance(s, str) for s in found) else ()

@@ -14,6 +14,7 @@ from rlbench_pin.datasets.formats.common import OnEpisode, StoredEpisode, action
 from rlbench_pin.datasets.storage import DeferredErrorFile, storing
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import CAMERAS, LOW_DIM
+from rlbench_pin.values import as_function, as_path
 
 ENV_TYPE = 2
 """What robomimic calls a gym environment."""
@@ -37,6 +38,8 @@ def export_robomimic(
     Raises:
         DatasetError: There is more than one task, or something is missing or damaged.
     """
+    as_function(on_episode, "on_episode")
+    out = as_path(out, "out")
     episodes = stored_episodes(root, tasks)
     if len({e.task for e in episodes}) > 1:
         raise DatasetError(f"A robomimic file holds one task; name one of {sorted({e.task for e in episodes})} with `--tasks`.")

@@ -31,7 +31,7 @@ def as_frame(frame: FrameChoice | int | str) -> RelativeFrame:
         return _FRAME_WORDS[frame]
     try:
         return RelativeFrame(frame)
-    except ValueError as error:
+    except (ValueError, TypeError, RuntimeError) as error:  # what cannot be compared
         raise InvalidActionError(f"No relative frame is {shown(frame)}. Use 'world' or 'end effector'.") from error
 
 

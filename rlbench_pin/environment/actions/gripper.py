@@ -13,6 +13,7 @@ from rlbench_pin.environment.motion import hold_or_release, move_gripper
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_flag
 
 
 class GripperActionMode(ActionPart, Protocol):
@@ -28,7 +29,10 @@ class GripperMode(PartMode):
     """
 
     def __init__(self, attach_grasped_objects: bool | None = None, detach_before_open: bool = True) -> None:
-        self.attach_grasped_objects, self.detach_before_open = attach_grasped_objects, detach_before_open
+        if attach_grasped_objects is not None:
+            attach_grasped_objects = as_flag(attach_grasped_objects, "attach_grasped_objects")
+        self.attach_grasped_objects = attach_grasped_objects
+        self.detach_before_open = as_flag(detach_before_open, "detach_before_open")
 
     def attaches(self, runtime: Runtime) -> bool:
         """Whether bodies are fixed to the hand."""
@@ -100,7 +104,7 @@ class GripperJointPosition(GripperMode):
         self, attach_grasped_objects: bool | None = None, detach_before_open: bool = True, absolute_mode: bool = True
     ) -> None:
         super().__init__(attach_grasped_objects, detach_before_open)
-        self.absolute_mode = absolute_mode
+        self.absolute_mode = as_flag(absolute_mode, "absolute_mode")
 
     def make_spec(self, runtime: Runtime) -> ActionSpec:
         """From 0, shut, to the range of a finger; differences span it both ways."""

@@ -90,7 +90,7 @@ class EndEffectorPoseViaPlanning(PoseMode):
         retry_without_checks: bool = False,
     ) -> None:
         super().__init__(absolute_mode, frame, collision_checking)
-        self.retry_without_checks = retry_without_checks
+        self.retry_without_checks = as_flag(retry_without_checks, "retry_without_checks")
 
     @property
     def optional_values(self) -> int:

@@ -77,4 +77,4 @@ class CameraConfig(Settings):
         if width < 1 or height < 1:
             raise CameraError(f"Camera '{name}' has image_size {self.image_size}; width and height must be at least 1 px.")
         if not isinstance(self.render_mode, str) or self.render_mode not in ("opengl", "opengl3"):
-            raise UnknownName("render mode", str(self.render_mode), ("opengl", "opengl3"))
+            raise UnknownName("render mode", self.render_mode, ("opengl", "opengl3"))

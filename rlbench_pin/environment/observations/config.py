@@ -18,7 +18,7 @@ from rlbench_pin.robot import RobotModel
 from rlbench_pin.sim import Lighting, World
 from rlbench_pin.spatial import FloatArray, pose_to_matrix
 from rlbench_pin.tasks import Task
-from rlbench_pin.values import FLAG, Rule, Settings, as_choice, record_of, ruled
+from rlbench_pin.values import FLAG, Rule, Settings, as_choice, as_text, record_of, ruled
 
 JOINT_SPEED = 100.0
 """The simulator lets no joint turn faster [rad/s]."""
@@ -195,7 +195,7 @@ class ObservationConfig(Settings):
         Raises:
             UnknownName: There is no extra camera of that name; the five are switched off with `set_all(False)`.
         """
-        if name not in self.extra_cameras:
+        if not isinstance(name, str) or name not in self.extra_cameras:
             raise UnknownName("extra camera", name, tuple(self.extra_cameras))
         del self.extra_cameras[name]
 
@@ -216,7 +216,7 @@ class ObservationConfig(Settings):
 
     def noise_of(self, name: str) -> NoiseModel | None:
         """Return the noise of a low-dimensional field, None where it has no setting."""
-        noise: NoiseModel | None = getattr(self, f"{name}_noise", None)
+        noise: NoiseModel | None = getattr(self, f"{as_text(name, 'name')}_noise", None)
         return noise
 
     def check(self) -> None:

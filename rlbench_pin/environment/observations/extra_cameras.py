@@ -14,7 +14,7 @@ from rlbench_pin.errors import InvalidCamera
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.sim import CameraView, World
 from rlbench_pin.spatial import FloatArray, compose, se3_to_pose
-from rlbench_pin.values import Rule, Settings, as_number, as_pose, record_of, ruled
+from rlbench_pin.values import Rule, Settings, as_number, as_pose, as_text, record_of, ruled
 
 HAND = "hand"
 """Parent of cameras that ride on the hand."""
@@ -32,6 +32,8 @@ class ExtraCamera(Settings):
     rules: ClassVar[Mapping[str, Rule]] = ruled(
         (_LENGTH, "near far"),
         (partial(as_number, error=InvalidCamera, above=0.0, most=float(np.pi)), "fov"),
+        (partial(as_pose, error=InvalidCamera), "pose"),
+        (partial(as_text, error=InvalidCamera), "parent"),
         (record_of(CameraConfig), "config"),
     )
 

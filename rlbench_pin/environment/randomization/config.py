@@ -12,7 +12,7 @@ from typing import ClassVar
 import numpy as np
 
 from rlbench_pin.assets import asset_path
-from rlbench_pin.errors import CameraError, InvalidValue, TaskEnvironmentError
+from rlbench_pin.errors import CameraError, InvalidValue, TaskEnvironmentError, shown
 from rlbench_pin.values import FLAG, NOT_NEGATIVE, Rule, Settings, as_interval, as_names, ruled
 
 _PICTURES = (".png", ".jpg", ".jpeg")
@@ -126,7 +126,7 @@ class VisualRandomizationConfig(RandomizationConfig):
         camera_turn: float = 0.0,
     ) -> None:
         if image_directory is not None and not isinstance(image_directory, str | Path):
-            raise RandomizationMisused(f"image_directory is the path of a folder, or None, not {image_directory!r}.")
+            raise RandomizationMisused(f"image_directory is the path of a folder, or None, not {shown(image_directory)}.")
         super().__init__(whitelist=whitelist, blacklist=blacklist, randomize_arm=randomize_arm)
         self.image_directory = asset_path("textures") if image_directory is None else Path(image_directory)
         self.textures, self.light, self.camera_shift, self.camera_turn = textures, light, camera_shift, camera_turn
@@ -181,10 +181,10 @@ def check_randomization(every: RandomizeEvery | None, frequency: int, visual: ob
     if every is None and (visual is not None or dynamics is not None):
         raise RandomizationMisused("A randomization config was given without randomize_every. Pass RandomizeEvery.EPISODE.")
     if visual is not None and not isinstance(visual, VisualRandomizationConfig):
-        raise RandomizationMisused(f"visual_randomization_config must be a VisualRandomizationConfig, not {visual!r}.")
+        raise RandomizationMisused(f"visual_randomization_config must be a VisualRandomizationConfig, not {shown(visual)}.")
     if dynamics is not None and not isinstance(dynamics, DynamicsRandomizationConfig):
-        raise RandomizationMisused(f"dynamics_randomization_config must be a DynamicsRandomizationConfig, not {dynamics!r}.")
+        raise RandomizationMisused(f"dynamics_randomization_config must be a DynamicsRandomizationConfig, not {shown(dynamics)}.")
     if every is not None and not isinstance(every, RandomizeEvery):
-        raise RandomizationMisused(f"randomize_every must be a RandomizeEvery such as RandomizeEvery.EPISODE, not {every!r}.")
+        raise RandomizationMisused(f"randomize_every is a RandomizeEvery such as RandomizeEvery.EPISODE, not {shown(every)}.")
     if isinstance(frequency, bool) or not isinstance(frequency, int | np.integer) or frequency < 1:
-        raise RandomizationMisused(f"frequency counts events and is at least 1, not {frequency!r}.")
+        raise RandomizationMisused(f"frequency counts events and is at least 1, not {shown(frequency)}.")

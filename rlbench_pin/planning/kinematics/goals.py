@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from rlbench_pin.errors import InvalidRequest
 from rlbench_pin.planning.kinematics.ik import SAME, descend
-from rlbench_pin.planning.requests import as_configuration, as_goal_pose
+from rlbench_pin.planning.requests import as_configuration, as_goal_pose, check_generator
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3, se3_to_pose
 from rlbench_pin.values import as_number, as_vector, as_whole
@@ -46,6 +46,8 @@ class PoseRegion:
 
     def sample(self, count: int, rng: np.random.Generator) -> list[FloatArray]:
         """Return `count` poses of the region, its centre first."""
+        count = as_whole(count, "count", InvalidRequest, least=0, most=1_000_000)
+        check_generator(rng)
         T = pose_to_se3(self.center)
         half = np.concatenate([self.position, self.rotation])
         offsets = rng.uniform(-half, half, (count, 6))

@@ -14,7 +14,7 @@ from rlbench_pin.planning.requests import as_goal_pose, check_generator
 from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3
-from rlbench_pin.values import as_vector, as_whole
+from rlbench_pin.values import as_record, as_vector, as_whole
 
 TOLERANCE = 1e-6
 """Norm of the remaining pose error, `[m, rad]` together."""
@@ -22,6 +22,8 @@ LIMIT_MARGIN = 0.05
 """Configurations nearer than this to a joint limit come last [rad]."""
 SAME = 0.1
 """Solutions nearer than this to each other count once [rad]."""
+MOST_STARTS = 100_000
+"""More descents than this are a mistake."""
 _ITERATIONS = 40
 _LARGEST_STEP = 0.6
 _JOINT_WEIGHT_END = 0.4
@@ -106,10 +108,13 @@ def solve_ik(
         NoIkSolution: No descent reaches the pose; carries the smallest error.
         GoalInCollision: All configurations that reach it collide.
     """
+    as_record(model, RobotModel, "model", InvalidRequest)
     target, seed_q = pose_to_se3(as_goal_pose(pose)), as_vector(seed_q, model.size, "seed_q", InvalidRequest)
     check_generator(rng)
     counts = ((starts, "starts"), (max_solutions, "max_solutions"))
-    starts, max_solutions = (as_whole(count, what, InvalidRequest, least=1) for count, what in counts)
+    starts, max_solutions = (as_whole(count, what, InvalidRequest, least=1, most=MOST_STARTS) for count, what in counts)
+    if collision is not None:
+        as_record(collision, CollisionModel, "collision", InvalidRequest)
     found, colliding, failed = _descents(model, target, seed_q, rng, starts, max_solutions, collision)
     if not found:
         raise _colliding(model, seed_q, collision, colliding) if collision and colliding else _unreached(model, pose, failed)

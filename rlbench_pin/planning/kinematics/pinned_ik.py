@@ -11,7 +11,7 @@ from rlbench_pin.errors import InvalidRequest, NoIkSolution
 from rlbench_pin.planning.requests import as_goal_pose
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3
-from rlbench_pin.values import as_vector, as_whole
+from rlbench_pin.values import as_record, as_vector, as_whole
 
 POSITION_TOLERANCE, ROTATION_TOLERANCE = 1e-4, 1e-3
 _ITERATIONS = 100
@@ -32,6 +32,8 @@ def solve_pinned_ik(model: RobotModel, pose: PoseLike, q_start: FloatArray, pinn
         InvalidRequest: NaN, a wrong shape, no numbers, or a joint that there is not.
         NoIkSolution: The free joints cannot bring the tip there.
     """
+    as_record(model, RobotModel, "model", InvalidRequest)
+    as_record(pinned, Mapping, "pinned", InvalidRequest)  # type: ignore[type-abstract]
     target, limits = pose_to_se3(as_goal_pose(pose)), model.limits
     joints = [as_whole(joint, "pinned joint", InvalidRequest, least=0, most=model.size - 1) for joint in pinned]
     as_vector(list(pinned.values()), len(joints), "The angles of pinned joints", InvalidRequest)

@@ -16,7 +16,7 @@ from rlbench_pin.planning.timing.torque import TorqueLimits
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.values import as_number, as_rows, as_vector
+from rlbench_pin.values import as_number, as_record, as_rows, as_vector
 
 SAMPLE_DT = 1.0 / 240.0
 """Longest time between two samples of the trajectory [s]."""
@@ -81,6 +81,9 @@ def retime(
         InvalidRequest: NaN, a wrong shape, no numbers, or a limit that is not > 0.
         RetimingError: No timing satisfies the limits, or the motion would take longer than `LONGEST`.
     """
+    for given, kind, what in ((arc, ArcLimits, "arc"), (torque, TorqueLimits, "torque")):
+        if given is not None:
+            as_record(given, kind, what, InvalidRequest)
     smooth = _checked_path(path, limits)
     as_number(jerk_time, "jerk_time", InvalidRequest, least=0.0, most=LONGEST)
     length = smooth.length()

@@ -7,10 +7,10 @@ import pinocchio as pin
 import toppra
 import toppra.constraint
 
-from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.robot.model import LARGEST, RobotModel
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.values import as_record
+from rlbench_pin.values import as_number, as_record, as_vector
 
 DENSE = 1e-3
 """Time between two evaluations of the torques of a finished trajectory [s]."""
@@ -44,7 +44,12 @@ class TorqueLimits:
         self._data = self._arm.createData()
 
     def torques(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
-        """Return the torques (n,) of one instant [N m]."""
+        """Return the torques (n,) of one instant [N m].
+
+        Raises:
+            InvalidValue: NaN, a wrong shape, or no numbers (also a ValueError).
+        """
+        q, v, a = (as_vector(x, self._last, what, most=LARGEST) for x, what in ((q, "q"), (v, "v"), (a, "a")))
         return np.array(pin.rnea(self._arm, self._data, q, v, a))
 
     def constraint(self) -> toppra.constraint.Constraint:
@@ -56,6 +61,8 @@ class TorqueLimits:
 
     def surely_kept(self, trajectory: Trajectory, acceleration: FloatArray) -> bool:
         """Say whether no acceleration within +-`acceleration` (n,) could break a limit on the way; quick, and cautious."""
+        as_record(trajectory, Trajectory, "trajectory")
+        acceleration = as_vector(acceleration, self._last, "acceleration")
         step = max(1, int(_LOOK / max(trajectory.duration / max(1, len(trajectory.times) - 1), 1e-9)))
         for i in range(0, len(trajectory.times), step):
             rest = np.abs(pin.nonLinearEffects(self._arm, self._data, trajectory.q[i], trajectory.v[i]))
@@ -67,6 +74,8 @@ class TorqueLimits:
 
     def worst(self, trajectory: Trajectory, dt: float = DENSE) -> float:
         """Return the largest |tau| / limit, looking every `dt` [s] and at every sample."""
+        duration = as_record(trajectory, Trajectory, "trajectory").duration
+        as_number(dt, "dt [s]", least=duration * 1e-7, above=0.0)
         times = np.unique(np.concatenate([np.arange(0.0, trajectory.duration, dt), trajectory.times]))
         ratios = [np.abs(self.torques(*trajectory.sample(t))) / self.limit for t in times]
         return float(np.max(ratios))

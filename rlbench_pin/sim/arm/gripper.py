@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from rlbench_pin.errors import InvalidActionError
+from rlbench_pin.errors import InvalidActionError, InvalidValue
 from rlbench_pin.robot import geometry
 from rlbench_pin.sim.arm.grasp import Attachment, Attachments
 from rlbench_pin.sim.arm.robot import SimRobot
@@ -16,6 +16,7 @@ from rlbench_pin.sim.bodies.body import Body
 from rlbench_pin.sim.client import bullet
 from rlbench_pin.sim.sensor import volume_meets
 from rlbench_pin.spatial import FloatArray, pose_to_se3
+from rlbench_pin.values import as_number
 
 _GAIN = 0.05
 """Share of the position error that a finger motor removes in one physics step; more makes a friction grip tremble."""
@@ -103,12 +104,12 @@ class SimGripper:
         Raises:
             InvalidActionError: `amount` is not in 0..1, or speed or force is not positive and finite.
         """
-        strength = self._default_force if force is None else float(force)
-        speed = self._default_speed if speed is None else float(speed)
-        if not 0.0 <= amount <= 1.0:
-            raise InvalidActionError(f"The opening fraction is {amount}; it must lie between 0 (shut) and 1 (open).")
-        if not (0.0 < speed < float("inf") and 0.0 < strength < float("inf")):
-            raise InvalidActionError(f"Finger speed {speed} m/s and force {strength} N must be positive and finite.")
+        try:
+            amount = as_number(amount, "The opening fraction, 0 shut to 1 open,", least=0.0, most=1.0)
+            speed = self._default_speed if speed is None else as_number(speed, "The finger speed [m/s]", above=0.0)
+            strength = self._default_force if force is None else as_number(force, "The force of a finger [N]", above=0.0)
+        except InvalidValue as error:
+            raise InvalidActionError(str(error)) from error
         here = self._robot.fingers
         self._control = FingerControl(np.full(2, amount * self._range), here, speed, strength, here)
 

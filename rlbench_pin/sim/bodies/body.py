@@ -10,9 +10,10 @@ from rlbench_pin.errors import UnknownName
 from rlbench_pin.robot import geometry
 from rlbench_pin.sim.bodies.joint import ObjectJoint
 from rlbench_pin.sim.bodies.model import BASE, LoadedModel
-from rlbench_pin.sim.checks import finite_vector, pose_vector
+from rlbench_pin.sim.checks import color_values, finite_vector, pose_vector
 from rlbench_pin.sim.client import bullet
 from rlbench_pin.spatial import FloatArray, PoseLike, compose, pose_to_se3, relative
+from rlbench_pin.values import as_flag, as_record
 
 OnMove = Callable[[str, FloatArray, FloatArray], None]
 """Called with the name of a body and its old and new pose (7,)."""
@@ -78,6 +79,7 @@ class Body:
             zero_velocity: Bring the body to rest as well.
         """
         new = pose_vector(pose, f"pose of '{self.name}'")
+        zero_velocity = as_flag(zero_velocity, "zero_velocity")
         old, velocity = self.pose, self.velocity
         self.place(new)
         if not zero_velocity:
@@ -148,10 +150,12 @@ class Body:
         Args:
             color: rgb or rgba in 0..1.
             link: Name of the link; None colours them all.
+
+        Raises:
+            InvalidNumbers: It is no colour (also a ValueError).
+            UnknownName: The body has no such link.
         """
-        if len(color) not in (3, 4) or not all(0.0 <= c <= 1.0 for c in color):
-            raise ValueError(f"A colour is 3 or 4 numbers in 0..1, not {list(color)}.")
-        red, green, blue, alpha = (float(c) for c in (*color, 1.0)[:4])
+        red, green, blue, alpha = color_values(color)
         indices = list(self._visuals) if link is None else [self.model.link_index(link)]
         for index in indices:
             self._paint(index, (red, green, blue, alpha))
@@ -190,6 +194,7 @@ class Body:
 
     def set_colors(self, colors: dict[int, Color]) -> None:
         """Make `colors` the only ones that differ from the URDF."""
+        as_record(colors, dict, "colors")
         for index in [i for i in self._colors if i not in colors]:
             self._unpaint(index)
         for index, color in colors.items():
@@ -202,7 +207,7 @@ class Body:
 
     def set_collides(self, collides: bool) -> None:
         """Let the body touch other things, or pass through them."""
-        if collides == self._collides:
+        if (collides := as_flag(collides, "collides")) == self._collides:
             return
         self._collides = collides
         self._set_filters()
@@ -221,7 +226,7 @@ class Body:
 
     def joint(self, name: str) -> ObjectJoint:
         """Return the joint called `name`."""
-        if name not in self.joints:
+        if not isinstance(name, str) or name not in self.joints:
             raise UnknownName(f"joint of '{self.name}'", name, tuple(self.joints))
         return self.joints[name]
 

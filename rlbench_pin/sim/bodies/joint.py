@@ -6,8 +6,9 @@ from collections.abc import Callable
 
 from rlbench_pin.scene.spec import JointSpec
 from rlbench_pin.sim.bodies.model import JointInfo, LoadedModel
-from rlbench_pin.sim.checks import finite_vector
+from rlbench_pin.sim.checks import InvalidNumbers
 from rlbench_pin.sim.client import bullet
+from rlbench_pin.values import as_number
 
 _LOCK_FORCE = 1000.0  # [N] or [N m]
 _LOCK_GAIN = 0.5
@@ -65,14 +66,15 @@ class ObjectJoint:
 
     def set_position(self, position: float) -> None:
         """Put the joint at a value [m] or [rad], at rest; a lock holds it there from now on."""
-        (value,) = finite_vector([position], 1, f"value of joint '{self.name}'").tolist()
+        value = as_number(position, f"The value of joint '{self.name}'", InvalidNumbers)
         self._reset(value)
         if self.locked:
             self.set_lock(value)
 
     def set_state(self, position: float, velocity: float) -> None:
         """Set value and speed, and leave the lock as it is."""
-        self._reset(position, velocity)
+        position = as_number(position, f"The value of joint '{self.name}'", InvalidNumbers)
+        self._reset(position, as_number(velocity, f"The speed of joint '{self.name}'", InvalidNumbers))
 
     @property
     def locked(self) -> bool:
@@ -93,7 +95,13 @@ class ObjectJoint:
         self.set_lock(None)
 
     def set_lock(self, position: float | None) -> None:
-        """Hold the joint at a value, or let it move."""
+        """Hold the joint at a value [m] or [rad], or let it move.
+
+        Raises:
+            InvalidNumbers: It is no finite number (also a ValueError).
+        """
+        if position is not None:
+            position = as_number(position, f"The value of joint '{self.name}'", InvalidNumbers)
         if position != self._locked_at:
             self._locked_at = position
             self._drive()

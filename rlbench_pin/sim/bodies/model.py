@@ -50,7 +50,7 @@ class LoadedModel:
 
     def link_index(self, link: str) -> int:
         """Return PyBullet's number of a link."""
-        if link not in self.links:
+        if not isinstance(link, str) or link not in self.links:
             raise UnknownName(f"link of {self.urdf.stem}", link, tuple(self.links))
         return self.links[link]
 

@@ -24,6 +24,7 @@ from rlbench_pin.sim.render.link_texture import LinkTexture, colors_of
 from rlbench_pin.sim.render.shadows import LightSpots, ShadowMap, light_view, spots_of
 from rlbench_pin.sim.render.surfaces import normals_at, points_at
 from rlbench_pin.sim.server.output import captured_output
+from rlbench_pin.values import as_flag, as_record
 
 _LINK_SHIFT = 24  # a segmentation value is body + (link + 1) << 24
 _BODY_BITS = (1 << _LINK_SHIFT) - 1
@@ -124,7 +125,9 @@ class Renderer:
             mask: Deliver mask ids.
             shadows: Draw shadows and fill lights; a map from `shadow_map` of this instant saves making one.
         """
-        backdrop = self._backdrop(view)
+        backdrop = self._backdrop(as_record(view, CameraView, "camera"))
+        rgb, depth, mask = (as_flag(wanted, what) for wanted, what in ((rgb, "rgb"), (depth, "depth"), (mask, "mask")))
+        shadows = shadows if isinstance(shadows, ShadowMap) else as_flag(shadows, "shadows")
         room = backdrop.picture
         lighting, full = self.lighting, shadows is not False
         light = self.shadow_map() if shadows is True and rgb else shadows or None

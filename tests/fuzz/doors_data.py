@@ -1,0 +1,111 @@
+"""Doors of files, tasks, recordings, evaluation, checks, gymnasium, and the settings of environments."""
+
+from __future__ import annotations
+
+import inspect
+import itertools
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+
+from rlbench_pin import checking, datasets, environment, evaluation, gym, observation, recording, scene, tasks
+from rlbench_pin.datasets import formats
+from rlbench_pin.environment import Discrete, ExtraCamera, JointPosition, MoveArmThenGripper, TaskEnvironment
+from rlbench_pin.environment.presets import low_dim_config
+from rlbench_pin.recording import PictureConfig, RecordConfig
+from rlbench_pin.robot import RobotModel, robot_description
+from tests.demos_for_tests import make_demo
+from tests.fuzz.doors import Door, Fresh, functions, methods, missing, parameters_of
+
+SKIPPED = frozenset({
+    "RandomizeEvery", "RelativeFrame",  # enumerations of Python
+    "BodySpec", "Color", "SceneSpec",  # records that scene files are read into
+    "EpisodeEntry", "KeptTask", "Trial", "DemoTrial", "IdleTrial", "RandomTrial", "ReachTrial", "RepeatTrial", "WordsTrial",
+    "Rate", "Rest",  # records that doors return
+    "hold", "record", "rerender", "ProcessEngine", "run_trials", "explain_failure", "follow_demo", "record_legs", "make_env",
+    "GymnasiumEnv", "LeRobotEnv", "LazyAsyncVectorEnv", "Runtime", "TaskEnvironment", "Cameras", "Camera",  # have cases elsewhere
+})  # fmt: skip
+LONG = ("close", "get_task", "step", "set_state", "get_demos", "reset_to_demo", "remove_camera")
+"""These have cases elsewhere, or need what a made-up demonstration has not."""
+PLAYED = frozenset({"convert_by_playing", "replay_demo", "verify", "folder_demos", "read_folder", "read_recording"})
+"""Likewise: their good arguments are refused here."""
+LOOSE = {"key_frames": "demo", "rgb_handles_to_mask": "rgb", "encode_demo": "demo"}
+
+
+def samples(folder: Path, task: TaskEnvironment) -> dict[str, object]:
+    """Return good arguments by name; paths to write to are new ones below `folder`."""
+    root, numbers = folder / "data", itertools.count()
+    first = datasets.DatasetWriter(root).add(make_demo(seed=1))
+    entry = datasets.read_manifest(root, "reach_target")[0]
+    new = Fresh(lambda: folder / f"new{next(numbers)}")
+    mode = MoveArmThenGripper(JointPosition(), Discrete())
+    plain: dict[str, object] = {
+        "root": root, "path": first, "task": "reach_target", "variation": 0, "episode": 0,
+        "demo": Fresh(lambda: make_demo(seed=5)),
+        "out": new, "folder": new, "amount": 1, "roots": [root], "data": b"x", "number": 0, "place": root,
+        "stored": ["reach_target"],
+        "tasks": ["reach_target"], "name": "reach_target", "reference": f"{first}#front_rgb/0", "size": (16, 16),
+        "sha256": entry.sha256,
+        "contents": {"a.py": b"1"}, "file": "a.py", "files": [], "config": RecordConfig(tasks=("reach_target",), episodes=1),
+        "pictures": PictureConfig(products=()), "rng": Fresh(lambda: np.random.default_rng(0)), "action_mode": mode,
+        "mode": JointPosition(),
+        "model": RobotModel(robot_description("panda")), "names": ["CartesianMPC"], "trials": [], "summaries": [],
+        "words": ["reach_target"],
+        "obs_config": low_dim_config(), "task_name": "reach_target", "variance": 0.1, "pose": np.array([0.0, 0, 1, 0, 0, 0, 1]),
+        "arm_action_mode": JointPosition(), "gripper_action_mode": Discrete(), "rgb": np.zeros((2, 2, 3)), "namespace": "fuzz",
+        "asset": "objects/cube_small/cube_small.urdf", "actions": [], "observations": [], "value": True, "camera": None,
+    }  # fmt: skip
+    return plain | special_samples(folder, task, numbers, first)
+
+
+def special_samples(folder: Path, task: TaskEnvironment, numbers: Iterator[int], first: Path) -> dict[str, object]:
+    """Return good arguments of single doors, `door.argument`."""
+    library = Path(tasks.__file__).parent / "library"
+    new = Fresh(lambda: folder / f"new{next(numbers)}")
+    film = Fresh(lambda: folder / f"film{next(numbers)}.mp4")
+    extra, kind = ExtraCamera(pose=np.array([0.0, 0, 1, 0, 0, 0, 1])), type(task.task)
+    special: dict[str, object] = {
+        "read_scene.path": library / "reach_target.toml", "resolve_asset.source": library / "reach_target.toml",
+        "gym_id.mode": "state",
+        "VideoWriter.path": film, "write_whole.path": new, "write_demo.path": new, "keep_files.root": new,
+        "TrialJournal.path": new,
+        "DatasetWriter.root": new, "key_frames.demo": make_demo(), "is_task_file.task": kind, "camel_case.name": "x_y",
+        "checked_class.task": kind,
+        "stored_demos.random_selection": False, "load_task_file.path": library / "reach_target.py",
+        "ObservationConfig.camera.name": "front",
+    }  # fmt: skip
+    special |= {
+        "ObservationConfig.add_camera.name": Fresh(lambda: f"extra{next(numbers)}"),
+        "ObservationConfig.add_camera.camera": extra,
+    }
+    special |= {f"{name}.task": kind for name in ("keep_task", "task_digest", "task_reference", "task_scene")}
+    special |= {f"{name}.task": task for name in ("Film", "convert_by_playing", "replay_demo", "verify")}
+    return special | {"keep_tasks.tasks": [kind], "keep_tasks.root": new, "keep_task.root": new}
+
+
+def _public(module: ModuleType, good: dict[str, object]) -> Iterator[Door]:
+    """Yield the doors of a module that take arguments, and for which there are good ones."""
+    for name in module.__all__:
+        thing = getattr(module, name)
+        is_protocol = getattr(thing, "_is_protocol", False)
+        is_error = inspect.isclass(thing) and issubclass(thing, BaseException)
+        if name in SKIPPED or is_protocol or is_error or not (inspect.isfunction(thing) or inspect.isclass(thing)):
+            continue
+        (door,) = functions(module, [name], good, LOOSE)
+        if parameters_of(thing) and not missing(door):
+            yield door
+
+
+def data_doors(folder: Path, task: TaskEnvironment) -> list[Door]:
+    """Return all of them."""
+    good = samples(folder, task)
+    modules = (datasets, formats, scene, recording, evaluation, checking, tasks, gym, environment)
+    doors = [door for module in modules for door in _public(module, good)]
+    doors = [replace(door, good_is_taken=door.name not in PLAYED) for door in doors]
+    doors += functions(observation, ["Demo"], good, LOOSE)
+    things = (low_dim_config(), datasets.DatasetWriter(folder / "data"), datasets.Episode(good["path"]), task)  # type: ignore[arg-type]
+    found = [door for thing in things for door in methods(thing, good, LOOSE, skip=LONG)]
+    return doors + [replace(door, finite=not door.name.startswith("Episode.")) for door in found if not missing(door)]
