@@ -30,6 +30,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rlbench_pin.control.braking import BrakingCheck
 from rlbench_pin.control.checks import as_state, as_vector, check_made_of
+from rlbench_pin.control.motors import MotorCheck
 from rlbench_pin.control.qp.constraints import HOLDS, HeldQuantity, JointBounds
 from rlbench_pin.control.qp.osqp_solver import OsqpSolver
 from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram
@@ -41,8 +42,9 @@ from rlbench_pin.robot.motion_bounds import IndexArray
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, check_settings, one_of, ruled
 
-Reason = Literal["limits", "distance", "braking", "infeasible"]
-"""Why a command was changed: joint limits; velocity dampers; the way to standstill was not clear; the QP had no solution."""
+Reason = Literal["limits", "distance", "braking", "torque", "infeasible"]
+"""Why a command was changed: joint limits; velocity dampers; the way to standstill was not clear, or took more torque than the
+motors have; the QP had no solution."""
 BETWEEN = (0.5,)
 """Shares of the QP's solution, the rest braking, that are tried before braking itself when the way is not clear."""
 ROWS = 32
@@ -163,6 +165,7 @@ class SafetyFilter:
         self.distances = DistanceModel(model)
         self.counts = FilterCounts() if counts is None else counts
         self._braking = BrakingCheck(self.distances, self.bounds)
+        self._motors = MotorCheck(model, self.bounds) if config.hold == "any" else None
         default = OsqpSolver(self.bounds.velocity, ROWS, rho=0.1, tolerance=1e-6, iterations=4000) if solver is None else solver
         self._solver: QPSolver = default
         self._weight = self.bounds.velocity**-2.0
@@ -186,9 +189,11 @@ class SafetyFilter:
         clipped = np.minimum(np.maximum(wanted, lowest), highest)
         self.distances.place(q)
         command, reasons, pairs, floors = self._damped(v, clipped, lowest, highest)
-        command, refused, stopped = self._checked(q, v, command, floors)
+        command, refused, weak, stopped = self._checked(q, v, command, floors)
         if len(refused):
             reasons, pairs = (*reasons, "braking"), np.concatenate([pairs, refused])
+        if weak:
+            reasons = (*reasons, "torque")
         if clipped.tolist() != wanted.tolist():
             reasons = ("limits", *reasons)
         names = tuple(dict.fromkeys(self.distances.names(k) for k in pairs.tolist())) if len(pairs) else ()
@@ -274,14 +279,26 @@ class SafetyFilter:
 
     def _checked(
         self, q: FloatArray, v: FloatArray, command: FloatArray, floors: FloatArray
-    ) -> tuple[FloatArray, IndexArray, bool]:
-        """Return the first of `command`, commands between it and braking, and braking, whose way to standstill is clear."""
-        refused = self._braking.unsafe(q, v, command, floors)
-        if not len(refused):
-            return command, refused, False
+    ) -> tuple[FloatArray, IndexArray, bool, bool]:
+        """Return the first of `command`, commands between it and braking, and braking, whose way to standstill is clear.
+
+        With it the pairs that refused `command`, whether motors did, and whether braking is all that was left.
+        """
+        refused, weak = self._refusal(q, v, command, floors)
+        if not len(refused) and not weak:
+            return command, refused, weak, False
         brake = self.bounds.braking(v)
         for share in BETWEEN:
             between = brake + share * (command - brake)
-            if not len(self._braking.unsafe(q, v, between, floors)):
-                return between, refused, False
-        return brake, refused, True
+            pairs, overloaded = self._refusal(q, v, between, floors)
+            if not len(pairs) and not overloaded:
+                return between, refused, weak, False
+        return brake, refused, weak, True
+
+    def _refusal(self, q: FloatArray, v: FloatArray, command: FloatArray, floors: FloatArray) -> tuple[IndexArray, bool]:
+        """Return pairs that come too near on the way of `command` to standstill; or else whether motors are too weak for it."""
+        pairs = self._braking.unsafe(q, v, command, floors)
+        if len(pairs) or self._motors is None:
+            return pairs, False
+        self._motors.carry(self.distances.payload)
+        return pairs, self._motors.overloaded(q, v, command)

@@ -22,6 +22,7 @@ import pinocchio as pin
 from rlbench_pin.robot.collision_geometry import CollisionGeometry, Distance
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.robot.motion_bounds import IndexArray, MotionBounds, cross
+from rlbench_pin.robot.payload import payload_inertia
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray
 
@@ -40,6 +41,8 @@ class DistanceModel:
 
     def update(self, snapshot: WorldSnapshot, allowed: Collection[str] = ()) -> None:
         """Take over the world; pairs with bodies named in `allowed` do not count until the next update."""
+        self.payload = payload_inertia(self.model, snapshot)
+        """Inertia of what the arm holds, in the frame of its last joint."""
         self._q = self.model.full_configuration(snapshot.arm, snapshot.fingers)
         bodies = [body for body in snapshot.bodies if body.collides and not (body.fixed and body.name in snapshot.attached)]
         layout = (snapshot.attached, tuple(body.layout for body in bodies))
