@@ -52,6 +52,4 @@ class MotorCheck:
         np.add(left * dt, q, out=places[1:])
         accelerations = (speeds[1:] - speeds[:-1]) / dt
         arm, data, most = self._arm, self._data, self._most
-        return any(
-            (np.abs(pin.rnea(arm, data, *instant)) > most).any() for instant in zip(places, speeds, accelerations)
-        )
+        return any((np.abs(pin.rnea(arm, data, *instant)) > most).any() for instant in zip(places, speeds, accelerations))
