@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 from harness import state_only
 
-from rlbench_pin.control.safety_filter import SafetyConfig, SafetyFilter
+from rlbench_pin.control import SafetyConfig, SafetyFilter
 from rlbench_pin.environment import Discrete, Environment, JointVelocity, MoveArmThenGripper, SafeArm, TaskEnvironment
 from rlbench_pin.environment.actions.safe_arm import LIMIT_MARGIN, wanted_velocity
 from rlbench_pin.environment.runtime import Runtime

@@ -28,7 +28,7 @@ class MotorCheck:
         self._arm = pin.Model(model.arm)
         self._data = self._arm.createData()
         self._last, self._bare = model.size, model.arm.inertias[model.size].copy()
-        self._most = RESERVE * bounds.limits.effort
+        self._most, self._steps = (RESERVE * bounds.limits.effort).tolist(), bounds.step.tolist()
         self._payload = pin.Inertia.Zero()
 
     def carry(self, payload: pin.Inertia) -> None:
@@ -39,17 +39,23 @@ class MotorCheck:
 
     def overloaded(self, q: FloatArray, v: FloatArray, command: FloatArray) -> bool:
         """Whether a motor lacks torque for `command` from `q` [rad] at `v` [rad/s], or for braking after it."""
-        bounds, dt = self.bounds, self.bounds.dt
-        speed = np.abs(command)
-        ticks = int((speed / bounds.step).max()) + 1  # that move
-        speeds = np.zeros((ticks + 2, len(q)))
-        speeds[0] = v
-        left = speed - np.arange(ticks)[:, None] * bounds.step
-        np.multiply(np.maximum(left, 0.0, out=left), np.sign(command), out=speeds[1:-1])
-        places = np.empty((ticks + 1, len(q)))
-        places[0] = q
-        np.cumsum(speeds[1:-1], axis=0, out=left)
-        np.add(left * dt, q, out=places[1:])
-        accelerations = (speeds[1:] - speeds[:-1]) / dt
         arm, data, most = self._arm, self._data, self._most
-        return any((np.abs(pin.rnea(arm, data, *instant)) > most).any() for instant in zip(places, speeds, accelerations))
+        for tick in np.array(self._way(q, v, command)):
+            if any(torque > limit or torque < -limit for torque, limit in zip(pin.rnea(arm, data, *tick).tolist(), most)):
+                return True
+        return False
+
+    def _way(self, q: FloatArray, v: FloatArray, command: FloatArray) -> list[tuple[list[float], list[float], list[float]]]:
+        """Return configuration, velocity before and mean acceleration of each tick, down to that in which the last joint stops.
+
+        Plain numbers: for few ticks of few joints they are faster than arrays.
+        """
+        dt, steps = self.bounds.dt, self._steps
+        here, before, after = q.tolist(), v.tolist(), command.tolist()
+        ticks = []
+        while True:
+            ticks.append((here, before, [(b - a) / dt for a, b in zip(before, after)]))
+            if not any(after):
+                return ticks
+            here = [x + dt * speed for x, speed in zip(here, after)]
+            before, after = after, [u - s if u > s else u + s if u < -s else 0.0 for u, s in zip(after, steps)]
