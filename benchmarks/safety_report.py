@@ -7,8 +7,9 @@ from typing import Any
 
 INTRODUCTION = """# Random actions through the safety filter
 
-Written by `python benchmarks/bench_safety.py` from {found} of {planned} pieces: {actions:,} actions, {ticks:,} ticks of 0.05 s, {violations:,} violations.
-Joint velocities drawn from the full range of the motors go through `SafeArm(JointVelocity())` in simulated scenes. Every tick is measured.
+Written by `python benchmarks/bench_safety.py` from {found} of {planned} pieces: {actions:,} actions, {ticks:,} ticks of 0.05 s,
+{violations:,} violations. Joint velocities drawn from the full range of the motors go through `SafeArm(JointVelocity())` in
+simulated scenes. Every tick is measured.
 
 * `violations`: ticks beyond the limits of joint position / velocity / acceleration, as the simulator has them.
 * `hardest`: largest acceleration, mean over a tick, as a share of the joint's limit.
@@ -18,7 +19,7 @@ Joint velocities drawn from the full range of the motors go through `SafeArm(Joi
 * `avoided`: share of commands changed for the sake of distances. `clipped`: share changed for joint limits and torques alone; a
   velocity drawn at random asks for more than the motors can accelerate in one tick. `stops`: share that was the hardest braking.
 * `us`: median processor time of a filter tick by itself, on recorded states. `in the loop`: the same between steps of physics,
-  with cold caches.
+  with cold caches, and with what it takes to take over a world that moved.
 """
 COLUMNS = (
     "scene", "actions", "ticks", "violations", "hardest", "contacts", "below", "world mm", "self mm",

@@ -11,9 +11,10 @@ from harness import state_only
 
 from rlbench_pin.control import SafetyConfig, SafetyFilter
 from rlbench_pin.environment import Discrete, Environment, JointVelocity, MoveArmThenGripper, SafeArm, TaskEnvironment
-from rlbench_pin.environment.actions.safe_arm import LIMIT_MARGIN, wanted_velocity
+from rlbench_pin.environment.actions.safe_arm import LIMIT_MARGIN, Guard, wanted_velocity
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.robot.distances import DistanceModel
+from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray
 
 CONFIG = SafetyConfig(limit_margin=LIMIT_MARGIN)
@@ -52,7 +53,7 @@ class Figures:
     tick_us: dict[str, float] = field(default_factory=dict)
     """Processor time of the filter by itself, on the states of the last episode."""
     loop_tick_us: dict[str, float] = field(default_factory=dict)
-    """And of the filter as it ran, between steps of physics."""
+    """And of the filter as it ran, between steps of physics, taking over a world that moved included."""
     events: list[str] = field(default_factory=list)
     """What was violated, where and when, in words."""
 
@@ -77,20 +78,37 @@ def merged(parts: Sequence[Figures]) -> Figures:
     return total
 
 
+@dataclass
+class TimedGuard(Guard):
+    """A filter that notes what it takes to take over the world [s]."""
+
+    looking: list[float] = field(default_factory=list)
+
+    def look_at(self, snapshot: WorldSnapshot) -> None:
+        """Give the filter the world."""
+        began = time.process_time()
+        super().look_at(snapshot)
+        self.looking.append(time.process_time() - began)
+
+
 class TimedArm(SafeArm):
-    """Keeps the states that the filter saw in the last episode, and what each call took [s]."""
+    """Keeps the states that the filter saw in the last episode, and what each tick of it took, world included [s]."""
 
     def __init__(self) -> None:
         super().__init__(JointVelocity(), CONFIG)
         self.states: list[State] = []
         self.seconds: list[float] = []
 
+    def bind(self, runtime: Runtime) -> Guard:
+        """Make the filter, timed."""
+        return TimedGuard(filter=super().bind(runtime).filter)
+
     def _command(self, runtime: Runtime) -> None:
         q, v = runtime.robot.joint_positions, runtime.robot.joint_velocities
         self.states.append((q, v, wanted_velocity(runtime, q, v).copy()))
         began = time.process_time()
         super()._command(runtime)
-        self.seconds.append(time.process_time() - began)
+        self.seconds.append(time.process_time() - began + runtime.bound(self).looking[-1])
 
     def alone(self, runtime: Runtime) -> list[float]:
         """Filter the states again, and nothing else; return the processor time of each [s]."""

@@ -12,9 +12,10 @@ normals (`robot.distances`). With (1) a distance d approaches its minimum d_min 
 the box, and no QP is solved.
 
 (1) is linear in a short motion and leaves out braking, so the result is checked: the tick of u and the hardest
-braking after it, at true distances and in all pairs (`braking`), and within the motors' torques (`motors`). If that way is not
-clear, commands between u and braking are tried, and last braking itself, which was checked one tick ago. Therefore, in a world that stands still, limits hold
-and distances stay above the minimum at all times, also when the QP is infeasible: braking is the safe stop.
+braking after it, at true distances and in all pairs (`braking`), and within the motors' torques (`motors`). If that way
+is not clear, commands between u and braking are tried, and last braking itself, which was checked one tick ago. Therefore,
+in a world that stands still, limits hold and distances stay above the minimum at all times, also when the QP is
+infeasible: braking is the safe stop.
 
 A state that breaks a rule already is led back: joints beyond their limits brake, then return; pairs nearer than the
 minimum may not come nearer, and (1) asks them to separate at most at `recovery_speed`.
@@ -42,6 +43,7 @@ from rlbench_pin.spatial import FloatArray
 
 BETWEEN = (0.5,)
 """Shares of the QP's solution, the rest braking, that are tried before braking itself when the way is not clear."""
+DEFAULT = SafetyConfig()
 NO_PAIRS: IndexArray = np.zeros(0, dtype=np.intp)
 
 
@@ -51,7 +53,7 @@ class SafetyFilter:
     def __init__(
         self,
         model: RobotModel,
-        config: SafetyConfig = SafetyConfig(),
+        config: SafetyConfig = DEFAULT,
         *,
         limits: JointLimits | None = None,
         solver: QPSolver | None = None,
@@ -124,7 +126,7 @@ class SafetyFilter:
         return np.array(nearest), nearest == asked
 
     def _clear(self, v: FloatArray, command: FloatArray) -> bool:
-        """Whether no damper can break and nothing is in reach of the way of `command` to standstill, as one bound for all shows."""
+        """Whether no damper can break and nothing is in reach of the way of `command` to standstill, by one bound for all."""
         travel = self.bounds.travels(v, command)
         left = 1.0 - sum(travel)  # levers grow with the motion
         if left < 0.5:  # a fast arm; the bound would be far off

@@ -147,7 +147,7 @@ class DistanceModel:
         return Distance(*self.names(k), distance, points[0], points[0] + distance * normals[0], normals[0])
 
 
-def _as_slice(indices: IndexArray) -> slice | IndexArray:
+def _as_slice(indices: FloatArray) -> slice | FloatArray:
     """Return indices that follow each other as a slice, which numpy takes faster."""
     first, count = int(indices[0]), len(indices)
     return slice(first, first + count) if np.array_equal(indices, np.arange(first, first + count)) else indices

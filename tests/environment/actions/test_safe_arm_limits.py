@@ -64,7 +64,7 @@ def play_random(name: str, episodes: int, hold: int, seed: int) -> list[str]:
 @pytest.mark.simulation
 @pytest.mark.parametrize("actions", [DRAGGED, STRETCHED], ids=["dragged", "stretched"])
 def test_motors_follow_what_the_filter_passes_on(actions: list[list[float]]) -> None:
-    """Two motions in which the motors once ended a tick elsewhere than commanded, beyond the limits of the third and second joint."""
+    """Two motions in which motors once ended a tick elsewhere than commanded, beyond limits of the third and second joint."""
     with Environment(MoveArmThenGripper(SafeArm(JointVelocity()), Discrete()), obs_config=low_dim_config(), seed=3) as env:
         task = env.get_task("meat_off_grill" if actions is DRAGGED else "pick_and_lift")
         task.reset(seed=1100054)
