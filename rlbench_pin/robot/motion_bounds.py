@@ -144,7 +144,7 @@ class MotionBounds:
         return bounds
 
     def _place_levers(self, centers: FloatArray, jacobian: FloatArray) -> None:
-        """Compute levers from ball centres c (4, balls), last row 1: their speeds |v + w x c| while one joint turns at 1 rad/s."""
+        """Compute levers: the speeds |v + w x c| of ball centres c (4, balls), last row 1, while one joint turns at 1 rad/s."""
         speeds = (self._speed_of_points @ jacobian).reshape(3, 4, -1).transpose(0, 2, 1) @ centers  # (3, n, balls)
         speeds *= speeds
         levers = speeds[0] + speeds[1] + speeds[2]
