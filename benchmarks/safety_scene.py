@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 from harness import state_only
@@ -64,18 +65,18 @@ class Figures:
 
 def merged(parts: Sequence[Figures]) -> Figures:
     """Return the figures of several runs in one: sums, extremes, and medians of the times."""
-    total = Figures()
+    total: dict[str, Any] = {}
     for f in fields(Figures):
         values = [getattr(part, f.name) for part in parts]
         if isinstance(values[0], dict):
-            setattr(total, f.name, {key: round(float(np.median([v[key] for v in values])), 1) for key in values[0]})
+            total[f.name] = {key: round(float(np.median([v[key] for v in values])), 1) for key in values[0]}
         elif f.name.startswith("nearest"):
-            setattr(total, f.name, min(values))
+            total[f.name] = min(values)
         elif f.name == "hardest":
-            setattr(total, f.name, max(values))
+            total[f.name] = max(values)
         else:
-            setattr(total, f.name, sum(values, start=type(values[0])()))
-    return total
+            total[f.name] = sum(values, start=type(values[0])())
+    return Figures(**total)
 
 
 @dataclass
@@ -138,19 +139,13 @@ class Judge:
         f, robot, limits = self.figures, self.task.world.robot, self.limits
         q, v = robot.joint_positions, robot.joint_velocities
         hardest = float((np.abs(v - self.v) / self.dt / limits.acceleration).max())
-        broken = (
-            bool((q < limits.lower - 1e-6).any() or (q > limits.upper + 1e-6).any()),
-            bool((np.abs(v) > limits.velocity * 1.001).any()),
-            hardest > 1.01,
-            bool(robot.touching()),
-            self._too_near(q),
-        )
-        for kind, happened in zip(KINDS, broken, strict=True):
-            setattr(f, kind, getattr(f, kind) + happened)
-            if happened:
-                f.events.append(
-                    f"{self.episode}, tick {self.tick}: {kind}, q {q.tolist()}, v {v.tolist()}, before {self.v.tolist()}"
-                )
+        outside = bool((q < limits.lower - 1e-6).any() or (q > limits.upper + 1e-6).any())
+        fast = bool((np.abs(v) > limits.velocity * 1.001).any())
+        broken = (outside, fast, hardest > 1.01, bool(robot.touching()), self._too_near(q))
+        f.position, f.velocity, f.acceleration = f.position + broken[0], f.velocity + broken[1], f.acceleration + broken[2]
+        f.contact, f.distance = f.contact + broken[3], f.distance + broken[4]
+        state = f"q {q.tolist()}, v {v.tolist()}, before {self.v.tolist()}"
+        f.events += [f"{self.episode}, tick {self.tick}: {kind}, {state}" for kind, found in zip(KINDS, broken) if found]
         f.ticks, f.hardest, self.v, self.tick = f.ticks + 1, max(f.hardest, hardest), v, self.tick + 1
         reasons = set(arm.last.reasons) if arm.last is not None else set()
         f.clipped += bool(reasons) and reasons <= {"limits", "torque"}
