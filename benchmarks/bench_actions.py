@@ -12,7 +12,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench_safety import TASKS
 from harness import state_only
 
 from rlbench_pin.environment import (
@@ -33,6 +32,10 @@ from rlbench_pin.observation import Demo
 from rlbench_pin.recording import convert_by_playing, convert_demo, verify
 from rlbench_pin.spatial import FloatArray
 
+TASKS = (
+    "reach_target", "push_button", "pick_and_lift", "take_lid_off_saucepan", "open_drawer",
+    "close_microwave", "slide_block_to_target", "stack_blocks", "put_rubbish_in_bin", "meat_off_grill",
+)  # fmt: skip
 SPACES: dict[str, Callable[[], ArmActionMode]] = {
     "joint position": JointPosition,
     "joint position, delta": lambda: JointPosition(absolute_mode=False),

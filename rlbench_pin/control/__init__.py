@@ -21,7 +21,8 @@ from rlbench_pin.control.qp.constraints import HeldQuantity, JointBounds
 from rlbench_pin.control.qp.objectives import PostureObjective, TipObjective
 from rlbench_pin.control.qp.osqp_solver import OsqpSolver
 from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram
-from rlbench_pin.control.safety_filter import FilterCounts, SafeCommand, SafetyConfig, SafetyFilter
+from rlbench_pin.control.safety_filter import SafetyFilter
+from rlbench_pin.control.safety_records import FilterCounts, SafeCommand, SafetyConfig
 from rlbench_pin.control.tracking import TrajectoryTracker
 from rlbench_pin.front_door import front_door
 

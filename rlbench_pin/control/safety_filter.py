@@ -12,9 +12,10 @@ normals (`robot.distances`). With (1) a distance d approaches its minimum d_min 
 the box, and no QP is solved.
 
 (1) is linear in a short motion and leaves out braking, so the result is checked: the tick of u and the hardest
-braking after it, at true distances and in all pairs (`braking`). If that way is not clear, commands between u and braking
-are tried, and last braking itself, which was checked one tick ago. Therefore, in a world that stands still, limits hold
-and distances stay above the minimum at all times, also when the QP is infeasible: braking is the safe stop.
+braking after it, at true distances and in all pairs (`braking`), and within the motors' torques (`motors`). If that way
+is not clear, commands between u and braking are tried, and last braking itself, which was checked one tick ago. Therefore,
+in a world that stands still, limits hold and distances stay above the minimum at all times, also when the QP is
+infeasible: braking is the safe stop.
 
 A state that breaks a rule already is led back: joints beyond their limits brake, then return; pairs nearer than the
 minimum may not come nearer, and (1) asks them to separate at most at `recovery_speed`.
@@ -22,118 +23,28 @@ minimum may not come nearer, and (1) asks them to separate at most at `recovery_
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Literal
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rlbench_pin.control.braking import BrakingCheck
 from rlbench_pin.control.checks import as_state, as_vector, check_made_of
-from rlbench_pin.control.qp.constraints import HOLDS, HeldQuantity, JointBounds
+from rlbench_pin.control.motors import MotorCheck
+from rlbench_pin.control.qp.constraints import JointBounds
+from rlbench_pin.control.qp.dampers import ROWS, Dampers
 from rlbench_pin.control.qp.osqp_solver import OsqpSolver
 from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram
+from rlbench_pin.control.safety_records import FilterCounts, Reason, SafeCommand, SafetyConfig
 from rlbench_pin.errors import InfeasibleControl
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.robot.motion_bounds import IndexArray
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, check_settings, one_of, ruled
 
-Reason = Literal["limits", "distance", "braking", "infeasible"]
-"""Why a command was changed: joint limits; velocity dampers; the way to standstill was not clear; the QP had no solution."""
 BETWEEN = (0.5,)
 """Shares of the QP's solution, the rest braking, that are tried before braking itself when the way is not clear."""
-ROWS = 32
-"""Pairs that take part in the QP, those nearest to breaking a damper first."""
+DEFAULT = SafetyConfig()
 NO_PAIRS: IndexArray = np.zeros(0, dtype=np.intp)
-SLACK = 1e-5
-"""How much nearer than it is a pair below the minimum may come [m]."""
-
-_RULES = ruled(
-    (POSITIVE, "dt gain"),
-    (NOT_NEGATIVE, "margin self_margin buffer influence recovery_speed limit_margin"),
-    (one_of(*HOLDS), "hold"),
-)
-
-
-@dataclass(frozen=True, kw_only=True)
-class SafetyConfig:
-    """Settings of the safety filter."""
-
-    dt: float = 0.05
-    """Control tick [s]."""
-    hold: HeldQuantity = "velocity"
-    """Whether a commanded velocity is reached at once and held, linearly over the tick, or anywhere between."""
-    margin: float = 0.01
-    """Minimum distance to the world [m]."""
-    self_margin: float = 0.005
-    """Minimum distance between parts of the arm, and of what it holds [m]."""
-    buffer: float = 0.003
-    """The dampers begin this much before the minimum distance, so that curvature does not break it at once [m]."""
-    gain: float = 5.0
-    """Of the distance above the minimum, the share that may be lost per second [1/s]."""
-    influence: float = 0.05
-    """Pairs nearer than this always take part in the QP [m]."""
-    recovery_speed: float = 0.05
-    """Speed at which pairs below the minimum are made to separate, at most [m/s]."""
-    limit_margin: float = 0.0
-    """Distance kept from the joint position limits [rad]."""
-
-    def __post_init__(self) -> None:
-        """Raise InvalidValue for a number that is NaN, of a wrong kind, or outside its range (also a ValueError)."""
-        check_settings(self, _RULES)
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class SafeCommand:
-    """What the filter passes on, and why."""
-
-    velocity: FloatArray
-    """Joint velocity of the next tick (n,), [rad/s]."""
-    wanted: FloatArray
-    """Joint velocity that was asked for (n,), [rad/s]."""
-    reasons: tuple[Reason, ...]
-    """Empty when the wanted velocity passed unchanged."""
-    pairs: tuple[tuple[str, str], ...]
-    """What came too near, as names."""
-    stopped: bool
-    """Whether the command is the hardest braking, because nothing better was found."""
-
-    @property
-    def intervened(self) -> bool:
-        """Whether the command differs from the wanted one."""
-        return bool(self.reasons)
-
-    def __str__(self) -> str:
-        """Say what happened in words."""
-        near = ", ".join(f"{a} near {b}" for a, b in self.pairs)
-        return f"{' and '.join(self.reasons) or 'passed'}{f' ({near})' if near else ''}{', braking' if self.stopped else ''}"
-
-
-@dataclass
-class FilterCounts:
-    """What a filter did so far."""
-
-    ticks: int = 0
-    """Commands in all."""
-    interventions: int = 0
-    """Commands that were changed."""
-    solves: int = 0
-    """QPs solved."""
-    stops: int = 0
-    """Commands that were the hardest braking."""
-    reasons: dict[str, int] = field(default_factory=dict)
-    """Reason -> number of commands that were changed for it."""
-
-    def add(self, command: SafeCommand) -> None:
-        """Count one command."""
-        self.ticks += 1
-        self.interventions += command.intervened
-        self.stops += command.stopped
-        for reason in command.reasons:
-            self.reasons[reason] = self.reasons.get(reason, 0) + 1
 
 
 class SafetyFilter:
@@ -142,7 +53,7 @@ class SafetyFilter:
     def __init__(
         self,
         model: RobotModel,
-        config: SafetyConfig = SafetyConfig(),
+        config: SafetyConfig = DEFAULT,
         *,
         limits: JointLimits | None = None,
         solver: QPSolver | None = None,
@@ -162,12 +73,20 @@ class SafetyFilter:
         self.bounds = JointBounds(model.limits if limits is None else limits, config.dt, config.hold, config.limit_margin)
         self.distances = DistanceModel(model)
         self.counts = FilterCounts() if counts is None else counts
+        self._dampers = Dampers(
+            self.distances,
+            margin=config.margin,
+            self_margin=config.self_margin,
+            buffer=config.buffer,
+            gain=config.gain,
+            influence=config.influence,
+            recovery_speed=config.recovery_speed,
+        )
         self._braking = BrakingCheck(self.distances, self.bounds)
+        self._motors = MotorCheck(model, self.bounds) if config.hold == "any" else None
         default = OsqpSolver(self.bounds.velocity, ROWS, rho=0.1, tolerance=1e-6, iterations=4000) if solver is None else solver
         self._solver: QPSolver = default
         self._weight = self.bounds.velocity**-2.0
-        self._counts: NDArray[np.bool_] | None = None
-        self._allowed = np.zeros(0)
 
     def filter(self, q: ArrayLike, v: ArrayLike, wanted: ArrayLike) -> SafeCommand:
         """Return the safe joint velocity of the next tick.
@@ -182,17 +101,13 @@ class SafetyFilter:
         """
         q, v = as_state(q, v, self.model.size)
         wanted = as_vector(wanted, self.model.size, "wanted joint velocity")
-        lowest, highest = self.bounds.interval(q, v)
-        clipped = np.minimum(np.maximum(wanted, lowest), highest)
         self.distances.place(q)
-        command, reasons, pairs, floors = self._damped(v, clipped, lowest, highest)
-        command, refused, stopped = self._checked(q, v, command, floors)
-        if len(refused):
-            reasons, pairs = (*reasons, "braking"), np.concatenate([pairs, refused])
-        if clipped.tolist() != wanted.tolist():
-            reasons = ("limits", *reasons)
-        names = tuple(dict.fromkeys(self.distances.names(k) for k in pairs.tolist())) if len(pairs) else ()
-        result = SafeCommand(command, wanted.copy(), reasons, names, stopped or "infeasible" in reasons)
+        clipped, inside = self._clipped(q, v, wanted)
+        reasons: tuple[Reason, ...] = () if inside else ("limits",)
+        if self._clear(v, clipped) and not self._overloaded(q, v, clipped):
+            result = SafeCommand(clipped, wanted.copy(), reasons, (), False)
+        else:
+            result = self._solved(q, v, clipped, wanted, reasons)
         self.counts.add(result)
         return result
 
@@ -203,28 +118,51 @@ class SafetyFilter:
         )
         return self.filter(q, now, now + self.config.dt * change)
 
+    def _clipped(self, q: FloatArray, v: FloatArray, wanted: FloatArray) -> tuple[FloatArray, bool]:
+        """Return the velocity (n,) in the box nearest to `wanted`, and whether that is `wanted` itself."""
+        dt, asked = self.config.dt, wanted.tolist()
+        box = zip(asked, *self.bounds.displacements(q, v))
+        nearest = [low / dt if x < low / dt else high / dt if x > high / dt else x for x, low, high in box]
+        return np.array(nearest), nearest == asked
+
+    def _clear(self, v: FloatArray, command: FloatArray) -> bool:
+        """Whether no damper can break and nothing is in reach of the way of `command` to standstill, by one bound for all."""
+        travel = self.bounds.travels(v, command)
+        left = 1.0 - sum(travel)  # levers grow with the motion
+        if left < 0.5:  # a fast arm; the bound would be far off
+            return False
+        gain = self.config.gain
+        turns = [max(abs(u) / gain, way / left) for u, way in zip(command.tolist(), travel)]
+        return self._dampers.nothing_near(np.array(turns))
+
     # Proposing ----------------------------------------------------------------------------------------------------
 
+    def _solved(
+        self, q: FloatArray, v: FloatArray, clipped: FloatArray, wanted: FloatArray, reasons: tuple[Reason, ...]
+    ) -> SafeCommand:
+        """Return the safe command nearest to `clipped`, near something; `reasons` say why that is not what was `wanted`."""
+        command, changed, pairs, floors = self._damped(q, v, clipped)
+        command, refused, weak, stopped = self._checked(q, v, command, floors)
+        reasons = (*reasons, *changed, *(("braking",) if len(refused) else ()), *(("torque",) if weak else ()))
+        names = tuple(dict.fromkeys(self.distances.names(k) for k in [*pairs.tolist(), *refused.tolist()]))
+        return SafeCommand(command, wanted.copy(), reasons, names, stopped or "infeasible" in reasons)
+
     def _damped(
-        self, v: FloatArray, wanted: FloatArray, lowest: FloatArray, highest: FloatArray
+        self, q: FloatArray, v: FloatArray, wanted: FloatArray
     ) -> tuple[FloatArray, tuple[Reason, ...], IndexArray, FloatArray]:
         """Return the velocity in the box nearest to `wanted` that keeps the dampers, why it differs, and because of which pairs.
 
         The last are the smallest distances that braking has to keep, shape (pairs,), [m].
         """
-        allowed = self._floors()
-        onset = allowed + self.config.buffer
-        closing = self.distances.motion.approach(np.abs(wanted)) / self.config.gain  # within this, a damper may break
-        if not self._breakable(onset, closing):
-            return wanted, (), NO_PAIRS, allowed
-        floors = self._lowered(allowed)
-        which, gradients, least = self._dampers(onset, closing)
+        rows, floors = self._dampers.rows(np.abs(wanted)), self._dampers.lowered()
+        which, gradients, least = rows.which, rows.gradients, rows.least
         if self.config.hold == "acceleration":  # the tick moves by the mean of both velocities
             gradients, least = 0.5 * gradients, least - 0.5 * gradients @ v
         slack = gradients @ wanted - least
         if slack.min(initial=0.0) >= 0.0:
             return wanted, (), NO_PAIRS, floors
         infinite = np.full(len(which), np.inf)
+        lowest, highest = self.bounds.interval(q, v)
         problem = QuadraticProgram(np.diag(self._weight), -self._weight * wanted, gradients, least, infinite, lowest, highest)
         self.counts.solves += 1
         try:
@@ -233,55 +171,29 @@ class SafetyFilter:
             return self.bounds.braking(v), ("infeasible",), which[slack < 0.0], floors
         return velocity, ("distance",), which[gradients @ velocity - least < 1e-4], floors
 
-    def _breakable(self, onset: FloatArray, closing: FloatArray) -> bool:
-        """Whether any pair is nearer than `onset` + `closing`, both (pairs,), [m]."""
-        limit = onset + closing
-        near = (self.distances.bounds < limit).nonzero()[0]  # perhaps
-        return len(near) > 0 and bool((self.distances.measure(near) < limit[near]).any())
-
-    def _dampers(self, onset: FloatArray, closing: FloatArray) -> tuple[IndexArray, FloatArray, FloatArray]:
-        """Return pairs that are near or might come near, gradients of their distances, and the least rates of change [m/s]."""
-        model, config = self.distances, self.config
-        reach = np.maximum(closing, config.influence)
-        near = (model.bounds - onset < reach).nonzero()[0]
-        spare = model.measure(near) - onset[near]
-        keep = spare < reach[near]
-        near, spare = near[keep], spare[keep]
-        if len(near) > ROWS:
-            first = np.argsort(spare - np.minimum(reach[near], 1.0 / config.gain), kind="stable")[:ROWS]
-            near, spare = near[first], spare[first]
-        return near, model.gradients(near), np.minimum(-config.gain * spare, config.recovery_speed)
-
-    def _floors(self) -> FloatArray:
-        """Return the smallest distance allowed, shape (pairs,), [m]; minus infinity for pairs that do not count."""
-        model = self.distances
-        if self._counts is not model.counts:  # `update` makes new arrays
-            self._counts = model.counts
-            minimum = np.where(model.crosses, self.config.margin, self.config.self_margin)
-            self._allowed = np.where(model.counts, minimum, -np.inf)
-        return self._allowed
-
-    def _lowered(self, floors: FloatArray) -> FloatArray:
-        """Return `floors`, lowered where a pair is below its own already."""
-        model = self.distances
-        which = (model.bounds < floors).nonzero()[0]  # perhaps, or for sure: bounds are exact where it matters
-        if len(which):
-            floors = floors.copy()
-            floors[which] = np.minimum(floors[which], model.measure(which) - SLACK)
-        return floors
-
     # Checking -----------------------------------------------------------------------------------------------------
 
     def _checked(
         self, q: FloatArray, v: FloatArray, command: FloatArray, floors: FloatArray
-    ) -> tuple[FloatArray, IndexArray, bool]:
-        """Return the first of `command`, commands between it and braking, and braking, whose way to standstill is clear."""
+    ) -> tuple[FloatArray, IndexArray, bool, bool]:
+        """Return the first of `command`, commands between it and braking, and braking, whose way to standstill is clear.
+
+        With it the pairs that refused `command`, whether motors did, and whether braking is all that was left.
+        """
         refused = self._braking.unsafe(q, v, command, floors)
-        if not len(refused):
-            return command, refused, False
+        weak = not len(refused) and self._overloaded(q, v, command)
+        if not len(refused) and not weak:
+            return command, refused, weak, False
         brake = self.bounds.braking(v)
         for share in BETWEEN:
             between = brake + share * (command - brake)
-            if not len(self._braking.unsafe(q, v, between, floors)):
-                return between, refused, False
-        return brake, refused, True
+            if not len(self._braking.unsafe(q, v, between, floors)) and not self._overloaded(q, v, between):
+                return between, refused, weak, False
+        return brake, refused, weak, True
+
+    def _overloaded(self, q: FloatArray, v: FloatArray, command: FloatArray) -> bool:
+        """Whether motors are too weak for the way of `command` to standstill."""
+        if self._motors is None:
+            return False
+        self._motors.carry(self.distances.payload)
+        return self._motors.overloaded(q, v, command)

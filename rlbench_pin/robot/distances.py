@@ -22,6 +22,7 @@ import pinocchio as pin
 from rlbench_pin.robot.collision_geometry import CollisionGeometry, Distance
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.robot.motion_bounds import IndexArray, MotionBounds, cross
+from rlbench_pin.robot.payload import payload_inertia
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_names, as_record, as_vector, as_whole
@@ -34,7 +35,7 @@ class DistanceModel:
         """Start in an empty world, at home."""
         self.model = as_record(model, RobotModel, "model")
         self._data = model.full.createData()
-        self._columns = model.full_index[: model.size]
+        self._columns = _as_slice(model.full_index[: model.size])
         self._layout: object = None
         fingers = np.full(len(model.description.gripper_joints), model.description.gripper_open)
         self.update(WorldSnapshot((), model.home, fingers))
@@ -43,6 +44,8 @@ class DistanceModel:
         """Take over the world; pairs with bodies named in `allowed` do not count until the next update."""
         as_record(snapshot, WorldSnapshot, "snapshot")
         as_names(allowed, "allowed")
+        self.payload = payload_inertia(self.model, snapshot)
+        """Inertia of what the arm holds, in the frame of its last joint."""
         self._q = self.model.full_configuration(snapshot.arm, snapshot.fingers)
         bodies = [body for body in snapshot.bodies if body.collides and not (body.fixed and body.name in snapshot.attached)]
         layout = (snapshot.attached, tuple(body.layout for body in bodies))
@@ -58,7 +61,8 @@ class DistanceModel:
             self.motion.place_fixed(list(self._geometry.model.geometryObjects))
         else:
             self._index_motion()
-        self._index_pairs(allowed)
+        if not same or self._allowed != set(allowed):
+            self._index_pairs(set(allowed))
         self.place(snapshot.arm)
 
     def _index_motion(self) -> None:
@@ -69,11 +73,12 @@ class DistanceModel:
         self.crosses = np.array([geometry.crosses[pair] for pair in geometry.pairs], dtype=bool)
         """Which pairs are with the world, shape (pairs,); the others are within the arm."""
 
-    def _index_pairs(self, allowed: Collection[str]) -> None:
+    def _index_pairs(self, allowed: set[str]) -> None:
         """Prepare which pairs count."""
         geometry, pairs = self._geometry, self._geometry.pairs
-        self.counts = np.array([not {geometry.owners[i].body for i in pair} & set(allowed) for pair in pairs], dtype=bool)
-        """Which pairs count, shape (pairs,)."""
+        self._allowed = allowed
+        self.counts = np.array([not {geometry.owners[i].body for i in pair} & allowed for pair in pairs], dtype=bool)
+        """Which pairs count, shape (pairs,); a new array whenever that changes."""
 
     # Moving -------------------------------------------------------------------------------------------------------
 
@@ -81,10 +86,10 @@ class DistanceModel:
         """Put the arm at `q` (n,) [rad]."""
         self.visit(q)
         jacobian = pin.computeJointJacobians(self.model.full, self._data, self._q)
-        self._jacobian = np.ascontiguousarray(jacobian[:, self._columns])
+        self._jacobian = jacobian[:, self._columns]
         self.bounds = self.motion.place(self._data, self._jacobian)
         """Lower bound of each pair's distance where `place` put the arm, shape (pairs,), [m]; exact where measured."""
-        self._measured = np.zeros(len(self.bounds), dtype=bool)
+        self._found: dict[int, float] = {}
 
     def visit(self, q: FloatArray) -> None:
         """Put the arm at `q` for `probe` only: what `place` and `measure` found stays."""
@@ -95,10 +100,16 @@ class DistanceModel:
 
     def measure(self, which: IndexArray) -> FloatArray:
         """Return the distances [m] of pairs `which` where `place` put the arm; their bounds are exact then."""
-        new = which[~self._measured[which]]
-        if len(new):
-            self.bounds[new], self._measured[new] = self.probe(new), True
-        return self.bounds[which]
+        distances = np.array([self.distance(k) for k in which.tolist()])
+        self.bounds[which] = distances
+        return distances
+
+    def distance(self, k: int) -> float:
+        """Return the distance [m] of one pair where `place` put the arm; its bound stays as it is."""
+        found = self._found
+        if k not in found:
+            found[k] = pin.computeDistance(self._geometry.model, self._geometry.data, k).min_distance
+        return found[k]
 
     def probe(self, which: IndexArray) -> FloatArray:
         """Return the distances [m] of pairs `which` where the arm was put last, and remember nothing."""
@@ -139,6 +150,12 @@ class DistanceModel:
         points, normals = self._nearest_points(np.array([k]))
         distance = float(self.bounds[k])
         return Distance(*self.names(k), distance, points[0], points[0] + distance * normals[0], normals[0])
+
+
+def _as_slice(indices: FloatArray) -> slice | FloatArray:
+    """Return indices that follow each other as a slice, which numpy takes faster."""
+    first, count = int(indices[0]), len(indices)
+    return slice(first, first + count) if np.array_equal(indices, np.arange(first, first + count)) else indices
 
 
 def _forget_guesses(data: pin.GeometryData) -> None:

@@ -87,6 +87,7 @@ class JointBounds:
         self.step = limits.acceleration * dt
         """Largest change of velocity in one tick, shape (n,), [rad/s]."""
         self._change = dt * self.step
+        self._steps = list(zip(self.step.tolist(), self._change.tolist(), strict=True))
         reach, change = dt * self.velocity, self._change
         stop = change * stopping_room(self.velocity / self.step)
         stop += 0.0 if hold == "velocity" else 0.5 * reach
@@ -139,8 +140,15 @@ class JointBounds:
         It is dt (a dt) f(|command|) by (1); with `hold="acceleration"` the joint starts from `v` and dt |v| / 2 comes on top,
         with `hold="any"` half of the faster one.
         """
-        speed = np.abs(command)
-        way = self._change * stopping_room(speed / self.step)
-        if self.hold == "velocity":
-            return way
-        return way + 0.5 * self.dt * (np.abs(v) if self.hold == "acceleration" else np.maximum(np.abs(v), speed))
+        return np.array(self.travels(v, command))
+
+    def travels(self, v: FloatArray, command: FloatArray) -> list[float]:
+        """Return `travel` as plain numbers."""
+        half, hold, ways = 0.5 * self.dt, self.hold, []
+        for before, after, (step, change) in zip(v.tolist(), command.tolist(), self._steps):
+            speed, before = abs(after), abs(before)
+            share = speed / step
+            ticks = int(share)
+            way = change * ((ticks + 1.0) * (share - 0.5 * ticks))
+            ways.append(way if hold == "velocity" else way + half * (before if hold == "acceleration" else max(before, speed)))
+        return ways
