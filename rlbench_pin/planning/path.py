@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
@@ -11,6 +12,9 @@ from rlbench_pin.spatial import FloatArray
 
 IsFree = Callable[[FloatArray], bool]
 """Says whether a configuration (n,) is free of collisions."""
+
+_TO_A_PIECE = 8
+"""Samples of a cubic piece by which distances along the path are measured."""
 
 
 class JointPath:
@@ -34,11 +38,21 @@ class JointPath:
         """Last configuration (n,)."""
         return self(1.0)
 
+    @cached_property
+    def _knots(self) -> FloatArray:
+        """Parameters where the cubic pieces begin, and 1, shape (m,)."""
+        return np.unique(self._orders[0].t)
+
+    @cached_property
+    def _measured(self) -> tuple[FloatArray, FloatArray]:
+        """Parameters, eight to a piece, and the joint distances travelled until there, both (m,), the latter [rad]."""
+        knots = self._knots
+        s = np.append((knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(_TO_A_PIECE) / _TO_A_PIECE)).ravel(), 1.0)
+        return s, np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self(s), axis=0)).max(axis=1))])
+
     def spread(self, step: float) -> tuple[FloatArray, FloatArray]:
         """Return parameters (m,) and configurations (m, n), 0 and 1 among them, with joint distances of at most `step` [rad]."""
-        knots = np.unique(self._orders[0].t)
-        s = np.unique(np.concatenate([np.linspace(a, b, 9) for a, b in zip(knots[:-1], knots[1:], strict=True)]))
-        lengths = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self(s), axis=0)).max(axis=1))])
+        s, lengths = self._measured
         count = max(2, int(np.ceil(lengths[-1] / step)) + 1)
         even = np.interp(np.linspace(0.0, lengths[-1], count), lengths, s)
         even[0], even[-1] = 0.0, 1.0
@@ -54,7 +68,7 @@ class JointPath:
 
     def bezier(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the path as cubic Bezier pieces: control points (m, 4, n), parameters of their beginnings and ends (m,)."""
-        knots = np.unique(self._orders[0].t)
+        knots = self._knots
         q, slope = self(knots), self(knots, 1)
         third = np.diff(knots)[:, None] / 3.0
         control = np.stack([q[:-1], q[:-1] + third * slope[:-1], q[1:] - third * slope[1:], q[1:]], axis=1)
@@ -62,6 +76,10 @@ class JointPath:
 
     def length(self) -> float:
         """Return the length in joint space [rad]."""
+        return self._length
+
+    @cached_property
+    def _length(self) -> float:
         return float(np.linalg.norm(np.diff(self.spread(0.05)[1], axis=0), axis=1).sum())
 
 

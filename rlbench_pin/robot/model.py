@@ -6,12 +6,14 @@ Everything is expressed in the world frame, in which the base has the descriptio
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 import pinocchio as pin
 
 from rlbench_pin.errors import RobotModelError
+from rlbench_pin.robot.chain_reach import ChainReach
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3, se3_to_pose
@@ -75,6 +77,11 @@ class RobotModel:
         result = np.empty(self.full.nq)
         result[self.full_index] = values
         return result
+
+    @cached_property
+    def chain_reach(self) -> ChainReach:
+        """How far what the arm carries can be from the axes of its joints, in any configuration."""
+        return ChainReach(self.full, self.description.arm_joints, self.description.gripper_open)
 
     # Kinematics ---------------------------------------------------------------------------------------------------
 

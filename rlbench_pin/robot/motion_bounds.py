@@ -56,7 +56,9 @@ class MotionBounds:
         rows = np.concatenate([ball[:, None], np.abs(self.sign)], axis=1)
         rows, self._row = np.unique(rows, axis=0, return_inverse=True)
         self._row_ball, self._row_between = rows[:, 0].astype(np.intp), rows[:, 1:]
-        self._reaches = self._chain_reaches()[self._row_ball] * self._row_between
+        balls = zip(self._carrier.tolist(), self._center, self._radius[:, 0].tolist(), strict=True)
+        reaches = np.array([model.chain_reach.of(self._joints[place], center, radius) for place, center, radius in balls])
+        self._reaches = reaches.reshape(-1, model.size)[self._row_ball] * self._row_between
 
     def _support(self, joint: int) -> FloatArray:
         """Return 1 for every arm joint that carries Pinocchio joint `joint`, shape (n,)."""
@@ -92,27 +94,6 @@ class MotionBounds:
             center = placement.act(np.asarray(box.center()))
             half = 0.5 * np.abs(placement.rotation) @ np.array([box.width(), box.height(), box.depth()])
             self._low[:, 0, i], self._high[:, 0, i] = center - half, center + half
-
-    def _chain_reaches(self) -> FloatArray:
-        """Return for each moving shape and joint how far from the joint's axis any of its points can get, shape (moving, n), [m].
-
-        The next joint of the chain keeps its distance from the axis in any configuration; beyond it the links may be stretched.
-        """
-        full = self._model.full
-        data = full.createData()
-        axes = pin.computeJointJacobians(full, data, pin.neutral(full))[:, self._columns]
-        arm = [full.getJointId(name) for name in self._model.description.arm_joints]
-        reaches = np.zeros((len(self._carrier), self._model.size))
-        for g, place in enumerate(self._carrier.tolist()):
-            chain = list(full.supports[self._joints[place]])
-            for j in (j for j, joint in enumerate(arm) if joint in chain):
-                beyond = chain[chain.index(arm[j]) + 1 :]
-                near = data.oMi[beyond[0]].translation if beyond else data.oMi[chain[-1]].act(self._center[g])
-                links = [full.jointPlacements[i].translation for i in beyond[1:]] + ([self._center[g]] if beyond else [])
-                slides = self._model.description.gripper_open * sum(joint not in arm for joint in beyond)
-                reaches[g, j] = np.linalg.norm(axes[:3, j] + np.cross(axes[3:, j], near)) + slides + self._radius[g, 0]
-                reaches[g, j] += sum(float(np.linalg.norm(link)) for link in links)
-        return reaches
 
     # Questions ----------------------------------------------------------------------------------------------------
 
