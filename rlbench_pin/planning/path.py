@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
@@ -110,26 +110,40 @@ def along(vertices: FloatArray, radius: float | FloatArray) -> JointPath:
 
 
 def round_off(
-    vertices: FloatArray, first_violation: Callable[[JointPath], float | None], radius: float = 0.4, least: float = 0.01
+    vertices: FloatArray,
+    first_violation: Callable[[JointPath], float | None],
+    *,
+    repair: Callable[[FloatArray], FloatArray | None] = lambda vertices: vertices,
+    radius: float = 0.4,
+    least: float = 0.01,
 ) -> JointPath | None:
     """Round the corners of a polyline, each as far as the curve keeps the rules.
 
     Args:
         vertices: Corners (m, n), the ends among them.
         first_violation: Returns where on a path (0..1) a rule is broken, None for nowhere.
+        repair: Asked when a rule is broken for the first time: returns the polyline with free edges, None when there is none.
         radius: Where rounding begins before a corner, at most [rad].
         least: Smaller roundings are not tried [rad].
 
     Returns:
-        The curve, or None when even tight corners break a rule.
+        The curve, or None when even tight corners break a rule, or `repair` gave up.
     """
-    vertices = distinct(vertices)
+    vertices, repaired = distinct(vertices), False
     radii = np.full(len(vertices), radius)
     while True:
         path = along(vertices, radii)
         where = first_violation(path)
         if where is None:
             return path
+        if not repaired:
+            better, repaired = repair(vertices), True
+            if better is None:
+                return None
+            if better is not vertices:
+                vertices = distinct(better)
+                radii = np.full(len(vertices), radius)
+                continue
         corner = int(np.argmin(np.linalg.norm(vertices - path(where), axis=1)))
         if radii[corner] < 2.0 * least:
             return None
@@ -144,11 +158,13 @@ def distinct(points: FloatArray) -> FloatArray:
 
 def edge_is_free(a: FloatArray, b: FloatArray, is_free: IsFree, step: float) -> bool:
     """Say whether the straight joint-space line from `a` to `b` is free, ends excluded, looking every `step` [rad]."""
-    count = int(np.ceil(np.abs(b - a).max() / step)) + 1
-    return all(is_free(a + (i / (count - 1)) * (b - a)) for i in coarse_to_fine(count) if 0 < i < count - 1)
+    way = b - a
+    count = int(np.ceil(np.abs(way).max() / step)) + 1
+    return all(is_free(a + (i / (count - 1)) * way) for i in coarse_to_fine(count)[2:])
 
 
-def coarse_to_fine(count: int) -> list[int]:
+@lru_cache(maxsize=1024)
+def coarse_to_fine(count: int) -> tuple[int, ...]:
     """Return 0..count-1, widely spaced indices first, so that collisions are found early."""
     order = [0, count - 1] if count > 1 else [0]
     stride = 1
@@ -162,7 +178,7 @@ def coarse_to_fine(count: int) -> list[int]:
                 seen.add(i)
                 order.append(i)
         stride = half
-    return order
+    return tuple(order)
 
 
 def _chord(points: FloatArray) -> FloatArray:
