@@ -160,7 +160,8 @@ def edge_is_free(a: FloatArray, b: FloatArray, is_free: IsFree, step: float) -> 
     """Say whether the straight joint-space line from `a` to `b` is free, ends excluded, looking every `step` [rad]."""
     way = b - a
     count = int(np.ceil(np.abs(way).max() / step)) + 1
-    return all(is_free(a + (i / (count - 1)) * way) for i in coarse_to_fine(count)[2:])
+    inner = np.array(coarse_to_fine(count)[2:]) / max(1, count - 1)
+    return all(map(is_free, a + inner[:, None] * way))
 
 
 @lru_cache(maxsize=1024)
