@@ -17,6 +17,7 @@ from datetime import datetime
 from pathlib import Path
 
 import numpy as np
+from harness import Result, summary
 from plain_planner import PlainPlanner
 from problems import PER_KIND, all_problems
 
@@ -186,6 +187,23 @@ def solve_all(problems: Sequence[PlanningProblem], limit: float, fine: bool) -> 
         results["complete"].append(run_complete(planners[True], problem, seed, fine))
         results["complete_uncertified"].append(run_complete(planners[False], problem, seed, False))
     return results
+
+
+def benchmark(per_kind: int = PER_KIND) -> list[Result]:
+    """Solve the generated problems with search alone, and with complete motions."""
+    problems = all_problems(per_kind)
+    model = problems[0].model()
+    collision, planner = CollisionModel(model), MotionPlanner(model, PlannerConfig(checks=BUDGET))
+    for seed, problem in enumerate(problems[:3]):  # warm up
+        run_complete(planner, problem, seed, fine=False)
+    parts = {
+        "search": [run_search(model, collision, problem, seed) for seed, problem in enumerate(problems, start=1)],
+        "complete motions": [run_complete(planner, problem, seed, fine=False) for seed, problem in enumerate(problems, start=1)],
+    }
+    return [
+        summary(f"planning problems, {what}", [r.seconds for r in runs], f"{sum(r.solved for r in runs)} of {len(runs)} solved")
+        for what, runs in parts.items()
+    ]
 
 
 def table(problems: Sequence[PlanningProblem], results: dict[str, list[Run]], limit: float, fine: bool) -> str:

@@ -18,7 +18,7 @@ from rlbench_pin.environment.demos import library_versions
 
 @dataclass(frozen=True)
 class Result:
-    """Durations of one operation [s]."""
+    """Processor time of one operation [s], so that other work on the machine counts little."""
 
     name: str
     repeats: int
@@ -44,14 +44,14 @@ def summary(name: str, seconds: Sequence[float], note: str = "", **extra: float)
 
 
 def measure(operation: Callable[[int], object], repeats: int, warm_up: int = 3) -> list[float]:
-    """Return how long `operation(i)` took for each i in 0..repeats-1, after some calls that do not count [s]."""
+    """Return the processor time of `operation(i)` for each i in 0..repeats-1, after some calls that do not count [s]."""
     for i in range(warm_up):
         operation(i)
     durations = []
     for i in range(repeats):
-        began = time.perf_counter()
+        began = time.process_time()
         operation(i)
-        durations.append(time.perf_counter() - began)
+        durations.append(time.process_time() - began)
     return durations
 
 

@@ -7,6 +7,7 @@ Inside the package poses may travel as `pin.SE3`; at public borders they are arr
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -41,12 +42,15 @@ def pose_to_se3(pose: PoseLike) -> pin.SE3:
         InvalidValue: It has another shape, or its quaternion is zero or not finite (also a ValueError).
     """
     p = as_vector(pose, 7, "A pose [x, y, z, qx, qy, qz, qw]")
-    norm = np.linalg.norm(p[3:])
+    turn = p[3:]
+    norm = math.sqrt(turn @ turn)
     if not 0.0 < norm < np.inf:
         raise InvalidValue(
             "A pose", pose, f"has a quaternion of norm {norm}", "No rotation is [0, 0, 0, 1]; the order is x, y, z, w."
         )
-    return pin.XYZQUATToSE3(np.concatenate([p[:3], p[3:] / norm]))
+    unit = p.copy()
+    unit[3:] /= norm
+    return pin.XYZQUATToSE3(unit)
 
 
 def se3_to_pose(transform: pin.SE3) -> FloatArray:
@@ -96,6 +100,36 @@ def relative(pose: PoseLike, reference: PoseLike) -> FloatArray:
     return se3_to_pose(pose_to_se3(reference).actInv(pose_to_se3(pose)))
 
 
+def swept(pose: PoseLike, frame: PoseLike, axis: Sequence[float], angles: FloatArray, *, twist: bool = True) -> list[FloatArray]:
+    """Turn a world pose about an axis through the origin of a frame.
+
+    Args:
+        pose: What is turned (7,).
+        frame: World pose (7,) in which the axis is given.
+        axis: Direction (3,), of any length.
+        angles: By how much, right-handed (m,), [rad].
+        twist: Whether the orientation turns too, or only the position.
+
+    Returns:
+        A pose (7,) for each angle.
+
+    Raises:
+        InvalidValue: No pose, no direction, or NaN (also a ValueError).
+    """
+    T_world_frame, T_world_pose = pose_to_se3(frame), pose_to_se3(pose)
+    T_frame_pose = T_world_frame.actInv(T_world_pose)
+    direction = as_vector(axis, 3, "axis")
+    length = np.linalg.norm(direction)
+    if not length > 0.0:
+        raise InvalidValue("axis", axis, "has no direction: its length is 0")
+    direction = direction / length
+    result = []
+    for angle in as_finite(as_array(angles, "angles"), "angles").ravel():
+        T_turned = T_world_frame * (pin.SE3(pin.exp3(angle * direction), np.zeros(3)) * T_frame_pose)
+        result.append(se3_to_pose(T_turned if twist else pin.SE3(T_world_pose.rotation, T_turned.translation)))
+    return result
+
+
 def euler_to_quaternion(roll: float, pitch: float, yaw: float) -> FloatArray:
     """Quaternion [qx, qy, qz, qw] of the rotation Rz(yaw) Ry(pitch) Rx(roll), angles in [rad]."""
     roll, pitch, yaw = as_number(roll, "roll"), as_number(pitch, "pitch"), as_number(yaw, "yaw")
@@ -139,6 +173,7 @@ __all__ = [
     "relative",
     "rotation_distance",
     "se3_to_pose",
+    "swept",
 ]
 
 if not TYPE_CHECKING:

@@ -22,7 +22,7 @@ from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import LARGEST_COUNT, as_record, as_whole
 
-LEVELS = (0.16, 0.07, 0.03, 0.012, 0.005, 0.002, 0.0008, 0.0003)
+LEVELS = (0.05, 0.02, 0.008, 0.003, 0.001, 0.0003)
 """Distances that are asked for, one after the other [m]."""
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
@@ -12,6 +13,9 @@ from rlbench_pin.values import as_record
 
 IsFree = Callable[[FloatArray], bool]
 """Says whether a configuration (n,) is free of collisions."""
+
+_TO_A_PIECE = 8
+"""Samples of a cubic piece by which distances along the path are measured."""
 
 
 class JointPath:
@@ -36,11 +40,21 @@ class JointPath:
         """Last configuration (n,)."""
         return self(1.0)
 
+    @cached_property
+    def _knots(self) -> FloatArray:
+        """Parameters where the cubic pieces begin, and 1, shape (m,)."""
+        return np.unique(self._orders[0].t)
+
+    @cached_property
+    def _measured(self) -> tuple[FloatArray, FloatArray]:
+        """Parameters, eight to a piece, and the joint distances travelled until there, both (m,), the latter [rad]."""
+        knots = self._knots
+        s = np.append((knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(_TO_A_PIECE) / _TO_A_PIECE)).ravel(), 1.0)
+        return s, np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self(s), axis=0)).max(axis=1))])
+
     def spread(self, step: float) -> tuple[FloatArray, FloatArray]:
         """Return parameters (m,) and configurations (m, n), 0 and 1 among them, with joint distances of at most `step` [rad]."""
-        knots = np.unique(self._orders[0].t)
-        s = np.unique(np.concatenate([np.linspace(a, b, 9) for a, b in zip(knots[:-1], knots[1:], strict=True)]))
-        lengths = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self(s), axis=0)).max(axis=1))])
+        s, lengths = self._measured
         count = max(2, int(np.ceil(lengths[-1] / step)) + 1)
         even = np.interp(np.linspace(0.0, lengths[-1], count), lengths, s)
         even[0], even[-1] = 0.0, 1.0
@@ -56,7 +70,7 @@ class JointPath:
 
     def bezier(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the path as cubic Bezier pieces: control points (m, 4, n), parameters of their beginnings and ends (m,)."""
-        knots = np.unique(self._orders[0].t)
+        knots = self._knots
         q, slope = self(knots), self(knots, 1)
         third = np.diff(knots)[:, None] / 3.0
         control = np.stack([q[:-1], q[:-1] + third * slope[:-1], q[1:] - third * slope[1:], q[1:]], axis=1)
@@ -64,6 +78,10 @@ class JointPath:
 
     def length(self) -> float:
         """Return the length in joint space [rad]."""
+        return self._length
+
+    @cached_property
+    def _length(self) -> float:
         return float(np.linalg.norm(np.diff(self.spread(0.05)[1], axis=0), axis=1).sum())
 
 
@@ -95,26 +113,40 @@ def along(vertices: FloatArray, radius: float | FloatArray) -> JointPath:
 
 
 def round_off(
-    vertices: FloatArray, first_violation: Callable[[JointPath], float | None], radius: float = 0.4, least: float = 0.01
+    vertices: FloatArray,
+    first_violation: Callable[[JointPath], float | None],
+    *,
+    repair: Callable[[FloatArray], FloatArray | None] = lambda vertices: vertices,
+    radius: float = 0.4,
+    least: float = 0.01,
 ) -> JointPath | None:
     """Round the corners of a polyline, each as far as the curve keeps the rules.
 
     Args:
         vertices: Corners (m, n), the ends among them.
         first_violation: Returns where on a path (0..1) a rule is broken, None for nowhere.
+        repair: Asked when a rule is broken for the first time: returns the polyline with free edges, None when there is none.
         radius: Where rounding begins before a corner, at most [rad].
         least: Smaller roundings are not tried [rad].
 
     Returns:
-        The curve, or None when even tight corners break a rule.
+        The curve, or None when even tight corners break a rule, or `repair` gave up.
     """
-    vertices = distinct(vertices)
+    vertices, repaired = distinct(vertices), False
     radii = np.full(len(vertices), radius)
     while True:
         path = along(vertices, radii)
         where = first_violation(path)
         if where is None:
             return path
+        if not repaired:
+            better, repaired = repair(vertices), True
+            if better is None:
+                return None
+            if better is not vertices:
+                vertices = distinct(better)
+                radii = np.full(len(vertices), radius)
+                continue
         corner = int(np.argmin(np.linalg.norm(vertices - path(where), axis=1)))
         if radii[corner] < 2.0 * least:
             return None
@@ -129,11 +161,14 @@ def distinct(points: FloatArray) -> FloatArray:
 
 def edge_is_free(a: FloatArray, b: FloatArray, is_free: IsFree, step: float) -> bool:
     """Say whether the straight joint-space line from `a` to `b` is free, ends excluded, looking every `step` [rad]."""
-    count = int(np.ceil(np.abs(b - a).max() / step)) + 1
-    return all(is_free(a + (i / (count - 1)) * (b - a)) for i in coarse_to_fine(count) if 0 < i < count - 1)
+    way = b - a
+    count = int(np.ceil(np.abs(way).max() / step)) + 1
+    inner = np.array(coarse_to_fine(count)[2:]) / max(1, count - 1)
+    return all(map(is_free, a + inner[:, None] * way))
 
 
-def coarse_to_fine(count: int) -> list[int]:
+@lru_cache(maxsize=1024)
+def coarse_to_fine(count: int) -> tuple[int, ...]:
     """Return 0..count-1, widely spaced indices first, so that collisions are found early."""
     order = [0, count - 1] if count > 1 else [0]
     stride = 1
@@ -147,7 +182,7 @@ def coarse_to_fine(count: int) -> list[int]:
                 seen.add(i)
                 order.append(i)
         stride = half
-    return order
+    return tuple(order)
 
 
 def _chord(points: FloatArray) -> FloatArray:

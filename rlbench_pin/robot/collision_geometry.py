@@ -90,27 +90,15 @@ class CollisionGeometry:
 
     @cached_property
     def reaches(self) -> FloatArray:
-        """How far any moving shape can get from the axis of each arm joint, in any configuration, shape (n,), [m].
-
-        The next joint of the chain keeps its distance from the axis; beyond it the links may be stretched.
-        """
-        full, description = self._model.full, self._model.description
-        data = full.createData()
-        axes = pin.computeJointJacobians(full, data, pin.neutral(full))[:, self._model.full_index[: self._model.size]]
-        arm = [full.getJointId(name) for name in description.arm_joints]
-        reaches = np.zeros(len(arm))
-        for shape in self.model.geometryObjects:
-            chain = list(full.supports[shape.parentJoint])
+        """How far any moving shape can get from the axis of each arm joint, in any configuration, shape (n,), [m]."""
+        reach, moving = self._model.chain_reach, [shape for shape in self.model.geometryObjects if shape.parentJoint > 0]
+        for shape in moving:
             shape.geometry.computeLocalAABB()
-            center = shape.placement.act(np.asarray(shape.geometry.aabb_center))
-            for j in (j for j, joint in enumerate(arm) if joint in chain):
-                beyond = chain[chain.index(arm[j]) + 1 :]
-                near = data.oMi[beyond[0]].translation if beyond else data.oMi[chain[-1]].act(center)
-                links = [full.jointPlacements[i].translation for i in beyond[1:]] + ([center] if beyond else [])
-                slides = description.gripper_open * sum(joint not in arm for joint in beyond)
-                arm_length = np.linalg.norm(axes[:3, j] + np.cross(axes[3:, j], near)) + slides + shape.geometry.aabb_radius
-                reaches[j] = max(reaches[j], arm_length + sum(float(np.linalg.norm(link)) for link in links))
-        return reaches
+        balls = [
+            reach.of(shape.parentJoint, shape.placement.act(np.asarray(shape.geometry.aabb_center)), shape.geometry.aabb_radius)
+            for shape in moving
+        ]
+        return np.max(balls, axis=0)
 
     def place(self, bodies: Sequence[BodySnapshot], T_world_hand_joint: pin.SE3) -> None:
         """Write the placements of all bodies; those held relative to the hand as it is now."""

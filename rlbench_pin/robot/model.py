@@ -6,6 +6,7 @@ Everything is expressed in the world frame, in which the base has the descriptio
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -13,6 +14,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from rlbench_pin.errors import InvalidValue, RobotModelError
+from rlbench_pin.robot.chain_reach import ChainReach
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3, se3_to_pose
@@ -84,6 +86,11 @@ class RobotModel:
     def _joints(self, vector: ArrayLike, what: str = "configuration") -> FloatArray:
         """Return a vector (n,) of the arm's joints, or raise InvalidValue."""
         return as_vector(vector, self.size, what, most=LARGEST)
+
+    @cached_property
+    def chain_reach(self) -> ChainReach:
+        """How far what the arm carries can be from the axes of its joints, in any configuration."""
+        return ChainReach(self.full, self.description.arm_joints, self.description.gripper_open)
 
     # Kinematics ---------------------------------------------------------------------------------------------------
 

@@ -38,7 +38,7 @@ class MotionBounds:
     """
 
     def __init__(self, model: RobotModel, shapes: Sequence[pin.GeometryObject], pairs: Sequence[tuple[int, int]]) -> None:
-        self._model, self._columns = model, model.full_index[: model.size]
+        self._model = model
         ends = np.array(pairs, dtype=np.intp).reshape(-1, 2)
         support = np.array([self._support(shape.parentJoint) for shape in shapes]).reshape(-1, model.size)
         depth = support.sum(axis=1)
@@ -58,7 +58,9 @@ class MotionBounds:
         rows = np.concatenate([ball[:, None], np.abs(self.sign)], axis=1)
         rows, self._row = np.unique(rows, axis=0, return_inverse=True)
         self._row_ball, self._row_between = rows[:, 0].astype(np.intp), rows[:, 1:]
-        self._reaches = self._chain_reaches()[self._row_ball] * self._row_between
+        balls = zip(self._carrier.tolist(), self._center[:, :3, 0], self._radius.tolist(), strict=True)
+        reaches = np.array([model.chain_reach.of(self._joints[place], center, radius) for place, center, radius in balls])
+        self._reaches = reaches.reshape(-1, model.size)[self._row_ball] * self._row_between
 
     def _support(self, joint: int) -> FloatArray:
         """Return 1 for every arm joint that carries Pinocchio joint `joint`, shape (n,)."""
@@ -94,27 +96,6 @@ class MotionBounds:
             box, placement = shapes[i].geometry.aabb_local, shapes[i].placement
             self._middle[:, i] = placement.act(np.asarray(box.center()))
             self._half[:, 0, i] = 0.5 * np.abs(placement.rotation) @ np.array([box.width(), box.height(), box.depth()])
-
-    def _chain_reaches(self) -> FloatArray:
-        """Return for each moving shape and joint how far from the joint's axis any of its points can get, shape (moving, n), [m].
-
-        The next joint of the chain keeps its distance from the axis in any configuration; beyond it the links may be stretched.
-        """
-        full = self._model.full
-        data = full.createData()
-        axes = pin.computeJointJacobians(full, data, pin.neutral(full))[:, self._columns]
-        arm = [full.getJointId(name) for name in self._model.description.arm_joints]
-        reaches = np.zeros((len(self._carrier), self._model.size))
-        for g, place in enumerate(self._carrier.tolist()):
-            chain, center = list(full.supports[self._joints[place]]), self._center[g, :3, 0]
-            for j in (j for j, joint in enumerate(arm) if joint in chain):
-                beyond = chain[chain.index(arm[j]) + 1 :]
-                near = data.oMi[beyond[0]].translation if beyond else data.oMi[chain[-1]].act(center)
-                links = [full.jointPlacements[i].translation for i in beyond[1:]] + ([center] if beyond else [])
-                slides = self._model.description.gripper_open * sum(joint not in arm for joint in beyond)
-                reaches[g, j] = np.linalg.norm(axes[:3, j] + np.cross(axes[3:, j], near)) + slides + self._radius[g]
-                reaches[g, j] += sum(float(np.linalg.norm(link)) for link in links)
-        return reaches
 
     # Questions ----------------------------------------------------------------------------------------------------
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 
 import numpy as np
 
+from rlbench_pin.robot.motion_bounds import cross
 from rlbench_pin.spatial import FloatArray, compose, pose_at, pose_to_se3
 
 _CORNERS: FloatArray = np.array(list(product((-1.0, 1.0), repeat=3)))
@@ -36,11 +39,18 @@ class OrientedBox:
 
     def overlaps(self, other: OrientedBox) -> bool:
         """Return whether two boxes share a point: no axis separates them."""
-        crossed = np.cross(self.axes.T[:, None, :], other.axes.T[None, :, :]).reshape(9, 3)
-        axes = np.concatenate([self.axes.T, other.axes.T, crossed[np.linalg.norm(crossed, axis=1) > 1e-9]])
+        way = other.center - self.center
+        if way @ way > (self.radius + other.radius) ** 2:
+            return False
+        crossed = cross(np.repeat(self.axes.T, 3, axis=0), np.tile(other.axes.T, (3, 1)))
+        axes = np.concatenate([self.axes.T, other.axes.T, crossed[(crossed * crossed).sum(axis=1) > 1e-18]])
         reach = np.abs(axes @ self.axes) @ self.half + np.abs(axes @ other.axes) @ other.half
-        gap = np.abs(axes @ (other.center - self.center))
-        return bool(np.all(gap <= reach))
+        return bool(np.all(np.abs(axes @ way) <= reach))
+
+    @cached_property
+    def radius(self) -> float:
+        """Radius of the ball around the box [m]."""
+        return math.sqrt(self.half @ self.half)
 
 
 def rotated(rotation: FloatArray, quaternion: FloatArray) -> FloatArray:

@@ -77,14 +77,14 @@ class SpawnBoundary:
             BoundaryError: No place was found in `MAX_SAMPLES` tries.
         """
         too_big = 0
-        start = np.array(thing.pose)
+        start, bounds = np.array(thing.pose), _bounds(thing)
         for _ in range(MAX_SAMPLES):
             region = self._regions[int(rng.choice(len(self._regions), p=self._weights))]
-            pose = _draw_pose(region, thing, start, rng.uniform(min_rotation, max_rotation), rng)
+            pose = _draw_pose(region, bounds, start, rng.uniform(min_rotation, max_rotation), rng)
             if pose is None:
                 too_big += 1
                 continue
-            box = OrientedBox.of(_bounds(thing), pose)
+            box = OrientedBox.of(bounds, pose)
             if ignore_collisions or self._is_free(box, pose[:3], min_distance):
                 thing.set_pose(pose)
                 self._placed.append((thing.name, box, pose[:3]))
@@ -120,7 +120,7 @@ class SpawnBoundary:
         raise BoundaryError(f"None of {MAX_LAYOUTS} layouts of {names} was accepted. Enlarge the regions or ask for less space.")
 
     def _is_free(self, box: OrientedBox, origin: FloatArray, min_distance: float) -> bool:
-        return not any(np.linalg.norm(origin - place) < min_distance or box.overlaps(other) for _, other, place in self._placed)
+        return not any(_are_near(origin, place, min_distance) or box.overlaps(other) for _, other, place in self._placed)
 
     def _failure(self, thing: Body | Frame, too_big: int, min_distance: float) -> str:
         names = ", ".join(region.name for region in self._regions)
@@ -139,6 +139,11 @@ def clearance(thing: Body | Frame, others: Iterable[Body | Frame]) -> float:
     return float(min(gaps, default=np.inf))
 
 
+def _are_near(a: FloatArray, b: FloatArray, distance: float) -> bool:
+    way = a - b
+    return bool(way @ way < distance * distance)
+
+
 def _measure(region: Region) -> float:
     size = np.asarray(region.size, dtype=float)
     return float(np.prod(size if size[2] > 0.0 else size[:2]))
@@ -150,13 +155,13 @@ def _bounds(thing: Body | Frame) -> FloatArray:
 
 
 def _draw_pose(
-    region: Region, thing: Body | Frame, start: FloatArray, rotation: FloatArray, rng: np.random.Generator
+    region: Region, bounds: FloatArray, start: FloatArray, rotation: FloatArray, rng: np.random.Generator
 ) -> FloatArray | None:
     """Draw a world pose at which the turned bounding box lies in the region; None when it cannot."""
     frame = np.array(region.pose)
     local = relative(start, frame)
     local[3:] = rotated(rotation, local[3:])
-    corners = OrientedBox.of(_bounds(thing), np.concatenate([np.zeros(3), local[3:]])).corners()
+    corners = OrientedBox.of(bounds, np.concatenate([np.zeros(3), local[3:]])).corners()
     half = np.asarray(region.size, dtype=float) / 2.0
     first, last = -half - corners.min(axis=0), half - corners.max(axis=0)
     axes = 3 if half[2] > 0.0 else 2

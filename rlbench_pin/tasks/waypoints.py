@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from rlbench_pin.scene.spec import WaypointSpec
-from rlbench_pin.spatial import FloatArray, compose, relative
+from rlbench_pin.spatial import FloatArray, compose, swept
 
 if TYPE_CHECKING:
     from rlbench_pin.sim import Frame, World
 
-ARC_STEP = 0.05
+ARC_STEP = 0.1
 """Angle between two poses of a sweep [rad]."""
 
 WaypointHook = Callable[["Waypoint"], None]
@@ -88,18 +88,10 @@ class Waypoint:
         """
         if self.spec.arc is None:
             return [compose(self.frame.pose, point) for point in self.spec.points]
-        angle = self.spec.arc.angle
-        count = max(2, int(np.ceil(abs(angle) / ARC_STEP)))
-        return [self._swept(previous, angle * k / count) for k in range(1, count + 1)]
-
-    def _swept(self, previous: FloatArray, angle: float) -> FloatArray:
-        """Rotate a world pose by `angle` [rad] about the axis of the arc."""
         arc = self.spec.arc
-        assert arc is not None
-        axis = np.array(arc.axis) / np.linalg.norm(arc.axis)
-        turn = np.concatenate([np.zeros(3), np.sin(angle / 2.0) * axis, [np.cos(angle / 2.0)]])
-        swept = compose(self.frame.pose, turn, relative(previous, self.frame.pose))
-        return swept if arc.twist else np.concatenate([swept[:3], previous[3:]])
+        count = max(2, int(np.ceil(abs(arc.angle) / ARC_STEP)))
+        angles = arc.angle * np.arange(1, count + 1) / count
+        return swept(previous, self.frame.pose, arc.axis, angles, twist=arc.twist)
 
     def set_hooks(self, start: WaypointHook | None, end: WaypointHook | None) -> None:
         """Register what runs before the leg is planned and after it was run."""

@@ -62,7 +62,7 @@ def test_an_arc_sweeps_the_previous_pose_about_its_axis() -> None:
     np.testing.assert_allclose(relative(poses[-1], pose_at((1, 0, 0), yaw=np.pi / 2)), relative(start, frame.pose), atol=1e-9)
     for before, after in zip([start, *poses], poses, strict=False):
         assert np.linalg.norm(after[:3] - [1, 0, 0.5]) == pytest.approx(1.0)
-        assert np.linalg.norm(after[:3] - before[:3]) < 0.06
+        assert np.linalg.norm(after[:3] - before[:3]) < 0.11
     rigid = waypoint(frame, path="curve", arc=ArcSpec(axis=(0, 0, 1), angle=-0.5, twist=False)).curve_poses(start)
     np.testing.assert_allclose(rigid[-1][3:], start[3:])
     np.testing.assert_allclose(rigid[-1][:2], [1 + np.cos(0.5), -np.sin(0.5)])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import pinocchio as pin
@@ -160,9 +161,16 @@ def _unreached(model: RobotModel, pose: PoseLike, failed: Sequence[Descent]) -> 
 
 def cost(model: RobotModel, q_from: FloatArray, q: FloatArray) -> float:
     """Rank a configuration: weighted joint distance [rad], the wrist counting less, plus a penalty near joint limits."""
-    weights = np.linspace(1.0, _JOINT_WEIGHT_END, model.size)
     lack = max(0.0, LIMIT_MARGIN - model.limits.margin(q))
-    return float(np.linalg.norm(weights * (q - q_from))) + (2.0 if lack > 0.0 else 0.0) + 20.0 * lack
+    return float(np.linalg.norm(_weights(model.size) * (q - q_from))) + (2.0 if lack > 0.0 else 0.0) + 20.0 * lack
+
+
+@cache
+def _weights(size: int) -> FloatArray:
+    """Return how much each joint counts, from the first to the last (n,)."""
+    weights = np.linspace(1.0, _JOINT_WEIGHT_END, size)
+    weights.setflags(write=False)
+    return weights
 
 
 def draw_start(model: RobotModel, seed_q: FloatArray, rng: np.random.Generator, k: int) -> FloatArray:

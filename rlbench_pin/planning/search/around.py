@@ -1,4 +1,4 @@
-"""Smooth paths around obstacles: search with coarse checks, shorten, repair where the finer check fails, round the corners."""
+"""Smooth paths around obstacles: search with coarse checks, shorten, round the corners, repair edges that prove to be blocked."""
 
 from __future__ import annotations
 
@@ -45,11 +45,8 @@ def path_around(
             left -= rules.collision.checks - began
         with stages.stage("shorten"):
             path = shorten(path, rules.is_free, rng, step=step, checks=config.simplify_checks)
-            repaired = repair(path, rules, limits, rng)
-        if repaired is None:
-            continue
         with stages.stage("smooth"):
-            smooth = round_off(repaired, rules.first_violation)
+            smooth = round_off(path, rules.first_violation, repair=lambda corners: repair(corners, rules, limits, rng))
         if smooth is not None:
             return smooth
     raise NoPath(f"{config.attempts} paths were found, but none could be smoothed", config.checks - left)

@@ -4,7 +4,7 @@ With the path q(s), u = d2s/dt2 and x = (ds/dt)^2, the speed along the arc is |q
 
     d|dq/dt|/dt = (q' . ddq) / |q'| = |q'| u + (q' . q'') / |q'| x,
 
-both linear in (u, x) once the speed is squared, as TOPPRA wants them.
+both linear in (u, x) once the speed is squared, as TOPPRA wants them (`constraint`).
 """
 
 from __future__ import annotations
@@ -12,8 +12,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import toppra
-import toppra.constraint
 
 from rlbench_pin.errors import InvalidRequest
 from rlbench_pin.spatial import FloatArray
@@ -36,10 +34,6 @@ class ArcLimits:
         for name in ("velocity", "acceleration"):
             as_number(getattr(self, name), f"ArcLimits.{name}", InvalidRequest, above=0.0, finite=False)
 
-    def constraint(self, reserve: float) -> toppra.constraint.Constraint:
-        """Return a share `reserve` of the limits as TOPPRA wants them."""
-        return _ArcConstraint(reserve * self.velocity, reserve * self.acceleration)
-
     def excess(self, tangents: FloatArray, v: FloatArray, before: FloatArray, after: FloatArray) -> float:
         """Return by which factor a motion must be slower to keep the limits; at most 1 when it keeps them.
 
@@ -57,35 +51,3 @@ class ArcLimits:
         """Return how long a straight motion of `way` (n,) [rad] takes at least, with q = way (3 x^2 - 2 x^3), x = t / T [s]."""
         length = float(np.linalg.norm(way))
         return max(1.5 * length / self.velocity, float(np.sqrt(6.0 * length / self.acceleration)))
-
-
-class _ArcConstraint(toppra.constraint.LinearConstraint):
-    """Both limits at the grid points; the change of speed also where a step ends."""
-
-    def __init__(self, velocity: float, acceleration: float) -> None:
-        super().__init__()
-        self._velocity, self._acceleration = velocity, acceleration
-        self.identical = True
-
-    def compute_constraint_params(
-        self, path: toppra.interpolator.AbstractGeometricPath, gridpoints: FloatArray
-    ) -> tuple[FloatArray | None, ...]:
-        """Return a, b, c, F, g, bounds of u and bounds of x: F (a u + b x + c) <= g."""
-        tangents = path(gridpoints, 1)
-        rates = np.maximum(np.linalg.norm(tangents, axis=1), _TINY)
-        bends = (tangents * path(gridpoints, 2)).sum(axis=1) / rates
-        ends, bends_there = np.append(rates[1:], rates[-1]), np.append(bends[1:], bends[-1])
-        widths = np.append(np.diff(gridpoints), 0.0)  # at the end of a step x is x + 2 width u
-        a = np.stack([rates, ends + 2.0 * widths * bends_there], axis=1)
-        b = np.stack([bends, bends_there], axis=1)
-        sides = np.concatenate([np.eye(2), -np.eye(2)])
-        fastest = (self._velocity / rates) ** 2
-        return (
-            a,
-            b,
-            np.zeros_like(a),
-            sides,
-            np.full(4, self._acceleration),
-            None,
-            np.stack([np.zeros_like(fastest), fastest], axis=1),
-        )

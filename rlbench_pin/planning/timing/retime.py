@@ -12,6 +12,7 @@ import toppra.constraint
 from rlbench_pin.errors import InvalidRequest, RetimingError
 from rlbench_pin.planning.path import JointPath, through
 from rlbench_pin.planning.timing.arc import ArcLimits
+from rlbench_pin.planning.timing.constraint import MotionConstraint
 from rlbench_pin.planning.timing.torque import TorqueLimits
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.trajectory import Trajectory
@@ -89,7 +90,7 @@ def retime(
     length = smooth.length()
     if length < SHORT:
         return _short_motion(smooth.start, smooth.end, limits, arc)
-    constraints = _constraints(limits, arc)
+    constraints: list[toppra.constraint.Constraint] = [MotionConstraint(limits, arc, _RESERVE)]
     trajectory = _timed(smooth, constraints, limits, arc, jerk_time)
     if torque is None or torque.surely_kept(trajectory, limits.acceleration) or torque.worst(trajectory) <= 1.0:
         return trajectory
@@ -173,17 +174,6 @@ def _grid(path: JointPath, finer: int = 1) -> FloatArray:
     grid = 0.5 * (along + np.linspace(0.0, 1.0, count))
     grid[0], grid[-1] = 0.0, 1.0
     return grid
-
-
-def _constraints(limits: JointLimits, arc: ArcLimits | None) -> list[toppra.constraint.Constraint]:
-    acceleration = _RESERVE * np.stack([-limits.acceleration, limits.acceleration], axis=1)
-    scheme = toppra.constraint.DiscretizationType.Interpolation
-    velocity = _RESERVE * np.stack([-limits.velocity, limits.velocity], axis=1)
-    joints = [
-        toppra.constraint.JointAccelerationConstraint(acceleration, discretization_scheme=scheme),
-        toppra.constraint.JointVelocityConstraint(velocity),
-    ]
-    return joints if arc is None else [*joints, arc.constraint(_RESERVE)]
 
 
 def _solve(path: JointPath, grid: FloatArray, constraints: list[toppra.constraint.Constraint]) -> FloatArray:

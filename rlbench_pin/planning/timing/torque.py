@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 import toppra
 import toppra.constraint
+from numpy.typing import NDArray
 
 from rlbench_pin.robot.model import LARGEST, RobotModel
 from rlbench_pin.robot.trajectory import Trajectory
@@ -14,7 +15,8 @@ from rlbench_pin.values import as_number, as_record, as_vector
 
 DENSE = 1e-3
 """Time between two evaluations of the torques of a finished trajectory [s]."""
-_LOOK = 1.0 / 40.0
+_LOOK = 0.05
+"""Time [s] and joint distance [rad] between the samples of the quick bound, at most."""
 _RESERVE = 0.97
 _ROUNDS = 12
 
@@ -63,14 +65,14 @@ class TorqueLimits:
         """Say whether no acceleration within +-`acceleration` (n,) could break a limit on the way; quick, and cautious."""
         as_record(trajectory, Trajectory, "trajectory")
         acceleration = as_vector(acceleration, self._last, "acceleration")
-        step = max(1, int(_LOOK / max(trajectory.duration / max(1, len(trajectory.times) - 1), 1e-9)))
-        for i in range(0, len(trajectory.times), step):
-            rest = np.abs(pin.nonLinearEffects(self._arm, self._data, trajectory.q[i], trajectory.v[i]))
-            upper = np.triu(np.abs(pin.crba(self._arm, self._data, trajectory.q[i])))
-            inertia = upper + np.triu(upper, 1).T
-            if (rest + inertia @ acceleration > _RESERVE * self.limit).any():
-                return False
-        return True
+        which = _spaced(trajectory)
+        rest, upper = np.empty((len(which), len(self.limit))), np.empty((len(which), len(self.limit), len(self.limit)))
+        for k, (q, v) in enumerate(zip(trajectory.q[which], trajectory.v[which], strict=True)):
+            rest[k] = pin.nonLinearEffects(self._arm, self._data, q, v)
+            upper[k] = pin.crba(self._arm, self._data, q)
+        upper = np.triu(np.abs(upper))
+        inertia = upper + np.triu(upper, 1).swapaxes(1, 2)
+        return not bool((np.abs(rest) + inertia @ acceleration > _RESERVE * self.limit).any())
 
     def worst(self, trajectory: Trajectory, dt: float = DENSE) -> float:
         """Return the largest |tau| / limit, looking every `dt` [s] and at every sample."""
@@ -91,6 +93,12 @@ class TorqueLimits:
                 return trajectory
             trajectory = stretched(trajectory, min(1.25, 1.0 + max(0.002, 0.7 * (ratio - 1.0))))
         return trajectory
+
+
+def _spaced(trajectory: Trajectory) -> NDArray[np.intp]:
+    """Return samples of a trajectory that are about `_LOOK` apart in time or, if that is nearer, along the path."""
+    steps = np.maximum(np.diff(trajectory.times), np.abs(np.diff(trajectory.q, axis=0)).max(axis=1)) / _LOOK
+    return np.flatnonzero(np.diff(np.floor(np.concatenate([[-1.0, 0.0], np.cumsum(steps)]))))
 
 
 def stretched(trajectory: Trajectory, factor: float) -> Trajectory:
