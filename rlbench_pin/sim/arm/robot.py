@@ -9,6 +9,7 @@ import numpy as np
 
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.sim.arm.control import ArmControl, DriveMode
+from rlbench_pin.sim.arm.motors import Motors
 from rlbench_pin.sim.bodies.model import LoadedModel
 from rlbench_pin.sim.checks import action_vector, finite_vector
 from rlbench_pin.sim.client import bullet
@@ -58,14 +59,14 @@ class SimRobot:
         self.lower, self.upper = np.array([i.lower for i in infos]), np.array([i.upper for i in infos])
         self.velocity_limits = np.array([i.velocity for i in infos])
         self.effort_limits = np.array([i.effort for i in infos])
-        self._efforts = self.effort_limits.tolist()
         self._finger_limits = np.array([[i.lower for i in fingers], [i.upper for i in fingers]])
         self._tip = model.link_index(description.tip_frame)
         self._states: FloatArray | None = None
         self.on_reset: list[Callable[[bool], None]] = []
         self._control = ArmControl("velocity", np.zeros(len(infos)), np.zeros(len(infos)))
-        self._applied: ArmControl | None = None
+        self._torques = np.zeros(len(infos))
         self._prepare_dynamics()
+        self._motors = Motors(model, self._arm, self.effort_limits)
         self.reset_configuration(description.home, [description.gripper_open] * len(fingers))
 
     def _prepare_dynamics(self) -> None:
@@ -79,6 +80,7 @@ class SimRobot:
         if self._states is None:
             states = bullet.getJointStates(self.model.uid, self._joints, physicsClientId=self._client.id)
             self._states = np.array([(s[0], s[1], s[3]) for s in states]).T
+            self._states[2, : len(self._arm)] += self._torques
         return self._states
 
     def forget_measurements(self) -> None:
@@ -209,19 +211,21 @@ class SimRobot:
     def set_control(self, control: ArmControl) -> None:
         """Continue with a stored command."""
         self._control = control
-        self._applied = None
         self.forget_measurements()
 
     def begin_tick(self) -> None:
         """Compute what the motors do in this tick."""
         if self._control.torques is not None:  # the motors report those of this tick
             self._control = replace(self._control, torques=None)
-        control = self._control
-        if control.mode == "position":
+        mode, weight = self._control.mode, self._motors.weight()
+        self._forces = (self.effort_limits - np.abs(weight)).tolist()
+        if mode == "position":
             self._begin_position_tick()
-        elif control is not self._applied:
-            self._release_motors() if control.mode == "torque" else self._drive_velocities()
-        self._applied = self._control
+        elif mode == "velocity":
+            self._motors.turn(self._control.target.tolist(), self._forces)
+        else:
+            self._motors.release()
+        self._torques = np.zeros_like(weight) if mode == "torque" else weight
 
     def _begin_position_tick(self) -> None:
         control = self._control
@@ -232,9 +236,9 @@ class SimRobot:
         excess = float(np.max(np.abs(move) / (self.velocity_limits * self.tick)))
         if excess > 1.0:
             move /= excess
-        self._start, self._increment = start, move / self.substeps
+        self._goals = start + np.outer(np.arange(self.substeps), move / self.substeps)
         feed = move / self.tick
-        self._feed = feed.tolist()
+        self._feed, self._moves = feed.tolist(), bool(move.any())
         self._speed_changes_fast = bool(np.any(np.abs(feed - measured[1]) > _FAST_CHANGE * self.velocity_limits))
         self._control = ArmControl("position", control.target, start + move if excess > 1.0 else control.target)
 
@@ -246,7 +250,7 @@ class SimRobot:
 
     def _position_goals(self, substep: int) -> list[float]:
         """Motor positions for one physics step; when speeds change fast they wait for the arm."""
-        goals = self._start + substep * self._increment
+        goals = self._goals[substep]
         if self._speed_changes_fast and substep:
             states = bullet.getJointStates(self.model.uid, self._arm, physicsClientId=self._client.id)
             measured = np.array([s[0] for s in states])
@@ -254,41 +258,7 @@ class SimRobot:
         return goals.tolist()
 
     def drive(self, substep: int) -> None:
-        """Command the motors for physics step `substep` of this tick."""
-        mode = self._control.mode
-        if mode == "position":
-            bullet.setJointMotorControlArray(
-                self.model.uid,
-                self._arm,
-                bullet.POSITION_CONTROL,
-                targetPositions=self._position_goals(substep),
-                targetVelocities=self._feed,
-                positionGains=[self.position_gain] * len(self._arm),
-                velocityGains=[1.0] * len(self._arm),
-                forces=self._efforts,
-                physicsClientId=self._client.id,
-            )
-        elif mode == "torque":
-            bullet.setJointMotorControlArray(
-                self.model.uid,
-                self._arm,
-                bullet.TORQUE_CONTROL,
-                forces=self._control.target.tolist(),
-                physicsClientId=self._client.id,
-            )
-
-    def _drive_velocities(self) -> None:
-        self._velocity_motors(self._control.target.tolist(), self._efforts)
-
-    def _release_motors(self) -> None:
-        self._velocity_motors([0.0] * len(self._arm), [0.0] * len(self._arm))
-
-    def _velocity_motors(self, velocities: list[float], forces: list[float]) -> None:
-        bullet.setJointMotorControlArray(
-            self.model.uid,
-            self._arm,
-            bullet.VELOCITY_CONTROL,
-            targetVelocities=velocities,
-            forces=forces,
-            physicsClientId=self._client.id,
-        )
+        """Command the motors for physics step `substep` of this tick; those that are to stay as they are keep their command."""
+        if self.mode == "position" and (substep == 0 or self._moves or self._speed_changes_fast):
+            self._motors.follow(self._position_goals(substep), self._feed, self.position_gain, self._forces)
+        self._motors.push((self._control.target if self.mode == "torque" else self._torques).tolist())
