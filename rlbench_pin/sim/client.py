@@ -20,6 +20,9 @@ with captured_output():  # pybullet prints a line when it is imported
 __all__ = ["PhysicsClient", "bullet", "open_client"]
 
 _SOLVER_ITERATIONS = 50
+"""Most passes over contacts, motors and constraints in one physics step."""
+_RESIDUAL = 1e-6
+"""Square of the largest change of speed in a pass below which a group of things that touch counts as solved [m^2/s^2]."""
 _GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
 
 
@@ -49,7 +52,8 @@ class PhysicsClient:
         self._printed = False
         self.change(bullet.setTimeStep, timestep)
         self.change(bullet.setGravity, *_GRAVITY)
-        self.change(bullet.setPhysicsEngineParameter, numSolverIterations=_SOLVER_ITERATIONS, deterministicOverlappingPairs=1)
+        solver = {"numSolverIterations": _SOLVER_ITERATIONS, "solverResidualThreshold": _RESIDUAL}
+        self.change(bullet.setPhysicsEngineParameter, **solver, deterministicOverlappingPairs=1)
         for caching in (0, 1):  # forget what files said when an earlier world was built, then read each of them once
             bullet.setPhysicsEngineParameter(enableFileCaching=caching, physicsClientId=self.id)
 

@@ -187,18 +187,20 @@ class SimGripper:
         lead = control.speed * robot.timestep / _GAIN
         start = np.clip(control.reference, here - lead, here + lead)
         end = start + np.clip(control.target - start, -control.speed * robot.tick, control.speed * robot.tick)
-        self._start, self._increment = start, (end - start) / robot.substeps
+        self._goals = (start + np.outer(np.arange(robot.substeps), (end - start) / robot.substeps)).tolist()
+        self._feed = ((end - start) / robot.tick).tolist()
         self._control = FingerControl(control.target, end, control.speed, control.force, here)
 
     def drive(self, substep: int) -> None:
-        """Command the finger motors for physics step `substep` of this tick."""
-        positions = self._start + substep * self._increment
+        """Command the finger motors for physics step `substep` of this tick; fingers that hold still keep their command."""
+        if substep and self._goals[substep] == self._goals[0]:
+            return
         bullet.setJointMotorControlArray(
             self._model.uid,
             self._joints,
             bullet.POSITION_CONTROL,
-            targetPositions=positions.tolist(),
-            targetVelocities=(self._increment / self._robot.timestep).tolist(),
+            targetPositions=self._goals[substep],
+            targetVelocities=self._feed,
             positionGains=[_GAIN] * 2,
             velocityGains=[1.0] * 2,
             forces=[self._control.force] * 2,

@@ -9,6 +9,7 @@ import numpy as np
 
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.sim.arm.control import ArmControl, DriveMode
+from rlbench_pin.sim.arm.motors import Effort, Motors
 from rlbench_pin.sim.bodies.model import LoadedModel
 from rlbench_pin.sim.checks import action_vector, finite_vector
 from rlbench_pin.sim.client import bullet
@@ -58,14 +59,16 @@ class SimRobot:
         self.lower, self.upper = np.array([i.lower for i in infos]), np.array([i.upper for i in infos])
         self.velocity_limits = np.array([i.velocity for i in infos])
         self.effort_limits = np.array([i.effort for i in infos])
-        self._efforts = self.effort_limits.tolist()
         self._finger_limits = np.array([[i.lower for i in fingers], [i.upper for i in fingers]])
         self._tip = model.link_index(description.tip_frame)
         self._states: FloatArray | None = None
         self.on_reset: list[Callable[[bool], None]] = []
+        self._goals: FloatArray | None = None
+        self._feed: list[float] = []
         self._control = ArmControl("velocity", np.zeros(len(infos)), np.zeros(len(infos)))
-        self._applied: ArmControl | None = None
+        self._first = self._later = Effort([0.0] * len(infos), [0.0] * len(infos))
         self._prepare_dynamics()
+        self._motors = Motors(model, self._arm, self.effort_limits)
         self.reset_configuration(description.home, [description.gripper_open] * len(fingers))
 
     def _prepare_dynamics(self) -> None:
@@ -79,6 +82,7 @@ class SimRobot:
         if self._states is None:
             states = bullet.getJointStates(self.model.uid, self._joints, physicsClientId=self._client.id)
             self._states = np.array([(s[0], s[1], s[3]) for s in states]).T
+            self._states[2, : len(self._arm)] += self._later.torques
         return self._states
 
     def forget_measurements(self) -> None:
@@ -210,34 +214,37 @@ class SimRobot:
     def set_control(self, control: ArmControl) -> None:
         """Continue with a stored command."""
         self._control = control
-        self._applied = None
         self.forget_measurements()
 
     def begin_tick(self) -> None:
         """Compute what the motors do in this tick."""
         if self._control.torques is not None:  # the motors report those of this tick
             self._control = replace(self._control, torques=None)
-        control = self._control
-        if control.mode == "position":
-            self._begin_position_tick()
-        elif control is not self._applied:
-            self._release_motors() if control.mode == "torque" else self._drive_velocities()
-        self._applied = self._control
+        self._goals, self._watches = None, False
+        if self.mode == "torque":
+            self._motors.release()
+            self._first = self._later = Effort([0.0] * len(self._arm), [0.0] * len(self._arm))
+            return
+        velocities = self._measured()[1, : len(self._arm)]
+        feed = self._begin_position_tick(velocities) if self.mode == "position" else self._control.target
+        self._first, self._later = self._motors.efforts(velocities, feed, self.timestep)
+        self._feed = feed.tolist()
 
-    def _begin_position_tick(self) -> None:
+    def _begin_position_tick(self, velocities: FloatArray) -> FloatArray:
+        """Work out where the motors are to be in each physics step, and return how fast they get there (n,) [rad/s]."""
         control = self._control
         self._lead = self._allowed_lead(control)
-        measured = self._measured()[:2, : len(self._arm)]
-        start = np.clip(control.reference, measured[0] - self._lead, measured[0] + self._lead)
+        measured = self._measured()[0, : len(self._arm)]
+        start = np.clip(control.reference, measured - self._lead, measured + self._lead)
         move = control.target - start
         excess = float(np.max(np.abs(move) / (self.velocity_limits * self.tick)))
         if excess > 1.0:
             move /= excess
-        self._start, self._increment = start, move / self.substeps
-        feed = move / self.tick
-        self._feed = feed.tolist()
-        self._speed_changes_fast = bool(np.any(np.abs(feed - measured[1]) > _FAST_CHANGE * self.velocity_limits))
+        feed: FloatArray = move / self.tick
+        self._goals = start + np.outer(np.arange(self.substeps), move / self.substeps)
+        self._watches = bool(np.any(np.abs(feed - velocities) > _FAST_CHANGE * self.velocity_limits))
         self._control = ArmControl("position", control.target, start + move if excess > 1.0 else control.target)
+        return feed
 
     def _allowed_lead(self, control: ArmControl) -> FloatArray:
         """How far the reference may be ahead of a lagging arm so that catching up does not exceed the velocity limits [rad]."""
@@ -245,51 +252,23 @@ class SimRobot:
         spare = np.maximum(self.velocity_limits - feed, _CATCH_UP * self.velocity_limits)
         return spare * self.timestep / self.position_gain
 
-    def _position_goals(self, substep: int) -> list[float]:
+    def _position_goals(self, goals: FloatArray, substep: int) -> list[float]:
         """Motor positions for one physics step; when speeds change fast they wait for the arm."""
-        goals = self._start + substep * self._increment
-        if self._speed_changes_fast and substep:
+        wanted: FloatArray = goals[substep]
+        if self._watches and substep:
             states = bullet.getJointStates(self.model.uid, self._arm, physicsClientId=self._client.id)
             measured = np.array([s[0] for s in states])
-            goals = np.clip(goals, measured - self._lead, measured + self._lead)
-        return goals.tolist()
+            wanted = np.clip(wanted, measured - self._lead, measured + self._lead)
+        return wanted.tolist()
 
     def drive(self, substep: int) -> None:
-        """Command the motors for physics step `substep` of this tick."""
-        mode = self._control.mode
-        if mode == "position":
-            bullet.setJointMotorControlArray(
-                self.model.uid,
-                self._arm,
-                bullet.POSITION_CONTROL,
-                targetPositions=self._position_goals(substep),
-                targetVelocities=self._feed,
-                positionGains=[self.position_gain] * len(self._arm),
-                velocityGains=[1.0] * len(self._arm),
-                forces=self._efforts,
-                physicsClientId=self._client.id,
-            )
-        elif mode == "torque":
-            bullet.setJointMotorControlArray(
-                self.model.uid,
-                self._arm,
-                bullet.TORQUE_CONTROL,
-                forces=self._control.target.tolist(),
-                physicsClientId=self._client.id,
-            )
-
-    def _drive_velocities(self) -> None:
-        self._velocity_motors(self._control.target.tolist(), self._efforts)
-
-    def _release_motors(self) -> None:
-        self._velocity_motors([0.0] * len(self._arm), [0.0] * len(self._arm))
-
-    def _velocity_motors(self, velocities: list[float], forces: list[float]) -> None:
-        bullet.setJointMotorControlArray(
-            self.model.uid,
-            self._arm,
-            bullet.VELOCITY_CONTROL,
-            targetVelocities=velocities,
-            forces=forces,
-            physicsClientId=self._client.id,
-        )
+        """Command the motors for physics step `substep` of this tick; what stays as it was is not commanded again."""
+        if self.mode == "torque":
+            self._motors.push(self._control.target.tolist())
+            return
+        effort = self._later if substep else self._first
+        if self._goals is not None and (substep < 2 or self._watches or any(self._feed)):
+            self._motors.follow(self._position_goals(self._goals, substep), self._feed, self.position_gain, effort.spare)
+        elif self._goals is None and substep < 2:
+            self._motors.turn(self._feed, effort.spare)
+        self._motors.push(effort.torques)
