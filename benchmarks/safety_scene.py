@@ -16,6 +16,7 @@ from rlbench_pin.environment.actions.safe_arm import LIMIT_MARGIN, Guard, wanted
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.scene.snapshot import WorldSnapshot
+from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray
 
 CONFIG = SafetyConfig(limit_margin=LIMIT_MARGIN)
@@ -23,6 +24,8 @@ EPISODE = 204
 """Ticks of an episode, a multiple of all holdings."""
 SLACK = 0.001
 """How much below its margin a distance may be [m]."""
+TREMBLE = 1e-6
+"""Moves of fingers and bodies that the judge does not take over [m], and parts of quaternions."""
 KINDS = ("position", "velocity", "acceleration", "contact", "distance")
 State = tuple[FloatArray, FloatArray, FloatArray]
 
@@ -129,6 +132,7 @@ class Judge:
         self.task, self.limits, self.dt = task, task.runtime.model.limits, task.world.control_dt
         self.distances = DistanceModel(task.runtime.model)
         self.figures = Figures()
+        self._seen = np.zeros(0)
 
     def look(self, episode: str) -> None:
         """Begin an episode, which is named in what is reported."""
@@ -152,10 +156,17 @@ class Judge:
         f.avoided += bool(reasons - {"limits", "torque"})
         f.stops += arm.last is not None and arm.last.stopped
 
+    def _take_over(self, snapshot: WorldSnapshot) -> None:
+        """Take over the world, when anything but the arm moved since by more than `TREMBLE`."""
+        now = np.concatenate([snapshot.fingers, *(body.link_poses.ravel() for body in snapshot.bodies)])
+        if self._seen.shape != now.shape or np.abs(now - self._seen).max() > TREMBLE:
+            self.distances.update(snapshot)
+            self._seen = now
+
     def _too_near(self, q: FloatArray) -> bool:
         """Measure the distances that can be the smallest so far or too small, with the arm at `q` [rad]; say whether one is."""
         f, model = self.figures, self.distances
-        model.update(self.task.world.snapshot())
+        self._take_over(self.task.world.snapshot())
         model.place(q)
         least = np.where(model.crosses, max(f.nearest_world_m, CONFIG.margin), max(f.nearest_self_m, CONFIG.self_margin))
         near = np.flatnonzero(model.counts & (model.bounds < least))  # bounds from below
@@ -176,7 +187,8 @@ def measure_scene(name: str, ticks: int, hold: int, rng: np.random.Generator, fi
         first: Seed of the first episode; each has the next one.
     """
     arm = TimedArm()
-    with Environment(MoveArmThenGripper(arm, Discrete()), obs_config=state_only(), seed=0) as env:
+    mode = MoveArmThenGripper(arm, Discrete())
+    with Environment(mode, obs_config=state_only(), seed=0) as env:
         task = env.get_task(name)
         judge, fastest = Judge(task), task.runtime.model.limits.velocity
         for tick in range(ticks):
@@ -188,7 +200,7 @@ def measure_scene(name: str, ticks: int, hold: int, rng: np.random.Generator, fi
             if tick % EPISODE % hold == 0:
                 action = np.append(rng.uniform(-fastest, fastest), 1.0)
                 judge.figures.actions += 1
-            task.step(action)
+            mode.action(task.runtime, action)  # a step without observation and reward
             judge.judge(arm)
         judge.figures.loop_tick_us, judge.figures.tick_us = _percentiles(arm.seconds), _percentiles(arm.alone(task.runtime))
     return judge.figures
