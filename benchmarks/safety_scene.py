@@ -16,7 +16,6 @@ from rlbench_pin.environment.actions.safe_arm import LIMIT_MARGIN, Guard, wanted
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.scene.snapshot import WorldSnapshot
-from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray
 
 CONFIG = SafetyConfig(limit_margin=LIMIT_MARGIN)
