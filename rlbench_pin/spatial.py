@@ -7,6 +7,7 @@ Inside the package poses may travel as `pin.SE3`; at public borders they are arr
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -40,12 +41,15 @@ def pose_to_se3(pose: PoseLike) -> pin.SE3:
     p = np.asarray(pose, dtype=float)
     if p.shape != (7,):
         raise InvalidValue("A pose", pose, f"has to have shape (7,), not {p.shape}", "Write [x, y, z, qx, qy, qz, qw].")
-    norm = np.linalg.norm(p[3:])
-    if not 0.0 < norm < np.inf:
+    quaternion = p[3:]
+    norm = math.sqrt(quaternion.dot(quaternion))
+    if norm == 1.0:
+        return pin.XYZQUATToSE3(p)
+    if not 0.0 < norm < math.inf:
         raise InvalidValue(
             "A pose", pose, f"has a quaternion of norm {norm}", "No rotation is [0, 0, 0, 1]; the order is x, y, z, w."
         )
-    return pin.XYZQUATToSE3(np.concatenate([p[:3], p[3:] / norm]))
+    return pin.XYZQUATToSE3(np.concatenate([p[:3], quaternion / norm]))
 
 
 def se3_to_pose(transform: pin.SE3) -> FloatArray:
