@@ -1,4 +1,4 @@
-"""State-only steps in joint velocity control, beside panda-gym. Goal: twice as fast as its reach, 1.5 times as its pick and place.
+"""State-only steps in joint velocity control, beside panda-gym. Goal: twice as fast as its reach, 1.5 times its pick and place.
 
 Compared are simulated seconds per second of processor time, each with its own physics: the notes say what one step simulates.
 """
