@@ -19,9 +19,9 @@ with captured_output():  # pybullet prints a line when it is imported
 
 __all__ = ["PhysicsClient", "bullet", "open_client"]
 
-_SOLVER_ITERATIONS = 50
+_SOLVER_ITERATIONS = 60
 """Most passes over contacts, motors and constraints in one physics step."""
-_RESIDUAL = 1e-6
+_RESIDUAL = 3e-7
 """Square of the largest change of speed in a pass below which a group of things that touch counts as solved [m^2/s^2]."""
 _GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
 

@@ -66,7 +66,7 @@ class PlaceTree:
             return pin.SE3.Identity()
         body, _, link = name.partition("/")
         found = self._find_body(body)
-        return pose_to_se3(found.link_pose(link) if link else found.pose)
+        return found.model.placement(found.model.link_index(link)) if link else found.model.placement()
 
     def _find_body(self, name: str) -> Body:
         try:

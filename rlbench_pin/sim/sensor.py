@@ -11,7 +11,7 @@ from rlbench_pin.robot import geometry
 from rlbench_pin.sim.bodies.body import Body
 from rlbench_pin.sim.checks import finite_vector
 from rlbench_pin.sim.frame import Frame, Places
-from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3
+from rlbench_pin.spatial import FloatArray, PoseLike
 
 Shape = Literal["box", "cylinder", "sphere"]
 
@@ -61,5 +61,5 @@ def volume_meets(volume: object, T_world_volume: object, body: Body) -> bool:
     model = body.model
     parts = geometry.solid_geometry(model.urdf, model.scale)
     return any(
-        geometry.overlaps(volume, T_world_volume, parts[link], pose_to_se3(body.link_pose(link))) for link in model.solid_links()
+        geometry.overlaps(volume, T_world_volume, parts[link], model.placement(model.links[link])) for link in model.solid_links()
     )

@@ -89,10 +89,7 @@ class Link:
     collisions: tuple[Shape, ...] = ()
     friction: float = 0.8
     rolling: float = 0.0
-    """Rolling friction [m]; spinning friction is the same. Two rows of the solver for each contact: only for what rolls."""
-    stays: bool = False
-    """Friction holds it at the very place where it lies: it creeps no more, at no cost. For what lies flat, never for what rolls
-    and never for what something may roll in."""
+    """Rolling friction [m]; spinning friction is the same."""
     center: Vec3 | None = None
     """Centre of mass [m], where it is not that of the parts."""
 
@@ -168,8 +165,7 @@ def _link_lines(link: Link) -> list[str]:
     moments = " ".join(f'{n}="{significant(clean[i, j])}"' for n, i, j in names)
     lines = [f'  <link name="{link.name}">']
     rolling = f'<rolling_friction value="{number(link.rolling)}"/><spinning_friction value="{number(link.rolling)}"/>'
-    more = (rolling if link.rolling else "") + ("<friction_anchor/>" if link.stays else "")
-    lines.append(f'    <contact><lateral_friction value="{number(link.friction)}"/>{more}</contact>')
+    lines.append(f'    <contact><lateral_friction value="{number(link.friction)}"/>{rolling if link.rolling else ""}</contact>')
     lines += ["    <inertial>", f"      {_origin(center, ZERO)}"]
     lines += [f'      <mass value="{significant(link.mass)}"/>', f"      <inertia {moments}/>", "    </inertial>"]
     for i, visual in enumerate(link.visuals):

@@ -64,11 +64,18 @@ class LoadedModel:
         shapes = solid_geometry(self.urdf, self.scale)
         return tuple(name for name in self.links if name in shapes)
 
+    def placement(self, index: int = BASE) -> pin.SE3:
+        """T_world_link of the URDF frame of the link with number `index`."""
+        if index != BASE:
+            state = bullet.getLinkState(self.uid, index, computeForwardKinematics=1, physicsClientId=self.client.id)
+            return pose_to_se3(state[4] + state[5])
+        position, quaternion = bullet.getBasePositionAndOrientation(self.uid, physicsClientId=self.client.id)
+        T_world_com = pose_to_se3(position + quaternion)
+        return T_world_com if self.com_at_base else T_world_com * self.T_base_com.inverse()
+
     def base_pose(self) -> FloatArray:
         """Pose (7,) of the base link frame in the world."""
-        position, quaternion = bullet.getBasePositionAndOrientation(self.uid, physicsClientId=self.client.id)
-        T_world_com = pose_to_se3((*position, *quaternion))
-        return se3_to_pose(T_world_com if self.com_at_base else T_world_com * self.T_base_com.inverse())
+        return se3_to_pose(self.placement())
 
     def set_base_pose(self, pose: PoseLike) -> None:
         """Put the base link frame at a pose (7,)."""
@@ -78,8 +85,7 @@ class LoadedModel:
 
     def link_pose(self, link: str) -> FloatArray:
         """Pose (7,) of a link's URDF frame in the world."""
-        index = self.link_index(link)
-        return self.base_pose() if index == BASE else self.link_pose_at(index)
+        return se3_to_pose(self.placement(self.link_index(link)))
 
     def link_velocity(self, link: str) -> FloatArray:
         """Velocity (6,) of a link's centre of mass, linear [m/s] then angular [rad/s], in world axes."""
@@ -93,8 +99,7 @@ class LoadedModel:
 
     def link_pose_at(self, index: int) -> FloatArray:
         """Pose (7,) of the URDF frame of the link with number `index`, which is not the base."""
-        state = bullet.getLinkState(self.uid, index, computeForwardKinematics=1, physicsClientId=self.client.id)
-        return se3_to_pose(pose_to_se3((*state[4], *state[5])))
+        return se3_to_pose(self.placement(index))
 
 
 def inspect(client: PhysicsClient, uid: int, urdf: Path, scale: float) -> LoadedModel:

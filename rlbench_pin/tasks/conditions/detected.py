@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from rlbench_pin.errors import TaskError
 from rlbench_pin.tasks.conditions.condition import Condition
-from rlbench_pin.tasks.solid import Solid
+from rlbench_pin.tasks.solid import is_solid
 
 if TYPE_CHECKING:
     from rlbench_pin.sim import Body, Frame, Sensor, SimRobot
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 def is_detected(thing: Body | Frame, sensor: Sensor) -> bool:
     """Return whether any part of a body touches the volume, or whether the origin of a frame lies in it."""
-    return sensor.detects(thing.name) if isinstance(thing, Solid) else sensor.contains(thing.position)
+    return sensor.detects(thing.name) if is_solid(thing) else sensor.contains(thing.position)
 
 
 class Detected(Condition):

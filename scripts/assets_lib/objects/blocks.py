@@ -15,7 +15,7 @@ BALLS = (("ball_marker", 0.05), ("ball_marker_60", 0.06))
 def cube(name: str, side: float, mass: float) -> Model:
     """Return a plain cube."""
     shape = box_shape((side, side, side))
-    link = Link(name, mass, (Visual(shape, RED),), (shape,), friction=0.8, stays=True)
+    link = Link(name, mass, (Visual(shape, RED),), (shape,), friction=0.8)
     return Model(name, f"objects/{name}", "centre", (link,), notes=(f"rests with its origin at {side / 2} m",))
 
 

@@ -74,7 +74,7 @@ def _wand() -> Model:
         Visual(mesh_shape("grip", box(GRIP, middle)), RED, crease=0.1),
         Visual(mesh_shape("bands", rings), DARK, crease=0.1),
     )
-    link = Link("buzz_wand", 0.08, visuals, (*_ring_shapes(), box_shape(GRIP, middle)), friction=0.8, stays=True)
+    link = Link("buzz_wand", 0.08, visuals, (*_ring_shapes(), box_shape(GRIP, middle)), friction=0.8)
     notes = (
         f"ring around x, inner diameter {2 * RING_INNER}, outer {2 * RING_OUTER}, {RING_THICK} thick",
         f"grip bar along -y, {GRIP[0]} x {GRIP[2]}, from y = {-GRIP_START} to {-GRIP_START - GRIP[1]}",

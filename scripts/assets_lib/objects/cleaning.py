@@ -35,7 +35,7 @@ def _sponge() -> Model:
         Visual(mesh_shape("pores", merge(pores)), (0.80, 0.62, 0.10)),
         Visual(mesh_shape("scourer", box((x, y, scourer), (0.0, 0.0, (z - scourer) / 2.0))), (0.16, 0.45, 0.20), crease=0.1),
     )
-    link = Link("sponge", 0.04, visuals, (box_shape(SPONGE),), friction=0.8, stays=True)
+    link = Link("sponge", 0.04, visuals, (box_shape(SPONGE),), friction=0.8)
     notes = (f"long side along x; rests with its origin at {z / 2.0} m; grasp across y ({y} wide)",)
     return Model("sponge", "objects/sponge", "centre", (link,), notes=notes)
 
@@ -77,7 +77,7 @@ def _broom() -> Model:
         Visual(mesh_shape("bands", merge(bands)), (0.92, 0.92, 0.90)),
     )
     shapes = (box_shape(HEAD, (0.0, 0.0, z / 2.0)), cylinder_shape(HANDLE_RADIUS, HANDLE, (0.0, 0.0, middle)))
-    link = Link("broom", 0.15, visuals, shapes, friction=0.8, stays=True, center=(0.0, 0.0, 0.06))
+    link = Link("broom", 0.15, visuals, shapes, friction=0.8, center=(0.0, 0.0, 0.06))
     notes = (
         f"head long along y, {y} x {x} x {z}; upright handle, diameter {2 * HANDLE_RADIUS}, from z = {z} to {z + HANDLE}",
         "stands upright in `broom_holder` at the same place, 0.005 higher; leaves it upwards or towards -y",

@@ -59,7 +59,7 @@ def _piece(color: str) -> Model:
     plain, accent = COLORS[color]
     visuals = (Visual(mesh_shape("disc", body), plain, crease=0.5), Visual(mesh_shape("ring", ring), accent, crease=0.5))
     solids = (box_shape((*BAR, THICKNESS)), box_shape((BAR[1], BAR[0], THICKNESS)))
-    link = Link(f"draught_{color}", 0.02, visuals, solids, friction=0.9, stays=True)
+    link = Link(f"draught_{color}", 0.02, visuals, solids, friction=0.9)
     notes = (
         f"diameter {2 * RADIUS}, {THICKNESS} thick; rests with its origin at {THICKNESS / 2.0} m",
         "two crossed boxes to what touches it, which rest on a board without rocking",

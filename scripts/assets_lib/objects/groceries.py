@@ -96,8 +96,7 @@ MUSTARD_SIZE = (0.06, 0.05, 0.15)
 
 
 def _model(name: str, height: float, mass: float, visuals: tuple[Visual, ...], solid: tuple[Shape, ...], note: str) -> Model:
-    rolls = solid[0].kind == "cylinder"
-    link = Link(name, mass, visuals, solid, friction=0.9, rolling=0.0005 if rolls else 0.0, stays=not rolls)
+    link = Link(name, mass, visuals, solid, friction=0.9, rolling=0.0005 if solid[0].kind == "cylinder" else 0.0)
     notes = (f"rests with its origin at {height / 2.0} m; {note}",)
     return Model(name, f"objects/{name}", "centre", (link,), notes=notes)
 

@@ -44,7 +44,7 @@ def _stick() -> Model:
         Visual(mesh_shape("stripes", merge(stripes)), (0.80, 0.12, 0.10)),
     )
     shapes = (cylinder_shape(SHAFT_RADIUS, length, _on_shaft(middle), tilt), blade)
-    link = Link("hockey_stick", 0.2, visuals, shapes, friction=0.8, stays=True)
+    link = Link("hockey_stick", 0.2, visuals, shapes, friction=0.8)
     notes = (
         f"shaft from the grip downwards along +x, slanted by {SLANT} rad, diameter {2 * SHAFT_RADIUS}",
         f"blade at x = {BLADE_X}, its faces towards +-y",

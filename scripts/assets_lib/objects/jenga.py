@@ -43,7 +43,7 @@ def _model(name: str, height: float, color: tuple[float, float, float]) -> Model
         Visual(mesh_shape(name, _brick(height)), color),
         Visual(mesh_shape(f"{name}_rings", _end_rings(height)), (0.55, 0.38, 0.22)),
     )
-    link = Link("brick", 0.02, visuals, (box_shape((LENGTH, WIDTH, height)),), friction=0.4, stays=True)
+    link = Link("brick", 0.02, visuals, (box_shape((LENGTH, WIDTH, height)),), friction=0.4)
     notes = (f"{LENGTH} x {WIDTH} x {height} along x, y, z",)
     return Model(name, f"objects/{name}", "centre", (link,), notes=notes)
 

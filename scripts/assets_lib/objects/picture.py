@@ -86,7 +86,7 @@ def _frame() -> Model:
         "picture_frame",
         "objects/picture_frame",
         "centre",
-        (Link("frame", 0.15, visuals, shapes, stays=True, center=(0.0, 0.0, 0.0)),),
+        (Link("frame", 0.15, visuals, shapes, center=(0.0, 0.0, 0.0)),),
         notes=notes,
     )
 

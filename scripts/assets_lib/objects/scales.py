@@ -114,7 +114,7 @@ def _pepper(color: str) -> Model:
         cylinder_shape(PEPPER_RADIUS, 0.040, (0.0, 0.0, 0.002)),
         sphere_shape(0.005, (0.002, 0.0, 0.035)),
     )
-    link = Link(name, 0.15, visuals, collisions, friction=1.0, stays=True, center=(0.0, 0.0, -0.005))
+    link = Link(name, 0.15, visuals, collisions, friction=1.0, center=(0.0, 0.0, -0.005))
     notes = (
         f"rests with its origin at {-PEPPER_LOW} m; {2 * PEPPER_RADIUS} wide, top of the stem at z = 0.040; grasp at z = 0.012",
     )

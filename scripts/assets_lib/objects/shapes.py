@@ -130,8 +130,7 @@ def _solid(name: str, height: float) -> tuple[Mesh, tuple[Shape, ...]]:
 
 def _shape(name: str, height: float, prefix: str) -> Model:
     seen, parts = _solid(name, height)
-    visual = Visual(mesh_shape(f"{prefix}_{name}", seen), BLUE, crease=0.5)
-    link = Link(f"{prefix}_{name}", 0.04, (visual,), parts, friction=0.9, stays=True)
+    link = Link(f"{prefix}_{name}", 0.04, (Visual(mesh_shape(f"{prefix}_{name}", seen), BLUE, crease=0.5),), parts, friction=0.9)
     notes = [
         f"{height} high; rests with its origin at {height / 2.0} m; matches the hole `{name}` of `shape_sorter` at equal yaw"
     ]

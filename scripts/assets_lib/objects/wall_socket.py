@@ -99,7 +99,7 @@ def _charger() -> Model:
     )
     turned = (0.0, float(np.pi) / 2.0, 0.0)
     solid = [cylinder_shape(PIN_RADIUS, PIN_LENGTH, (x + PIN_LENGTH / 2.0, y, z), turned) for x, y, z in pins]
-    link = Link("charger", 0.08, visuals, (box_shape(BODY), *solid), friction=0.9, stays=True)
+    link = Link("charger", 0.08, visuals, (box_shape(BODY), *solid), friction=0.9)
     notes = (
         f"two pins along +x at y = +-{PITCH / 2.0}, diameter {2 * PIN_RADIUS}, to x = {BODY[0] / 2.0 + PIN_LENGTH:.3f}",
         f"rests with its origin at {BODY[2] / 2.0} m; grasp it across y ({BODY[1]})",
