@@ -100,4 +100,4 @@ class PourFromCupToCup(Task):
         rotation = np.array([[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]])
         for drop, place in zip(self.drops, 1e-3 * np.array(PLACES) @ rotation.T, strict=True):
             pose = (*place.tolist(), 0.0, 0.0, 0.0, 1.0)
-            self.world.add_body(drop, BodySpec(name=drop, asset=DROP, parent="source", pose=pose, spin_damping=20.0))
+            self.world.add_body(drop, BodySpec(name=drop, asset=DROP, parent="source", pose=pose, spin_damping=5.0))
