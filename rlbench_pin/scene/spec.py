@@ -73,9 +73,6 @@ class BodySpec(PosedSpec):
     """Overrides every visual colour: red, green, blue, and perhaps opacity."""
     scale: Number = Field(default=1.0, ge=1e-4, le=100.0)
     """Uniform scale of the asset."""
-    spin_damping: Number | None = Field(default=None, ge=0.0, le=100.0)
-    """How fast its turning dies away, as a share of the speed per time [1/s]; brings balls to rest that have no rolling friction,
-    which costs two rows of the solver per contact. None leaves it to the simulator: 0.04."""
 
 
 class SpringSpec(Spec):

@@ -13,7 +13,7 @@ from rlbench_pin.scene.model_files import resolve_asset
 from rlbench_pin.scene.snapshot import ROOM
 from rlbench_pin.scene.spec import BodySpec
 from rlbench_pin.sim.bodies.body import Body, OnMove
-from rlbench_pin.sim.bodies.model import BASE, LoadedModel, inspect
+from rlbench_pin.sim.bodies.model import LoadedModel, inspect
 from rlbench_pin.sim.bodies.room import RoomBody
 from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.spatial import IDENTITY
@@ -50,8 +50,6 @@ def load_body(client: PhysicsClient, spec: BodySpec, scene_file: str, on_move: O
     urdf = resolve_asset(Path(scene_file), spec.asset)
     uid = client.load(urdf, f"body '{spec.name}'", IDENTITY, spec.fixed, spec.scale)
     body = Body(spec.name, inspect(client, uid, urdf, spec.scale), fixed=spec.fixed, collides=spec.collides, on_move=on_move)
-    if spec.spin_damping is not None:
-        client.change(bullet.changeDynamics, uid, BASE, angularDamping=spec.spin_damping)
     if spec.color is not None:
         body.set_color(spec.color)
     return body

@@ -6,31 +6,13 @@ import numpy as np
 
 from rlbench_pin.tasks import COLORS, BodySpec, Detected, SpawnBoundary, Task, distractor_colors, free_direction
 
-PLACES = (
-    (-0.62, 1.10, 9.99),
-    (0.10, -11.33, 9.99),
-    (9.60, -3.85, 9.99),
-    (8.62, 6.08, 9.99),
-    (-0.03, 11.08, 9.99),
-    (-9.58, 5.53, 9.99),
-    (-8.06, -5.57, 9.99),
-    (6.96, -18.59, 9.99),
-    (15.16, -12.89, 9.99),
-    (19.58, -3.94, 9.99),
-    (19.11, 6.04, 9.99),
-    (13.90, 14.57, 9.99),
-    (5.25, 19.56, 9.99),
-    (-5.67, 19.32, 9.99),
-    (-14.32, 14.32, 9.99),
-    (-19.56, 5.24, 9.99),
-    (-19.57, -4.74, 9.99),
-    (-14.79, -13.51, 9.99),
-    (-6.39, -18.92, 9.99),
-    (2.76, -4.94, 17.19),
+RINGS = (
+    (0.0, 0.0100, (0,)),
+    (0.0101, 0.0100, (-108, -44, 16, 75, 135, 194)),
+    (0.0196, 0.0100, tuple(range(-93, 267, 30))),
+    (0.0059, 0.0180, (-77,)),
 )
-"""Where twenty drops lie still in a cup, one of them on top of the others, in its own frame [mm]; also turned by one of its
-twelve walls."""
-DROP = "objects/drop/drop.urdf"
+"""Where twenty drops come to rest in a cup: distance from its axis and height [m], directions [degrees]."""
 TURNS = (
     ((0.4, 0.55, 0.7, 0.25, 0.85), (0.9, 0.75, 0.6, 1.05)),
     ((-0.4, -0.55, -0.7, -0.25, -0.85), (-0.3, -0.45, -0.6)),
@@ -51,7 +33,7 @@ class PourFromCupToCup(Task):
         self.others = [self.world.body(f"distractor{i}") for i in range(3)]
         self.cups = [self.source, self.target, *self.others]
         self.boundary = SpawnBoundary([self.world.region("patch")])
-        self.drops = [f"drop{i}" for i in range(len(PLACES))]
+        self.drops = [f"drop{i}" for i in range(sum(len(directions) for _, _, directions in RINGS))]
         self.register_graspable_objects(["source"])
 
     def variation_count(self) -> int:
@@ -96,8 +78,9 @@ class PourFromCupToCup(Task):
 
     def _fill(self, rng: np.random.Generator) -> None:
         """Create the drops in the source cup: a layer that fills its floor, one on top, turned at random."""
-        turn = float(rng.integers(12)) * np.pi / 6.0
-        rotation = np.array([[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]])
-        for drop, place in zip(self.drops, 1e-3 * np.array(PLACES) @ rotation.T, strict=True):
-            pose = (*place.tolist(), 0.0, 0.0, 0.0, 1.0)
-            self.world.add_body(drop, BodySpec(name=drop, asset=DROP, parent="source", pose=pose, spin_damping=5.0))
+        turn, places = rng.uniform(0.0, 2.0 * np.pi), []
+        for radius, height, directions in RINGS:
+            places += [(float(radius * np.cos(a)), float(radius * np.sin(a)), height) for a in turn + np.radians(directions)]
+        for drop, place in zip(self.drops, places, strict=True):
+            pose = (*place, 0.0, 0.0, 0.0, 1.0)
+            self.world.add_body(drop, BodySpec(name=drop, asset="objects/drop/drop.urdf", parent="source", pose=pose))
