@@ -19,7 +19,7 @@ import numpy as np
 from harness import Result
 from safety_report import report
 from safety_scene import CONFIG, SLACK, Figures, measure_scene, merged
-from safety_shards import HOLDS, Shard, plan, read, run
+from safety_shards import SHARES, Shard, plan, read, run
 
 from rlbench_pin.tasks import task_names
 
@@ -58,7 +58,7 @@ def main() -> None:
 def _write(shards: Sequence[Shard], folder: Path, out: Path) -> None:
     """Write what there is."""
     found = [(shard, figures) for shard in shards if (figures := read(shard, folder)) is not None]
-    scenes: dict[int, dict[str, Figures]] = {hold: {} for hold in HOLDS}
+    scenes: dict[int, dict[str, Figures]] = {hold: {} for hold in SHARES}
     for hold, name in dict.fromkeys((shard.hold, shard.task) for shard, _ in found):
         scenes[hold][name] = merged([figures for shard, figures in found if (shard.hold, shard.task) == (hold, name)])
     content = {
@@ -66,7 +66,7 @@ def _write(shards: Sequence[Shard], folder: Path, out: Path) -> None:
         "self_margin_m": CONFIG.self_margin,
         "slack_m": SLACK,
         "shards": [len(found), len(shards)],
-        "held": {str(hold): {name: asdict(scene) for name, scene in sorted(scenes[hold].items())} for hold in HOLDS},
+        "held": {str(hold): {name: asdict(scene) for name, scene in sorted(scenes[hold].items())} for hold in SHARES},
     }
     out.mkdir(parents=True, exist_ok=True)
     (out / "safety.json").write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")

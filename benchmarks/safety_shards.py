@@ -19,8 +19,8 @@ from rlbench_pin.environment.actions.safe_arm import ACCELERATION_SHARE, SHARE
 
 EPISODES = 10
 """Episodes of a piece."""
-HOLDS = (1, 6, 12)
-"""Ticks for which the policies keep an action."""
+SHARES = {1: 0.95, 6: 0.034, 12: 0.017}
+"""Ticks for which an action is kept -> share of the actions: kept ones take longer, and each kind gets about 200,000 ticks in a million actions."""
 SETTINGS = {"episode_ticks": EPISODE, "episodes": EPISODES, "shares": [SHARE, ACCELERATION_SHARE], **asdict(CONFIG)}
 """What has to be the same for pieces of one run."""
 
@@ -44,10 +44,10 @@ class Shard:
 
 
 def plan(actions: int, tasks: Sequence[str]) -> list[Shard]:
-    """Return the pieces of a run of at least so many actions: every task, every holding, the same simulated time for each."""
-    ticks = actions / sum(1.0 / hold for hold in HOLDS) / len(tasks)
-    numbers = range(int(np.ceil(ticks / (EPISODES * EPISODE))))
-    return [Shard(task, hold, number) for number in numbers for hold in HOLDS for task in tasks]
+    """Return the pieces of a run of at least so many actions: every task, and every holding by its share; one of each first."""
+    pieces = {hold: int(np.ceil(actions * share * hold / len(tasks) / (EPISODES * EPISODE))) for hold, share in SHARES.items()}
+    numbers = range(max(pieces.values()))
+    return [Shard(task, hold, n) for n in numbers for hold, count in pieces.items() if n < count for task in tasks]
 
 
 def read(shard: Shard, folder: Path) -> Figures | None:
