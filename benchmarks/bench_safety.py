@@ -1,7 +1,7 @@
 """Random joint velocities of full range through the safety filter, in simulated task scenes: what is violated, and what it costs.
 
 Usage: python benchmarks/bench_safety.py [--actions 1000000] [--workers 2] [--tasks NAME ...] [--shards DIR] [--out docs/results]
-Actions are kept for 1, 6 and 12 ticks, for the same simulated time each. Every tick is measured: joint positions, velocities and
+Actions are kept for 1 tick, and some for 6 or 12. Every tick is measured: joint positions, velocities and
 accelerations against their limits, contacts of the arm in the simulator, and the smallest distances to the world and within the
 arm, each against its own margin. Finished pieces are kept in the folder of shards; the same command goes on where it was stopped.
 At the end it writes safety.json and safety.md; `--report` writes them from the pieces that there are.

@@ -20,7 +20,7 @@ from rlbench_pin.environment.actions.safe_arm import ACCELERATION_SHARE, SHARE
 EPISODES = 10
 """Episodes of a piece."""
 SHARES = {1: 0.95, 6: 0.034, 12: 0.017}
-"""Ticks for which an action is kept -> share of the actions: kept ones take longer, and each kind gets about 200,000 ticks in a million actions."""
+"""Ticks for which an action is kept -> share of the actions. Those kept take about 200,000 ticks each in a million actions."""
 SETTINGS = {"episode_ticks": EPISODE, "episodes": EPISODES, "shares": [SHARE, ACCELERATION_SHARE], **asdict(CONFIG)}
 """What has to be the same for pieces of one run."""
 
