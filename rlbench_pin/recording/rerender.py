@@ -15,9 +15,9 @@ from rlbench_pin.datasets.trust import check_inside, is_whole, parse_json, short
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 from rlbench_pin.recording.config import PictureConfig, WorkItem
 from rlbench_pin.recording.engines import Engine
-from rlbench_pin.recording.record import OnProgress, RecordReport, run_items
+from rlbench_pin.recording.record import OnProgress, RecordReport, check_work, run_items
 from rlbench_pin.tasks import OwnTasks, Task, keep_tasks, stored_task, task_class, task_digest, task_origin, task_reference
-from rlbench_pin.values import as_path
+from rlbench_pin.values import as_path, as_record
 
 SEEDS_FORMAT = "rlbench_pin.seeds"
 VERSION = 1
@@ -118,6 +118,8 @@ def rerender(
         DatasetError: The source cannot be used, or `out` is the source.
     """
     source, out = as_path(source, "source"), as_path(out, "out")
+    as_record(pictures, PictureConfig, "pictures")
+    check_work(engine, on_progress, stop, trust_task_files)
     if source.is_dir() and source.resolve() == out.resolve():
         raise DatasetConflict(f"'{out}' is the dataset to be rerendered. Choose another folder for the result.")
     items = _items(source, tasks)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sized
 
 from rlbench_pin.tasks.conditions.condition import Condition
+from rlbench_pin.values import as_record
 
 
 class ListEmpty(Condition):
@@ -15,7 +16,7 @@ class ListEmpty(Condition):
     """
 
     def __init__(self, items: Sized) -> None:
-        self.items = items
+        self.items = as_record(items, Sized, "items")
 
     def met(self) -> bool:
         """Return whether the list is empty now."""
