@@ -17,6 +17,8 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_array, as_finite, as_vector
 
 _FLOAT = np.dtype(float)
+LARGEST = 1e100
+"""The square of a larger unknown is infinite, or nearly so."""
 _BOUNDS = ("lower", "upper", "x_lower", "x_upper")
 
 
@@ -64,12 +66,12 @@ class QuadraticProgram:
 
     def cost(self, x: FloatArray) -> float:
         """Return the objective at `x`."""
-        x = as_vector(x, len(self.q), "x")
+        x = as_vector(x, len(self.q), "x", most=LARGEST)
         return float(0.5 * x @ self.P @ x + self.q @ x)
 
     def violation(self, x: FloatArray) -> float:
         """Return by how much `x` breaks the worst constraint; 0 when it keeps all."""
-        x = as_vector(x, len(self.q), "x")
+        x = as_vector(x, len(self.q), "x", most=LARGEST)
         rows = self.A @ x
         parts = (self.lower - rows, rows - self.upper, self.x_lower - x, x - self.x_upper)
         return max(0.0, *(float(part.max()) for part in parts if part.size))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sized
 
+from rlbench_pin.errors import InvalidValue
 from rlbench_pin.tasks.conditions.condition import Condition
-from rlbench_pin.values import as_record
 
 
 class ListEmpty(Condition):
@@ -16,7 +16,11 @@ class ListEmpty(Condition):
     """
 
     def __init__(self, items: Sized) -> None:
-        self.items = as_record(items, Sized, "items")
+        try:
+            len(items)
+        except Exception as error:  # of whatever it is
+            raise InvalidValue("items", items, "has to be a list, or something else that has a length") from error
+        self.items = items
 
     def met(self) -> bool:
         """Return whether the list is empty now."""
