@@ -98,6 +98,7 @@ def record(
         UnknownName: A task does not exist.
     """
     root, config = as_path(root, "root"), as_record(config, RecordConfig, "config")
+    as_flag(resume, "resume")
     check_work(engine, on_progress, stop, trust_task_files)
     tasks = chosen_tasks_of(root, config.tasks, trust_task_files)
     references = {task_reference(task) if is_task_file(task) else word: task for word, task in tasks.items()}

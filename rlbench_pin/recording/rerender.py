@@ -119,11 +119,12 @@ def rerender(
     """
     source, out = as_path(source, "source"), as_path(out, "out")
     as_record(pictures, PictureConfig, "pictures")
+    own = {} if own is None else as_record(own, Mapping, "own")
     check_work(engine, on_progress, stop, trust_task_files)
     if source.is_dir() and source.resolve() == out.resolve():
         raise DatasetConflict(f"'{out}' is the dataset to be rerendered. Choose another folder for the result.")
     items = _items(source, tasks)
-    classes = _classes(source, sorted({item.task for item in items}), own or {}, trust_task_files)
+    classes = _classes(source, sorted({item.task for item in items}), own, trust_task_files)
     with hold(out):
         remove_leftovers(out)
         keep_tasks(out, classes.values())

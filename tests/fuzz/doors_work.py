@@ -145,7 +145,7 @@ def begun(env: object) -> str:
     """Begin an episode of an environment, or of each in a suite, and close them; say what is wrong."""
     environments = [e for suite in env.values() for e in suite.values()] if isinstance(env, dict) else [env]
     try:
-        for one in environments[:1]:
+        for one in [one for one in environments if not isinstance(one, gym.LazyAsyncVectorEnv)][:1]:  # no processes
             one.reset(seed=1)
     except Exception as error:  # whatever a wrong setting leads to
         return f"is made, and then {type(error).__name__}"
