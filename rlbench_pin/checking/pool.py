@@ -19,7 +19,6 @@ from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.processes import deaf_to_interrupts
 from rlbench_pin.values import as_function, as_record, as_several, as_whole
 
-
 MOST_WORKERS = 1024
 
 

@@ -17,7 +17,7 @@ from rlbench_pin.recording.config import PictureConfig, WorkItem
 from rlbench_pin.recording.engines import Engine
 from rlbench_pin.recording.record import OnProgress, RecordReport, check_work, run_items
 from rlbench_pin.tasks import OwnTasks, Task, keep_tasks, stored_task, task_class, task_digest, task_origin, task_reference
-from rlbench_pin.values import as_path, as_record
+from rlbench_pin.values import as_path, as_record, as_several
 
 SEEDS_FORMAT = "rlbench_pin.seeds"
 VERSION = 1
@@ -61,6 +61,7 @@ def seeds_of(root: Path, tasks: Sequence[str] = ()) -> list[EpisodeSeed]:
 
 def write_seeds(path: Path, seeds: Sequence[EpisodeSeed]) -> Path:
     """Write a list of seeds, some forty bytes an episode instead of megabytes."""
+    seeds = [as_record(seed, EpisodeSeed, "an entry of seeds") for seed in as_several(seeds, "seeds")]
     content = {"format": SEEDS_FORMAT, "version": VERSION, "episodes": [asdict(seed) for seed in seeds]}
     return write_whole(as_path(path, "path"), (json.dumps(content, indent=1) + "\n").encode())
 

@@ -1,4 +1,4 @@
-"""What conditions look at, as far as they use it. A wrong thing is refused when a condition is made, not when it is first asked."""
+"""What conditions look at, as far as they use it. A wrong thing is refused when a condition is made, not when it is asked."""
 
 from __future__ import annotations
 
