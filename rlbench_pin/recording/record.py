@@ -112,7 +112,7 @@ def record(
 def check_work(engine: Engine | None, on_progress: OnProgress | None, stop: threading.Event | None, trust: bool) -> None:
     """Raise InvalidValue for what cannot do work, be told of it, or end it, before a folder is touched."""
     if engine is not None:
-        as_record(engine, Engine, "engine")
+        as_record(engine, Engine, "engine")  # type: ignore[type-abstract]
     if stop is not None:
         as_record(stop, threading.Event, "stop")
     as_function(on_progress, "on_progress")

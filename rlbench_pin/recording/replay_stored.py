@@ -45,7 +45,7 @@ def replay_stored(
         DemoError: An episode holds no joint-position actions.
     """
     chosen = [as_path(path, "an entry of paths") for path in as_several(paths, "paths")]
-    tasks = {} if own is None else as_record(own, Mapping, "own")
+    tasks = {} if own is None else as_record(own, Mapping, "own")  # type: ignore[type-abstract]
     return _replayed(chosen, tasks, as_flag(trust_task_files, "trust_task_files"))
 
 

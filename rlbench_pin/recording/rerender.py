@@ -106,7 +106,7 @@ def rerender(
     Args:
         source: Folder of the dataset (its manifests are enough), or a file with a list of seeds.
         out: Folder of the new dataset.
-        pictures: What the new episodes hold.
+        pictures: What they hold.
         tasks: Only these; all when none is named.
         engine: Who does the work; one process when None.
         on_progress: Called with the report so far.
@@ -120,16 +120,20 @@ def rerender(
     """
     source, out = as_path(source, "source"), as_path(out, "out")
     as_record(pictures, PictureConfig, "pictures")
-    own = {} if own is None else as_record(own, Mapping, "own")
+    own = {} if own is None else as_record(own, Mapping, "own")  # type: ignore[type-abstract]
     check_work(engine, on_progress, stop, trust_task_files)
-    if source.is_dir() and source.resolve() == out.resolve():
-        raise DatasetConflict(f"'{out}' is the dataset to be rerendered. Choose another folder for the result.")
+    _check_apart(source, out)
     items = _items(source, tasks)
     classes = _classes(source, sorted({item.task for item in items}), own, trust_task_files)
     with hold(out):
         remove_leftovers(out)
         keep_tasks(out, classes.values())
         return run_items(pictures, _with_tasks(items, classes), out, engine=engine, on_progress=on_progress, stop=stop)
+
+
+def _check_apart(source: Path, out: Path) -> None:
+    if source.is_dir() and source.resolve() == out.resolve():
+        raise DatasetConflict(f"'{out}' is the dataset to be rerendered. Choose another folder for the result.")
 
 
 def _classes(source: Path, names: Sequence[str], own: OwnTasks, trust_task_files: bool) -> dict[str, type[Task]]:
