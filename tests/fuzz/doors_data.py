@@ -104,6 +104,20 @@ def special_samples(folder: Path, task: TaskEnvironment, numbers: Iterator[int],
         "stored_demos.random_selection": False,
         "load_task_file.path": library / "reach_target.py",
         "ObservationConfig.camera.name": "front",
+    }
+    special |= {
+        "ObservationConfig.add_camera.name": Fresh(lambda: f"extra{next(numbers)}"),
+        "ObservationConfig.add_camera.camera": extra,
+    }
+    special |= {f"{name}.task": kind for name in ("keep_task", "task_digest", "task_reference", "task_scene")}
+    special |= {f"{name}.task": task for name in ("Film", "convert_by_playing", "replay_demo", "verify")}
+    special |= {"keep_tasks.tasks": [kind], "keep_tasks.root": new, "keep_task.root": new}
+    return special | more_samples(library, new, first)
+
+
+def more_samples(library: Path, new: Fresh, first: Path) -> dict[str, object]:
+    """Return those of doors that read and write single files, draw colours, or turn poses."""
+    return {
         "counted_demo.path": first,
         "counted_demo.fields": ["front_rgb"],
         "replay_stored.paths": [first],
@@ -127,13 +141,6 @@ def special_samples(folder: Path, task: TaskEnvironment, numbers: Iterator[int],
         "Episode.shape.field": "joint_positions",
         "TaskEnvironment.set_variation.v": 0,
     }
-    special |= {
-        "ObservationConfig.add_camera.name": Fresh(lambda: f"extra{next(numbers)}"),
-        "ObservationConfig.add_camera.camera": extra,
-    }
-    special |= {f"{name}.task": kind for name in ("keep_task", "task_digest", "task_reference", "task_scene")}
-    special |= {f"{name}.task": task for name in ("Film", "convert_by_playing", "replay_demo", "verify")}
-    return special | {"keep_tasks.tasks": [kind], "keep_tasks.root": new, "keep_task.root": new}
 
 
 def _public(module: ModuleType, good: dict[str, object]) -> Iterator[Door]:
