@@ -118,13 +118,11 @@ def rerender(
         UntrustedTaskFile: A task is code that came with the dataset, and nobody said that it may be run.
         DatasetError: The source cannot be used, or `out` is the source.
     """
-    source, out = as_path(source, "source"), as_path(out, "out")
-    as_record(pictures, PictureConfig, "pictures")
+    source, out, _ = as_path(source, "source"), as_path(out, "out"), as_record(pictures, PictureConfig, "pictures")
     own = {} if own is None else as_record(own, Mapping, "own")  # type: ignore[type-abstract]
     check_work(engine, on_progress, stop, trust_task_files)
     _check_apart(source, out)
-    items = _items(source, tasks)
-    classes = _classes(source, sorted({item.task for item in items}), own, trust_task_files)
+    classes = _classes(source, sorted({item.task for item in (items := _items(source, tasks))}), own, trust_task_files)
     with hold(out):
         remove_leftovers(out)
         keep_tasks(out, classes.values())
