@@ -109,20 +109,20 @@ def rerender(
         pictures: What they hold.
         tasks: Only these; all when none is named.
         engine: Who does the work; one process when None.
-        on_progress: Called with the report so far.
-        stop: When set, nothing more is begun.
-        own: Tasks that the user named files of, by task name; they go before all others.
+        on_progress, stop: As for `record`.
+        own: Tasks that the user named files of, by name; they go before all others.
         trust_task_files: Whether task files that the dataset keeps may be run.
 
     Raises:
         UntrustedTaskFile: A task is code that came with the dataset, and nobody said that it may be run.
-        DatasetError: The source cannot be used, or `out` is the source.
+        DatasetError: The source cannot be used, or is `out`.
     """
     source, out, _ = as_path(source, "source"), as_path(out, "out"), as_record(pictures, PictureConfig, "pictures")
     own = {} if own is None else as_record(own, Mapping, "own")  # type: ignore[type-abstract]
     check_work(engine, on_progress, stop, trust_task_files)
     _check_apart(source, out)
-    classes = _classes(source, sorted({item.task for item in (items := _items(source, tasks))}), own, trust_task_files)
+    items = _items(source, tasks)
+    classes = _classes(source, sorted({item.task for item in items}), own, trust_task_files)
     with hold(out):
         remove_leftovers(out)
         keep_tasks(out, classes.values())
