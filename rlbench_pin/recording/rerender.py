@@ -109,7 +109,8 @@ def rerender(
         pictures: What they hold.
         tasks: Only these; all when none is named.
         engine: Who does the work; one process when None.
-        on_progress, stop: As for `record`.
+        on_progress: As for `record`.
+        stop: As for `record`.
         own: Tasks that the user named files of, by name; they go before all others.
         trust_task_files: Whether task files that the dataset keeps may be run.
 
