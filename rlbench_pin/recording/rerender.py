@@ -119,7 +119,6 @@ def rerender(
         DatasetError: The source cannot be used, or is `out`.
     """
     source, out, _ = as_path(source, "source"), as_path(out, "out"), as_record(pictures, PictureConfig, "pictures")
-    own = {} if own is None else as_record(own, Mapping, "own")  # type: ignore[type-abstract]
     check_work(engine, on_progress, stop, trust_task_files)
     _check_apart(source, out)
     items = _items(source, tasks)
@@ -135,8 +134,9 @@ def _check_apart(source: Path, out: Path) -> None:
         raise DatasetConflict(f"'{out}' is the dataset to be rerendered. Choose another folder for the result.")
 
 
-def _classes(source: Path, names: Sequence[str], own: OwnTasks, trust_task_files: bool) -> dict[str, type[Task]]:
+def _classes(source: Path, names: Sequence[str], own: OwnTasks | None, trust_task_files: bool) -> dict[str, type[Task]]:
     """Return the tasks that are the user's own, kept by the dataset, or of other packages; workers find the others by name."""
+    own = {} if own is None else as_record(own, Mapping, "own")  # type: ignore[type-abstract]
     found = {name: own[name] for name in names if name in own}
     for name in names:
         if name not in own and source.is_dir() and kept_task(source, name) is not None:
