@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
+from rlbench_pin.datasets.storage import storing
 from rlbench_pin.environment.listener import Listener
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import PlanningError
@@ -16,6 +17,7 @@ from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.sim import CameraView, World
 from rlbench_pin.tasks import find_task
+from rlbench_pin.values import as_path
 
 
 def explain_failure(task: str, seed: int, variation: int, picture: Path | None = None, attempt: int = 0) -> list[str]:
@@ -27,7 +29,11 @@ def explain_failure(task: str, seed: int, variation: int, picture: Path | None =
         variation: Its variation.
         picture: PNG file of the world at the failure; None for none.
         attempt: Which try of the seed.
+
+    Raises:
+        StorageError: The picture cannot be written.
     """
+    picture = None if picture is None else as_path(picture, "picture")
     with make_environment(low_dim_config()) as environment:
         task_environment = environment.get_task(find_task(task))
         failures = _Failures()
@@ -39,8 +45,9 @@ def explain_failure(task: str, seed: int, variation: int, picture: Path | None =
         lines = [f"{head}: {outcome.cause}", f"  waypoint: {outcome.leg}"]
         lines += [line for error in failures.since_success for line in evidence_lines(error)]
         if picture is not None:
-            picture.parent.mkdir(parents=True, exist_ok=True)
-            Image.fromarray(_look(task_environment.world)).save(picture)
+            with storing(picture):
+                picture.parent.mkdir(parents=True, exist_ok=True)
+                Image.fromarray(_look(task_environment.world)).save(picture, "PNG")
             lines.append(f"  picture: {picture}")
         return lines
 

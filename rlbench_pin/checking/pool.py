@@ -17,6 +17,9 @@ from rlbench_pin.checking.records import Trial
 from rlbench_pin.checking.trials import Item, work
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.processes import deaf_to_interrupts
+from rlbench_pin.values import as_function, as_record, as_several, as_whole
+
+MOST_WORKERS = 1024
 
 
 @dataclass(frozen=True)
@@ -45,8 +48,13 @@ def run_trials(
         on_progress: Called once before the work begins, and after each item.
 
     Raises:
+        InvalidValue: An argument is not what it has to be; nothing was done.
         RlbenchPinError: A worker died.
     """
+    items = [as_record(item, Item, "an entry of items") for item in as_several(items, "items")]
+    workers = as_whole(workers, "workers", least=1, most=MOST_WORKERS)
+    as_record(journal, TrialJournal, "journal")
+    as_function(on_progress, "on_progress")
     trials: list[Trial] = []
     todo = []
     for item in items:

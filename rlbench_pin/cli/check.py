@@ -105,9 +105,7 @@ class Check(arguments.Check):
         for f in report.failures:
             if f.part == "demos":
                 picture = (self.out or Path("out")) / "explain" / f"{report.task}_{f.seed}_{f.attempt}.png"
-                with storing(picture):
-                    lines = explain_failure(task, f.seed, f.variation, picture, attempt=f.attempt)
-                print("\n".join(lines))
+                print("\n".join(explain_failure(task, f.seed, f.variation, picture, attempt=f.attempt)))
 
 
 def _report(name: str, task: str, trials: Sequence[Trial]) -> TaskReport:

@@ -13,9 +13,11 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
+from rlbench_pin.control.checks import as_state
 from rlbench_pin.control.differential_ik import DifferentialIKConfig, Target, TipController
 from rlbench_pin.control.qp.osqp_solver import OsqpSolver
 from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram, empty_rows
+from rlbench_pin.errors import InvalidValue
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
@@ -40,6 +42,9 @@ class DifferentialIKQP(TipController):
 
     def problem(self, q: FloatArray, v: FloatArray, target: Target) -> QuadraticProgram:
         """Return the program whose solution is the displacement (n,), [rad], of the next tick."""
+        q, v = as_state(q, v, self.model.size)
+        if not callable(target):
+            raise InvalidValue("target", target, "has to be a function: placement of the tip -> goal and longest step")
         now = self.model.tip_se3(q)
         goal, step = target(now)
         jacobian = self.model.jacobian(q)

@@ -9,8 +9,10 @@ from rlbench_pin.environment.actions.gripper import Discrete
 from rlbench_pin.environment.actions.joint import JointPosition
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.observations.config import ObservationConfig
+from rlbench_pin.errors import InvalidCamera
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.sim import RendererName
+from rlbench_pin.values import as_names
 
 
 def low_dim_config() -> ObservationConfig:
@@ -32,8 +34,8 @@ def picture_config(
     Point clouds are left out: they follow from depth and the camera matrices in `misc`.
     """
     config = low_dim_config()
-    for name in cameras:
-        camera = config.cameras()[name]
+    for name in as_names(cameras, "cameras", InvalidCamera):
+        camera = config.camera(name)
         camera.rgb, camera.depth, camera.mask, camera.image_size = True, depth, mask, image_size
     return config
 

@@ -28,7 +28,7 @@ from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.sim import World
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Waypoint
-from rlbench_pin.values import as_names
+from rlbench_pin.values import as_names, as_record, as_seed, as_whole
 
 TOUCH = 0.001
 """Pairs nearer than this at the start of a leg do not count as clearance [m]."""
@@ -109,7 +109,10 @@ def record_legs(task: TaskEnvironment, seed: int, most: int | None = None) -> li
 
     Raises:
         DemoError: The demonstration failed.
+        InvalidValue: The seed is none, or `most` no whole number from 1 on.
     """
+    as_record(task, TaskEnvironment, "task")
+    seed, most = as_seed(seed), None if most is None else as_whole(most, "most", least=1)
     task.reset(seed=seed)
     recorder = LegRecorder(task)
     with task.runtime.listening(recorder):
@@ -128,11 +131,16 @@ def chosen_controllers(names: Collection[str]) -> tuple[str, ...]:
     Raises:
         UnknownName: One of them does not exist.
     """
+    return known_controllers(names) or tuple(FOLLOWERS)
+
+
+def known_controllers(names: Collection[str]) -> tuple[str, ...]:
+    """Return `names`, or raise UnknownName."""
     names = as_names(names, "controllers")
     for name in names:
         if name not in FOLLOWERS:
             raise UnknownName("controller", name, tuple(FOLLOWERS))
-    return tuple(names) or tuple(FOLLOWERS)
+    return names
 
 
 def follow_demo(task: TaskEnvironment, seed: int, controllers: Sequence[str], most: int | None = None) -> Iterator[LegTrial]:
@@ -142,7 +150,9 @@ def follow_demo(task: TaskEnvironment, seed: int, controllers: Sequence[str], mo
 
     Raises:
         DemoError: The demonstration failed.
+        UnknownName: A controller does not exist.
     """
+    controllers = known_controllers(controllers)
     for leg in record_legs(task, seed, most):
         yield plan_trial(task.runtime, leg)
         yield from (follow_leg(task.runtime, leg, name) for name in controllers)
@@ -150,6 +160,7 @@ def follow_demo(task: TaskEnvironment, seed: int, controllers: Sequence[str], mo
 
 def follow_leg(runtime: Runtime, leg: Leg, controller: str) -> LegTrial:
     """Go back to the start of a leg and let a controller follow it; the world stays where that ends."""
+    (controller,) = known_controllers([controller])
     problem, clearance = _prepare(runtime, leg)
     runner = _Runner(runtime, FOLLOWERS[controller](problem))
     before = set(problem.touching)
@@ -188,7 +199,7 @@ def plan_trial(runtime: Runtime, leg: Leg) -> LegTrial:
 
 def _prepare(runtime: Runtime, leg: Leg) -> tuple[TrackingProblem, Callable[[FloatArray, float], float]]:
     """Go to the start of a leg; return the problem for its followers, and a function that measures clearance."""
-    runtime.restore(leg.state)
+    as_record(runtime, Runtime, "runtime").restore(as_record(leg, Leg, "leg").state)
     world, snapshot = runtime.world, runtime.world.snapshot()
     problem = TrackingProblem(runtime.model, leg.trajectory, snapshot, runtime.touching(), world.control_dt, world.timestep)
     return problem, _clearance_function(runtime, snapshot)

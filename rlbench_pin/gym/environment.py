@@ -112,7 +112,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
 
     def _load(self, task: str | PathLike[str] | type[Task], variation: int, seen: tuple[str, ...], size: tuple[int, int]) -> None:
         """Load the task and span the spaces."""
-        if task == "":
+        if isinstance(task, str) and not task:
             raise TaskEnvironmentError("Say which task: `task=` takes a name, a task file or a class.")
         self._task = self._environment.get_task(task)
         self._task.set_variation(variation)

@@ -21,14 +21,14 @@ from rlbench_pin.environment.actions.action_mode import ActionMode, MoveArmThenG
 from rlbench_pin.environment.actions.gripper import Discrete
 from rlbench_pin.environment.actions.joint import JointPosition
 from rlbench_pin.environment.episode import checked_seed
-from rlbench_pin.errors import InvalidArgument
+from rlbench_pin.errors import InvalidArgument, InvalidCamera
 from rlbench_pin.gym.environment import GymnasiumEnv
 from rlbench_pin.gym.ids import MAX_EPISODE_STEPS
 from rlbench_pin.gym.spaces import VISION_CAMERAS, GymObservation
 from rlbench_pin.gym.vector import LazyAsyncVectorEnv
 from rlbench_pin.sim import RendererName
 from rlbench_pin.tasks import find_task, task_names, task_reference, usable_task_names
-from rlbench_pin.values import as_whole
+from rlbench_pin.values import as_flag, as_names, as_whole, items_of
 
 SUITE = "rlbench_pin"
 TASKS_VARIABLE = "RLBENCH_PIN_TASKS"
@@ -98,22 +98,25 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
             render_mode=render_mode, action_mode=action_mode, renderer=renderer, like=like,
         )  # fmt: skip
         max_episode_steps = as_whole(max_episode_steps, "max_episode_steps", InvalidArgument, least=1)
+        cameras, name = as_names(cameras, "cameras", InvalidCamera), task_reference(find_task(task))
+        if like is not None and not all(isinstance(space, gymnasium.Space) for space in items_of(like) or (None,)):
+            raise InvalidArgument("like", like, "has to be the observation and the action space, or None")
         self._make = partial(
             GymnasiumEnv,
             task,
             "vision",
             render_mode,
-            action_mode or MoveArmThenGripper(JointPosition(), Discrete()),
+            MoveArmThenGripper(JointPosition(), Discrete()) if action_mode is None else action_mode,
             variation=variation,
             image_size=image_size,
             renderer=renderer,
-            cameras=tuple(cameras),
+            cameras=cameras,
         )
         self._env: GymnasiumEnv | None = None
-        self._max_episode_steps, self._steps, self._cameras = max_episode_steps, 0, tuple(cameras)
-        self.task = find_task(task).get_name() if task.endswith(".py") else task
+        self._max_episode_steps, self._steps, self._cameras = max_episode_steps, 0, cameras
+        self.task = find_task(task).get_name() if name.endswith(".py") else name
         self.task_description, self.render_mode = "", render_mode
-        self.observation_space, self.action_space = like or (self._space(self.world), self.world.action_space)
+        self.observation_space, self.action_space = (self._space(self.world), self.world.action_space) if like is None else like
 
     @property
     def world(self) -> GymnasiumEnv:
@@ -183,10 +186,13 @@ def make_env(
     Raises:
         UnknownName: No task has this name.
         TaskError: A task file cannot be loaded.
-        InvalidArgument: `n_envs` is no whole number, or less than 1 (also a TaskEnvironmentError).
+        InvalidArgument: `n_envs` is no whole number, or less than 1 (also a TaskEnvironmentError); another argument is wrong.
     """
+    as_flag(use_async_envs, "use_async_envs", InvalidArgument)
     n_envs = as_whole(n_envs, "n_envs", InvalidArgument, least=1, most=10_000)
-    names = tuple(dict.fromkeys(task_reference(find_task(name)) for name in (tasks or _wanted_tasks(cfg))))
+    chosen = () if tasks is None else as_names(tasks, "tasks", InvalidArgument)
+    chosen = chosen or _wanted_tasks(cfg)
+    names = tuple(dict.fromkeys(task_reference(find_task(name)) for name in chosen))
     if isinstance(cfg, LimitsEpisodes) and cfg.episode_length is not None:
         settings.setdefault("max_episode_steps", cfg.episode_length)
     probe = LeRobotEnv(names[0], **settings)

@@ -11,12 +11,13 @@ from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
-from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.errors import InvalidArgument, RlbenchPinError
 from rlbench_pin.processes import deaf_to_interrupts
 from rlbench_pin.recording.config import PictureConfig, WorkItem
 from rlbench_pin.recording.work import ItemResult, Recorder
+from rlbench_pin.values import as_whole
 
 MAX_DEATHS = 3
 """Workers that one piece of work may cost before it is given up."""
@@ -52,6 +53,7 @@ class WorkersDie(RlbenchPinError):
 Event = ItemResult | WorkerDeath
 
 
+@runtime_checkable
 class Engine(Protocol):
     """Something that does pieces of work."""
 
@@ -111,10 +113,13 @@ class ProcessEngine:
 
     Args:
         workers: How many.
+
+    Raises:
+        InvalidArgument: That is no whole number from 1 on.
     """
 
     def __init__(self, workers: int = 1) -> None:
-        self.workers = max(1, workers)
+        self.workers = as_whole(workers, "workers", InvalidArgument, least=1)
 
     def map(self, config: PictureConfig, items: Sequence[WorkItem], stop: threading.Event) -> Generator[Event, None, None]:
         """Yield results as they come."""

@@ -10,6 +10,7 @@ from typing import Literal
 
 from rlbench_pin.errors import MissingExtra
 from rlbench_pin.robot import DEFAULT_ROBOT
+from rlbench_pin.values import as_choice, as_function, as_names
 
 ExportFormat = Literal["lerobot", "robomimic", "rlbench", "peract", "zarr"]
 """`lerobot` (LeRobotDataset v3), `robomimic` (one HDF5 file), `rlbench` and `peract` (folders of PNG files), `zarr`."""
@@ -48,7 +49,8 @@ def export_dataset(
         DatasetError: Something is missing or damaged, or `out` exists.
         StorageError: The disk cannot be written to.
     """
-    return find_exporter(name, tuple(cameras))(root, out, tasks=tasks, on_episode=on_episode)
+    as_function(on_episode, "on_episode")
+    return find_exporter(name, as_names(cameras, "cameras"))(root, out, tasks=tasks, on_episode=on_episode)
 
 
 def find_exporter(name: ExportFormat, cameras: tuple[str, ...] = ()) -> Callable[..., Path]:
@@ -60,7 +62,9 @@ def find_exporter(name: ExportFormat, cameras: tuple[str, ...] = ()) -> Callable
 
     Raises:
         MissingExtra: The library that the format needs is not installed.
+        UnknownName: No format is called so.
     """
+    as_choice(name, "format", _EXPORTERS)
     module, function, options, extra = _EXPORTERS[name]
     try:
         export: Callable[..., Path] = getattr(importlib.import_module(f"rlbench_pin.datasets.formats.{module}"), function)

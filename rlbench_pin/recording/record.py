@@ -24,7 +24,7 @@ from rlbench_pin.recording.engines import Engine, ProcessEngine, WorkerDeath
 from rlbench_pin.recording.settings_file import RECORDING, read_recording, write_recording
 from rlbench_pin.recording.work import ItemResult
 from rlbench_pin.tasks import Task, chosen_tasks_of, is_task_file, keep_tasks, task_reference
-from rlbench_pin.values import as_path
+from rlbench_pin.values import as_flag, as_function, as_path, as_record
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,9 @@ def record(
         StorageError: The disk is full or cannot be written. Every episode stored before is whole.
         UnknownName: A task does not exist.
     """
-    root = as_path(root, "root")
+    root, config = as_path(root, "root"), as_record(config, RecordConfig, "config")
+    as_flag(resume, "resume")
+    check_work(engine, on_progress, stop, trust_task_files)
     tasks = chosen_tasks_of(root, config.tasks, trust_task_files)
     references = {task_reference(task) if is_task_file(task) else word: task for word, task in tasks.items()}
     items = plan_items(config, references)
@@ -105,6 +107,16 @@ def record(
     with hold(root):
         _prepare(root, replace(config, tasks=names), items, tasks.values(), resume)
         return run_items(config.pictures, items, root, engine=engine, on_progress=on_progress, stop=stop)
+
+
+def check_work(engine: Engine | None, on_progress: OnProgress | None, stop: threading.Event | None, trust: bool) -> None:
+    """Raise InvalidValue for what cannot do work, be told of it, or end it, before a folder is touched."""
+    if engine is not None:
+        as_record(engine, Engine, "engine")  # type: ignore[type-abstract]
+    if stop is not None:
+        as_record(stop, threading.Event, "stop")
+    as_function(on_progress, "on_progress")
+    as_flag(trust, "trust_task_files")
 
 
 def run_items(

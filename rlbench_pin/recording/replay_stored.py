@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.environment.replay import replay_succeeds
 from rlbench_pin.observation import LOW_DIM, Demo
 from rlbench_pin.tasks import OwnTasks, stored_task
+from rlbench_pin.values import as_flag, as_path, as_record, as_several
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,12 @@ def replay_stored(
         DatasetError: A file cannot be read, or a folder holds no demonstrations.
         DemoError: An episode holds no joint-position actions.
     """
+    chosen = [as_path(path, "an entry of paths") for path in as_several(paths, "paths")]
+    tasks = {} if own is None else as_record(own, Mapping, "own")  # type: ignore[type-abstract]
+    return _replayed(chosen, tasks, as_flag(trust_task_files, "trust_task_files"))
+
+
+def _replayed(paths: Sequence[Path], own: OwnTasks, trust_task_files: bool) -> Iterator[ReplayResult]:
     with make_environment(low_dim_config()) as environment:
         task: TaskEnvironment | None = None
         loaded: tuple[Path, str] | None = None

@@ -15,9 +15,9 @@ from rlbench_pin.datasets.trust import check_inside, is_whole, parse_json, short
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 from rlbench_pin.recording.config import PictureConfig, WorkItem
 from rlbench_pin.recording.engines import Engine
-from rlbench_pin.recording.record import OnProgress, RecordReport, run_items
+from rlbench_pin.recording.record import OnProgress, RecordReport, check_work, run_items
 from rlbench_pin.tasks import OwnTasks, Task, keep_tasks, stored_task, task_class, task_digest, task_origin, task_reference
-from rlbench_pin.values import as_path
+from rlbench_pin.values import as_path, as_record, as_several
 
 SEEDS_FORMAT = "rlbench_pin.seeds"
 VERSION = 1
@@ -61,6 +61,7 @@ def seeds_of(root: Path, tasks: Sequence[str] = ()) -> list[EpisodeSeed]:
 
 def write_seeds(path: Path, seeds: Sequence[EpisodeSeed]) -> Path:
     """Write a list of seeds, some forty bytes an episode instead of megabytes."""
+    seeds = [as_record(seed, EpisodeSeed, "an entry of seeds") for seed in as_several(seeds, "seeds")]
     content = {"format": SEEDS_FORMAT, "version": VERSION, "episodes": [asdict(seed) for seed in seeds]}
     return write_whole(as_path(path, "path"), (json.dumps(content, indent=1) + "\n").encode())
 
@@ -105,31 +106,37 @@ def rerender(
     Args:
         source: Folder of the dataset (its manifests are enough), or a file with a list of seeds.
         out: Folder of the new dataset.
-        pictures: What the new episodes hold.
+        pictures: What they hold.
         tasks: Only these; all when none is named.
         engine: Who does the work; one process when None.
-        on_progress: Called with the report so far.
-        stop: When set, nothing more is begun.
-        own: Tasks that the user named files of, by task name; they go before all others.
+        on_progress: As for `record`.
+        stop: As for `record`.
+        own: Tasks that the user named files of, by name; they go before all others.
         trust_task_files: Whether task files that the dataset keeps may be run.
 
     Raises:
         UntrustedTaskFile: A task is code that came with the dataset, and nobody said that it may be run.
-        DatasetError: The source cannot be used, or `out` is the source.
+        DatasetError: The source cannot be used, or is `out`.
     """
-    source, out = as_path(source, "source"), as_path(out, "out")
-    if source.is_dir() and source.resolve() == out.resolve():
-        raise DatasetConflict(f"'{out}' is the dataset to be rerendered. Choose another folder for the result.")
+    source, out, _ = as_path(source, "source"), as_path(out, "out"), as_record(pictures, PictureConfig, "pictures")
+    check_work(engine, on_progress, stop, trust_task_files)
+    _check_apart(source, out)
     items = _items(source, tasks)
-    classes = _classes(source, sorted({item.task for item in items}), own or {}, trust_task_files)
+    classes = _classes(source, sorted({item.task for item in items}), own, trust_task_files)
     with hold(out):
         remove_leftovers(out)
         keep_tasks(out, classes.values())
         return run_items(pictures, _with_tasks(items, classes), out, engine=engine, on_progress=on_progress, stop=stop)
 
 
-def _classes(source: Path, names: Sequence[str], own: OwnTasks, trust_task_files: bool) -> dict[str, type[Task]]:
+def _check_apart(source: Path, out: Path) -> None:
+    if source.is_dir() and source.resolve() == out.resolve():
+        raise DatasetConflict(f"'{out}' is the dataset to be rerendered. Choose another folder for the result.")
+
+
+def _classes(source: Path, names: Sequence[str], own: OwnTasks | None, trust_task_files: bool) -> dict[str, type[Task]]:
     """Return the tasks that are the user's own, kept by the dataset, or of other packages; workers find the others by name."""
+    own = {} if own is None else as_record(own, Mapping, "own")  # type: ignore[type-abstract]
     found = {name: own[name] for name in names if name in own}
     for name in names:
         if name not in own and source.is_dir() and kept_task(source, name) is not None:

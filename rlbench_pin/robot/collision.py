@@ -17,7 +17,7 @@ from rlbench_pin.robot.collision_geometry import CollisionGeometry, Distance, Ow
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import BodySnapshot, WorldSnapshot
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.values import as_names, as_number, as_record, as_vector
+from rlbench_pin.values import as_names, as_number, as_record, as_several, as_vector
 
 TOUCH = 5e-4
 """Things nearer than this at the start of a motion count as touching [m]."""
@@ -113,6 +113,8 @@ class CollisionModel:
     @contextmanager
     def wider(self, more: float, ends: Sequence[FloatArray]) -> Iterator[None]:
         """Keep `more` clearance [m] to the world for a while, except where configurations `ends` have less."""
+        more = as_number(more, "more [m]", least=0.0)
+        ends = [as_vector(q, self.model.size, "an entry of ends") for q in as_several(ends, "ends")]
         before, self._margins = self._margins, np.where(
             self._geometry.crosses & (self._margins >= SURE), self._margins + more, self._margins
         )  # fmt: skip

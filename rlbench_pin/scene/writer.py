@@ -26,6 +26,7 @@ from rlbench_pin.scene.spec import (
     Spec,
     WaypointSpec,
 )
+from rlbench_pin.values import as_path, as_record
 
 HEADER = "lengths [m], angles [rad], pose [x, y, z] or [x, y, z, yaw] or [x, y, z, qx, qy, qz, qw], or [x, y, z] and rpy"
 _TABLES: Mapping[str, type[Spec]] = {
@@ -54,7 +55,7 @@ def write_scene(spec: SceneSpec, path: Path | str) -> None:
         spec: The scene.
         path: The `.toml` file; its folder must exist.
     """
-    path = Path(path)
+    path, spec = as_path(path, "path"), as_record(spec, SceneSpec, "spec")
     document = tomlkit.parse(path.read_text(encoding="utf-8")) if path.is_file() else _new_document()
     _write_placement(document, spec.placement)
     for table, model in _TABLES.items():

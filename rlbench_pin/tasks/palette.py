@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rlbench_pin.errors import TaskError
+from rlbench_pin.values import as_record, as_several, as_whole
 
 Rgb = tuple[float, float, float]
 
@@ -49,6 +50,8 @@ BUTTON_COLORS: tuple[Color, ...] = tuple(color for color in COLORS if color.name
 
 def distractor_colors(rng: np.random.Generator, goal: int, count: int) -> tuple[Color, ...]:
     """Draw `count` different colours, none of them `COLORS[goal]`."""
+    as_record(rng, np.random.Generator, "rng")
+    goal, count = as_whole(goal, "goal"), as_whole(count, "count", least=0, most=len(COLORS) - 1)
     if not 0 <= goal < len(COLORS):
         raise TaskError(f"There is no colour {goal}; the palette has 0 to {len(COLORS) - 1}.")
     others = [i for i in range(len(COLORS)) if i != goal]
@@ -56,6 +59,13 @@ def distractor_colors(rng: np.random.Generator, goal: int, count: int) -> tuple[
 
 
 def fill_up_colors(rng: np.random.Generator, asked: Sequence[Color], count: int, palette: Sequence[Color]) -> list[Color]:
-    """Return `count` colours: those asked for, then different ones drawn from the rest of a palette."""
+    """Return `count` colours: those asked for, then different ones drawn from the rest of a palette.
+
+    Raises:
+        InvalidValue: Fewer are wanted than were asked for, or more than there are.
+    """
+    as_record(rng, np.random.Generator, "rng")
+    asked, palette = (tuple(as_record(c, Color, "a colour") for c in as_several(x, "colours")) for x in (asked, palette))
     others = [color for color in palette if color not in asked]
+    count = as_whole(count, "count", least=len(asked), most=len(asked) + len(others))
     return [*asked, *(others[i] for i in rng.choice(len(others), count - len(asked), replace=False))]

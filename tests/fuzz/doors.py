@@ -11,6 +11,9 @@ import numpy as np
 from tests.fuzz.cases import Case
 from tests.fuzz.hostile import ALL, ARRAY, FLAG, NUMBER, OTHER, SEVERAL, SINGLE, TEXT, WHOLE, Hostile, bent
 
+FUNCTIONS = ("Callable", "IsFree", "OnEpisode", "OnProgress", "Target")
+"""Words of annotations of functions, which may raise what they like."""
+
 
 @dataclass(frozen=True)
 class Door:
@@ -82,7 +85,7 @@ def cases_of(door: Door, rng: np.random.Generator, share: float = 1.0) -> Iterat
     yield _case(door, {}, "good arguments", must_take=door.good_is_taken)
     for name, parameter in parameters_of(door.target()).items():
         kind = kind_of(parameter.annotation)
-        takes_function = any(word in str(parameter.annotation) for word in ("Callable", "IsFree", "OnEpisode"))
+        takes_function = any(word in str(parameter.annotation) for word in FUNCTIONS)
         for value, is_good in _values(kind, door.good.get(name, parameter.default), rng):
             if takes_function and callable(value.make()):
                 continue  # it may raise what it likes

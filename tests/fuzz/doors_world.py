@@ -26,10 +26,10 @@ LONG = ("get_demos", "try_demo", "reset_to_demo", "step")
 
 
 @contextmanager
-def opened() -> Iterator[TaskEnvironment]:
+def opened(name: str = TASK) -> Iterator[TaskEnvironment]:
     """A task with joints, bodies, frames and waypoints, at the start of an episode."""
     with Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=low_dim_config(), seed=0) as env:
-        task = env.get_task(TASK)
+        task = env.get_task(name)
         task.reset(seed=1)
         yield task
 

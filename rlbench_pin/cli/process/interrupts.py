@@ -32,7 +32,13 @@ def end_at_once(_: int, __: FrameType | None) -> None:
 def is_whole_process() -> bool:
     """Whether signals can be handled here: in the main thread, where nobody else handles Ctrl-C."""
     handler = signal.getsignal(signal.SIGINT)
-    return threading.current_thread() is threading.main_thread() and handler is signal.default_int_handler
+    return threading.current_thread() is threading.main_thread() and handler in (signal.default_int_handler, end_at_once)
+
+
+def end_quietly() -> None:
+    """Answer Ctrl-C by ending the process, unless somebody else handles it; `python -m` imports the package first."""
+    if is_whole_process():
+        signal.signal(signal.SIGINT, end_at_once)
 
 
 def _raise_again(lost: sys.UnraisableHookArgs) -> None:

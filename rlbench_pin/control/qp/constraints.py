@@ -31,6 +31,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rlbench_pin.control.checks import as_state, as_vector
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_choice, as_flag, as_number, as_record
@@ -103,7 +104,7 @@ class JointBounds:
         """
         dt = self.dt
         lowest, highest = [], []
-        positions, speeds = np.asarray(q, dtype=np.float64).tolist(), np.asarray(v, dtype=np.float64).tolist()
+        positions, speeds = (x.tolist() for x in as_state(q, v, len(self.velocity)))
         for x, speed, (reach, change, leap, lower, upper, free_above, free_below) in zip(positions, speeds, self._joints):
             drift = dt * speed
             bottom, top = drift - leap, drift + leap
@@ -132,6 +133,7 @@ class JointBounds:
 
     def braking(self, v: FloatArray) -> FloatArray:
         """Return the velocity (n,) after braking for one tick as hard as allowed."""
+        v = as_vector(v, len(self.velocity), "joint velocity")
         return np.sign(v) * np.maximum(np.abs(v) - self.step, 0.0)
 
     def travel(self, v: FloatArray, command: FloatArray) -> FloatArray:

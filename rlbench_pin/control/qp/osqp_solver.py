@@ -20,7 +20,7 @@ import scipy.sparse as sp
 from rlbench_pin.control.qp.quadratic_program import QuadraticProgram
 from rlbench_pin.errors import InfeasibleControl, InvalidValue
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.values import LARGEST_COUNT, as_array, as_finite, as_number, as_whole
+from rlbench_pin.values import LARGEST_COUNT, as_array, as_finite, as_number, as_record, as_whole
 
 INFINITE = 1e30
 """OSQP takes this for no bound."""
@@ -73,6 +73,7 @@ class OsqpSolver:
         Raises:
             InfeasibleControl: No point satisfies the constraints, or the iterations do not converge.
         """
+        as_record(problem, QuadraticProgram, "problem")
         n, m = len(problem.q), len(problem.lower)
         if m > self.rows:
             raise InvalidValue("problem.lower", problem.lower, f"has {m} rows; this solver takes up to {self.rows} rows")

@@ -10,6 +10,7 @@ import numpy as np
 from rlbench_pin.environment.actions.mode import ActionPart
 from rlbench_pin.errors import InvalidActionError, shown
 from rlbench_pin.spatial import FloatArray, compose
+from rlbench_pin.values import as_vector
 
 
 class RelativeFrame(IntEnum):
@@ -51,6 +52,7 @@ def calculate_delta_pose(current: FloatArray, action: FloatArray, frame: Relativ
     In the world frame the position is added along world axes and the rotation multiplied from the left; in the end-effector
     frame the whole delta is composed on the right.
     """
+    current, action = as_vector(current, 7, "current"), as_vector(action, 7, "action")
     if frame is RelativeFrame.EE:
         return compose(current, action)
     rotation = compose(np.concatenate([np.zeros(3), action[3:]]), np.concatenate([np.zeros(3), current[3:]]))

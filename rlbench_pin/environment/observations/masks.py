@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rlbench_pin.datasets.formats.rlbench_pictures import decode_mask
-from rlbench_pin.errors import CameraError
+from rlbench_pin.errors import CameraError, shown
 
 
 def spread_mask(mask: np.ndarray) -> np.ndarray:
@@ -28,7 +28,10 @@ def rgb_handles_to_mask(rgb: ArrayLike) -> np.ndarray:
     Raises:
         CameraError: It has another shape, or holds other numbers.
     """
-    channels = np.asarray(rgb)
+    try:
+        channels = np.asarray(rgb)
+    except Exception as error:  # whatever objects raise that are no array
+        raise CameraError(f"A mask over three channels is an array of numbers, not {shown(rgb)}.") from error
     if channels.ndim == 0 or channels.shape[-1] != 3 or channels.dtype.kind not in "uif":
         raise CameraError(f"A mask over three channels has shape (..., 3), not {channels.shape} of {channels.dtype}.")
     highest = 1 if channels.dtype.kind == "f" else 255

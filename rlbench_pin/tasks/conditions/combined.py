@@ -7,6 +7,7 @@ from typing import cast
 
 from rlbench_pin.errors import TaskError
 from rlbench_pin.tasks.conditions.condition import Condition
+from rlbench_pin.tasks.conditions.parts import as_parts
 
 
 class _Combined(Condition):
@@ -17,9 +18,9 @@ class _Combined(Condition):
     """
 
     def __init__(self, members: Sequence[Condition]) -> None:
-        if not members:
+        self.members = as_parts(members, Condition, f"members of {type(self).__name__}")
+        if not self.members:
             raise TaskError(f"{type(self).__name__} needs at least one condition.")
-        self.members = tuple(members)
 
     def _asked(self) -> list[bool]:
         """Evaluate every member, so that those which keep count see every instant."""

@@ -9,6 +9,8 @@ import numpy as np
 
 from rlbench_pin.spatial import FloatArray, pose_to_se3
 from rlbench_pin.tasks.conditions.condition import Condition
+from rlbench_pin.tasks.conditions.parts import Placed, Posed, as_part
+from rlbench_pin.values import as_flag, as_number, as_rows
 
 if TYPE_CHECKING:
     from rlbench_pin.sim import Body, Frame
@@ -38,9 +40,11 @@ class FollowPath(Condition):
         tolerance: float = 0.01,
         start_after_first: bool = True,
     ) -> None:
-        self.body, self.frame = body, frame
-        self.points = np.array(points, dtype=float).reshape(-1, 3)
-        self.tolerance, self.start_after_first = tolerance, start_after_first
+        self.body = as_part(body, Placed, "body", "a body, such as `self.world.body(name)`")
+        self.frame = None if frame is None else as_part(frame, Posed, "frame", "a frame, or None for the world")
+        self.points = np.array(as_rows(points, 3, "points"))
+        self.tolerance = as_number(tolerance, "tolerance [m]", above=0.0)
+        self.start_after_first = as_flag(start_after_first, "start_after_first")
         self.index, self.strikes, self.lost = 0, 0, False
 
     def met(self) -> bool:

@@ -5,9 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rlbench_pin.tasks.conditions.condition import Condition
+from rlbench_pin.tasks.conditions.parts import Holder, Placed, as_part
 
 if TYPE_CHECKING:
     from rlbench_pin.sim import Body, SimGripper
+
+
+def _as_hand(value: SimGripper) -> SimGripper:
+    return as_part(value, Holder, "gripper", "the hand, `self.gripper`")
 
 
 class Grasped(Condition):
@@ -19,7 +24,8 @@ class Grasped(Condition):
     """
 
     def __init__(self, gripper: SimGripper, body: Body) -> None:
-        self.gripper, self.body = gripper, body
+        self.gripper = _as_hand(gripper)
+        self.body = as_part(body, Placed, "body", "a body, such as `self.world.body(name)`")
 
     def met(self) -> bool:
         """Return whether the body is attached to the hand now."""
@@ -34,7 +40,7 @@ class NothingGrasped(Condition):
     """
 
     def __init__(self, gripper: SimGripper) -> None:
-        self.gripper = gripper
+        self.gripper = _as_hand(gripper)
 
     def met(self) -> bool:
         """Return whether the hand holds nothing now."""

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rlbench_pin.tasks.conditions.condition import Condition
+from rlbench_pin.tasks.conditions.parts import Colored, as_part
+from rlbench_pin.values import as_vector
 
 if TYPE_CHECKING:
     from rlbench_pin.sim import Body
@@ -22,7 +24,8 @@ class HasColor(Condition):
     """
 
     def __init__(self, body: Body, rgb: Sequence[float]) -> None:
-        self.body, self.rgb = body, np.array(rgb, dtype=float)[:3]
+        self.body = as_part(body, Colored, "body", "a body, such as `self.world.body(name)`")
+        self.rgb = np.array(as_vector(rgb, 3, "rgb", most=1.0))
 
     def met(self) -> bool:
         """Return whether the body shows the colour now."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, cast
 
 from rlbench_pin.tasks.conditions.condition import Condition
+from rlbench_pin.tasks.conditions.parts import Movable, as_part
+from rlbench_pin.values import as_number
 
 if TYPE_CHECKING:
     from rlbench_pin.sim import ObjectJoint
@@ -19,7 +21,8 @@ class JointMoved(Condition):
     """
 
     def __init__(self, joint: ObjectJoint, distance: float) -> None:
-        self.joint, self.distance = joint, distance
+        self.joint = as_part(joint, Movable, "joint", "a joint, such as `self.world.joint(name)`")
+        self.distance = as_number(distance, "distance [rad] or [m]", least=0.0)
         self.start = float(joint.position)
 
     def met(self) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sized
 
+from rlbench_pin.errors import InvalidValue
 from rlbench_pin.tasks.conditions.condition import Condition
 
 
@@ -15,6 +16,10 @@ class ListEmpty(Condition):
     """
 
     def __init__(self, items: Sized) -> None:
+        try:
+            len(items)
+        except Exception as error:  # of whatever it is
+            raise InvalidValue("items", items, "has to be a list, or something else that has a length") from error
         self.items = items
 
     def met(self) -> bool:
