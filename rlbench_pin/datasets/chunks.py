@@ -1,7 +1,7 @@
 """Pictures as chunks of some frames each, shuffled and deflated here, so that HDF5 only has to store them.
 
-Deflate finds what repeats within 32 kB. A chunk holds a few frames of as many rows as fit into that, so that what a camera at rest
-sees again costs next to nothing. Any HDF5 reader undoes it: the filters are the standard ones, shuffle and gzip.
+Deflate finds what repeats within 32 kB. A chunk holds a few frames of as many rows as fit into that, so that what a camera at
+rest sees again costs next to nothing. Any HDF5 reader undoes it: the filters are the standard ones, shuffle and gzip.
 """
 
 from __future__ import annotations
