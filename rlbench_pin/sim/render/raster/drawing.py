@@ -1,0 +1,224 @@
+"""Which triangle each pixel of some cameras sees, and how far away.
+
+All triangles are projected for all cameras in one go, and the few that face one and hold the middle of a pixel are cut into spans of
+pixels, row by row. With P the matrix of the homogeneous picture points (u z, v z, z) of its corners, 1/z = (1, 1, 1) P^-1 (u, v, 1)
+is affine over a triangle, and any quantity q of the corners is q P^-1 (u, v, 1) z: perspective comes out right.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rlbench_pin.sim.render.camera import CameraView
+from rlbench_pin.sim.render.raster.stage import Parts
+
+_LEAST_AREA = 1e-2  # twice the area of a triangle that is drawn [px^2]
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """Pixels that see a triangle; those of one camera follow each other, ascending."""
+
+    pixels: NDArray[np.int64]
+    """Flat indices (n,) over the pictures of all cameras."""
+    triangles: NDArray[np.int64]
+    """What they see (n,)."""
+    inverse: NDArray[np.float32]
+    """Inverse depth (n,) [1/m]."""
+    normals: NDArray[np.float32]
+    """Unit normals (3, n) between those of the corners, in the frame of the link."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Outlines:
+    """Triangles in pictures, clipped at the near plane."""
+
+    x: NDArray[np.float32]
+    """Columns (3, k) of the corners [px]."""
+    y: NDArray[np.float32]
+    """Rows (3, k) of the corners [px]."""
+    owner: NDArray[np.int64]
+    """Camera times number of triangles plus triangle (k,)."""
+
+
+def draw(parts: Parts, placements: Mapping[tuple[int, int], NDArray], views: Sequence[CameraView]) -> Drawn:
+    """Draw all triangles as some cameras see them.
+
+    Args:
+        parts: The triangles.
+        placements: Matrix (4, 4) of the frame of every link.
+        views: The cameras.
+    """
+    corners = _projected(parts, placements, views)
+    outlines = _outlines(corners, views)
+    widths = np.array([view.size[0] for view in views])
+    starts = np.cumsum([0, *(view.size[0] * view.size[1] for view in views)])
+    count = corners.shape[3]
+    camera, triangle = np.divmod(outlines.owner, count)
+    inverse_matrices = _inverses(corners[:, camera, :, triangle].astype(np.float64))
+    plane = inverse_matrices.sum(axis=0)
+    spans = _Spans(outlines, widths[camera], np.array([view.size[1] for view in views])[camera])
+    pixels, owner, inverse = spans.nearest(plane, starts[:-1][camera], widths[camera], int(starts[-1]))
+    rows, columns = np.divmod(pixels - starts[:-1][camera][owner], widths[camera][owner])
+    normals = _interpolated(inverse_matrices, parts.normals[:, :, triangle], owner, columns, rows)
+    return Drawn(pixels, triangle[owner], inverse, normals)
+
+
+def _projected(parts: Parts, placements: Mapping[tuple[int, int], NDArray], views: Sequence[CameraView]) -> NDArray[np.float32]:
+    """Homogeneous picture points u z, v z, z of every corner, camera and triangle, (3, c, 3, m)."""
+    cameras = np.concatenate([view.intrinsics() @ np.linalg.inv(view.extrinsics())[:3] for view in views])
+    result = np.empty((3, len(cameras), parts.corners.shape[2]), dtype=np.float32)
+    for link, part in zip(parts.links, parts.slices, strict=True):
+        np.matmul((cameras @ placements[link]).astype(np.float32), parts.corners[:, :, part], out=result[:, :, part])
+    return result.reshape(3, len(views), 3, -1)
+
+
+def _outlines(corners: NDArray[np.float32], views: Sequence[CameraView]) -> _Outlines:
+    """Triangles that face a camera and may hold the middle of one of its pixels."""
+    depth = corners[:, :, 2]
+    near = np.array([[view.near] for view in views], dtype=np.float32)
+    least = np.minimum(np.minimum(depth[0], depth[1]), depth[2])
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        x, y = corners[:, :, 0] / depth, corners[:, :, 1] / depth
+        faces = _twice_area(x, y) < -_LEAST_AREA
+    faces &= least >= near
+    edges = np.array([view.size for view in views], dtype=np.float32) - 1.0
+    for values, last in ((x, edges[:, :1]), (y, edges[:, 1:])):
+        low = np.ceil(np.minimum(np.minimum(values[0], values[1]), values[2]))
+        high = np.maximum(np.maximum(values[0], values[1]), values[2])
+        faces &= (low <= high) & (low <= last) & (high >= 0.0)
+    chosen = np.flatnonzero(faces)
+    outlines = _Outlines(*(values.reshape(3, -1)[:, chosen] for values in (x, y)), chosen)
+    greatest = np.maximum(np.maximum(depth[0], depth[1]), depth[2])
+    crossing = np.flatnonzero((least < near) & (greatest > near))
+    return _joined([outlines, *_clipped(corners, crossing, near.ravel())]) if len(crossing) else outlines
+
+
+def _twice_area(x: NDArray, y: NDArray) -> NDArray:
+    """Twice the area (...,) of triangles with corners (3, ...), negative where they are seen from the front."""
+    return (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])
+
+
+def _joined(outlines: Sequence[_Outlines]) -> _Outlines:
+    return _Outlines(*(np.concatenate([getattr(o, name) for o in outlines], axis=-1) for name in ("x", "y", "owner")))
+
+
+def _clipped(corners: NDArray[np.float32], crossing: NDArray[np.int64], near: NDArray[np.float32]) -> list[_Outlines]:
+    """What of triangles that cross the near plane lies beyond it: triangles with one corner there, or quadrilaterals as two."""
+    camera, triangle = np.divmod(crossing, corners.shape[3])
+    points, limit = corners[:, camera, :, triangle], near[camera]  # (k, 3 corners, 3)
+    beyond = points[:, :, 2] > limit[:, None]
+    found: list[_Outlines] = []
+    for inside in (1, 2):
+        chosen = np.flatnonzero(beyond.sum(axis=1) == inside)
+        # the corner that is alone on its side comes first
+        first = np.argmax(beyond[chosen] == (inside == 1), axis=1)
+        a, b, c = (points[chosen, (first + i) % 3] for i in range(3))
+        ab, ac = (_cut(a, other, limit[chosen]) for other in (b, c))
+        polygons = [(a, ab, ac)] if inside == 1 else [(ab, b, c), (ab, c, ac)]
+        for polygon in polygons:
+            p = np.stack(polygon)
+            x, y = p[..., 0] / p[..., 2], p[..., 1] / p[..., 2]
+            seen = _twice_area(x, y) < -_LEAST_AREA
+            found.append(_Outlines(x[:, seen], y[:, seen], crossing[chosen][seen]))
+    return found
+
+
+def _cut(a: NDArray, b: NDArray, depth: NDArray) -> NDArray:
+    """Points (k, 3) between a and b at some depth."""
+    share = (depth - a[:, 2]) / (b[:, 2] - a[:, 2])
+    return a + (b - a) * share[:, None]
+
+
+def _inverses(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Inverse (3, 3, k) of matrices whose columns are the corners (k, 3 corners, 3)."""
+    p = np.ascontiguousarray(points.transpose(1, 2, 0))
+    rows = np.empty_like(p)
+    for i in range(3):
+        a, b = p[(i + 1) % 3], p[(i + 2) % 3]
+        for j in range(3):
+            rows[i, j] = a[(j + 1) % 3] * b[(j + 2) % 3] - a[(j + 2) % 3] * b[(j + 1) % 3]
+    determinant = p[0, 0] * rows[0, 0] + p[0, 1] * rows[0, 1] + p[0, 2] * rows[0, 2]
+    rows /= np.where(determinant == 0.0, 1.0, determinant)
+    return rows
+
+
+class _Spans:
+    """Runs of pixels in one row that lie in one triangle.
+
+    Args:
+        outlines: The triangles.
+        widths: Width of the picture of each (k,) [px].
+        heights: Height of the picture of each (k,) [px].
+    """
+
+    def __init__(self, outlines: _Outlines, widths: NDArray, heights: NDArray) -> None:
+        x, y = outlines.x, outlines.y
+        first = np.maximum(np.ceil(y.min(axis=0)), 0.0)
+        counts = np.maximum(np.minimum(np.floor(y.max(axis=0)), heights - 1.0) - first + 1.0, 0.0).astype(np.int64)
+        owner = np.repeat(np.arange(len(counts)), counts)
+        step = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
+        low, high = self._bounds(x, y, first, counts, step.astype(np.float32))
+        low = np.maximum(np.ceil(low), 0.0)
+        high = np.minimum(np.floor(high), np.repeat(widths - 1, counts))
+        kept = np.flatnonzero(high >= low)
+        self._owner, self._column = owner[kept], low[kept].astype(np.int64)
+        self._row = first[self._owner].astype(np.int64) + step[kept]
+        self._length = (high[kept] - low[kept]).astype(np.int64) + 1
+
+    @staticmethod
+    def _bounds(x: NDArray, y: NDArray, first: NDArray, counts: NDArray, step: NDArray) -> tuple[NDArray, NDArray]:
+        """First and last column of each row [px]: edges that go down bound from the left, those that go up from the right."""
+        low, high = np.full(len(step), -np.inf, dtype=np.float32), np.full(len(step), np.inf, dtype=np.float32)
+        for i in range(3):
+            j = (i + 1) % 3
+            rise = y[j] - y[i]
+            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+                slope = (x[j] - x[i]) / rise
+                start = x[i] + (first - y[i]) * slope
+            for bound, is_side, worst, choose in ((low, rise > 0.0, -np.inf, np.maximum), (high, rise < 0.0, np.inf, np.minimum)):
+                at = np.where(is_side, start, np.float32(worst))
+                along = np.where(is_side, slope, np.float32(0.0))
+                choose(bound, np.repeat(at, counts) + np.repeat(along, counts) * step, out=bound)
+        return low, high
+
+    def nearest(
+        self, plane: NDArray[np.float64], starts: NDArray, widths: NDArray, size: int
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]:
+        """Pixels that see something, ascending, the number of the outline that is nearest there, and inverse depth.
+
+        Args:
+            plane: Inverse depth of each outline is plane . (u, v, 1), (3, k).
+            starts: Flat index of the first pixel of the picture of each outline (k,).
+            widths: Width of that picture (k,) [px].
+            size: Pixels of all pictures.
+        """
+        owner, length = self._owner, self._length
+        begin = plane[0, owner] * self._column + plane[1, owner] * self._row + plane[2, owner]
+        place = starts[owner] + self._row * widths[owner] + self._column
+        offset = np.arange(int(length.sum())) - np.repeat(np.cumsum(length) - length, length)
+        inverse = np.repeat(begin.astype(np.float32), length)
+        inverse += np.repeat(plane[0, owner].astype(np.float32), length) * offset.astype(np.float32)
+        pixels = np.repeat(place, length) + offset
+        nearest = np.zeros(size, dtype=np.float32)
+        np.maximum.at(nearest, pixels, inverse)
+        wins = np.flatnonzero(inverse == nearest[pixels])
+        winner = np.zeros(size, dtype=np.int64)
+        winner[pixels[wins]] = np.repeat(owner, length)[wins]
+        seen = np.flatnonzero(nearest)
+        return seen, winner[seen], nearest[seen]
+
+
+def _interpolated(
+    inverses: NDArray[np.float64], values: NDArray[np.float32], owner: NDArray[np.int64], columns: NDArray, rows: NDArray
+) -> NDArray[np.float32]:
+    """Unit vectors (3, n) at pixels, between the vectors (3 corners, 3, k) of the corners."""
+    forms = np.einsum("ijk,ilk->kjl", inverses, values).astype(np.float32).reshape(-1, 9)[owner].T
+    column, row = columns.astype(np.float32), rows.astype(np.float32)
+    vectors = forms[:3] * column + forms[3:6] * row + forms[6:]
+    vectors /= np.maximum(np.sqrt(vectors[0] ** 2 + vectors[1] ** 2 + vectors[2] ** 2), np.float32(1e-12))
+    return vectors
