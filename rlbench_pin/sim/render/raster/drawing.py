@@ -21,16 +21,16 @@ _LEAST_AREA = 1e-2  # twice the area of a triangle that is drawn [px^2]
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """Pixels that see a triangle; those of one camera follow each other, ascending."""
+    """The pixels of one camera that see a triangle, ascending."""
 
     pixels: NDArray[np.int64]
-    """Flat indices (n,) over the pictures of all cameras."""
+    """Flat indices (n,)."""
     triangles: NDArray[np.int64]
     """What they see (n,)."""
     inverse: NDArray[np.float32]
     """Inverse depth (n,) [1/m]."""
     normals: NDArray[np.float32]
-    """Unit normals (3, n) between those of the corners, in the frame of the link."""
+    """Unit normals (n, 3) between those of the corners, in the frame of the link."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,39 +45,48 @@ class _Outlines:
     """Camera times number of triangles plus triangle (k,)."""
 
 
-def draw(parts: Parts, placements: Mapping[tuple[int, int], NDArray], views: Sequence[CameraView]) -> Drawn:
-    """Draw all triangles as some cameras see them.
+def draw(
+    parts: Parts, shown: NDArray[np.bool_], placements: Mapping[tuple[int, int], NDArray], views: Sequence[CameraView]
+) -> list[Drawn]:
+    """Draw all triangles as some cameras see them; a picture is the same whatever other cameras look.
 
     Args:
         parts: The triangles.
+        shown: Whether each visual is seen (n,).
         placements: Matrix (4, 4) of the frame of every link.
         views: The cameras.
     """
     corners = _projected(parts, placements, views)
-    outlines = _outlines(corners, views)
-    widths = np.array([view.size[0] for view in views])
-    starts = np.cumsum([0, *(view.size[0] * view.size[1] for view in views)])
-    count = corners.shape[3]
-    camera, triangle = np.divmod(outlines.owner, count)
-    inverse_matrices = _inverses(corners[:, camera, :, triangle].astype(np.float64))
-    plane = inverse_matrices.sum(axis=0)
-    spans = _Spans(outlines, widths[camera], np.array([view.size[1] for view in views])[camera])
-    pixels, owner, inverse = spans.nearest(plane, starts[:-1][camera], widths[camera], int(starts[-1]))
-    rows, columns = np.divmod(pixels - starts[:-1][camera][owner], widths[camera][owner])
-    normals = _interpolated(inverse_matrices, parts.normals[:, :, triangle], owner, columns, rows)
-    return Drawn(pixels, triangle[owner], inverse, normals)
+    outlines = _outlines(corners, views, shown[parts.shape])
+    widths, heights = np.array([view.size for view in views]).T
+    starts = np.concatenate([[0], np.cumsum(widths * heights)])
+    camera, triangle = np.divmod(outlines.owner, corners.shape[3])
+    inverses = _inverses(corners[:, camera, :, triangle])
+    spans = _Spans(outlines, widths[camera], heights[camera])
+    pixels, owner, inverse = spans.nearest(
+        inverses[0] + inverses[1] + inverses[2], starts[camera], widths[camera], int(starts[-1])
+    )
+    ends = np.searchsorted(pixels, starts)
+    forms = _forms(inverses, parts.normals[:, :, triangle])
+    drawn = []
+    for number, view in enumerate(views):
+        part = slice(ends[number], ends[number + 1])
+        flat = pixels[part] - starts[number]
+        drawn.append(Drawn(flat, triangle[owner[part]], inverse[part], _vectors(forms[owner[part]], flat, view.size[0])))
+    return drawn
 
 
 def _projected(parts: Parts, placements: Mapping[tuple[int, int], NDArray], views: Sequence[CameraView]) -> NDArray[np.float32]:
     """Homogeneous picture points u z, v z, z of every corner, camera and triangle, (3, c, 3, m)."""
-    cameras = np.concatenate([view.intrinsics() @ np.linalg.inv(view.extrinsics())[:3] for view in views])
-    result = np.empty((3, len(cameras), parts.corners.shape[2]), dtype=np.float32)
+    cameras = np.stack([view.to_picture for view in views])
+    result = np.empty((3, len(views), 3, parts.corners.shape[2]), dtype=np.float32)
     for link, part in zip(parts.links, parts.slices, strict=True):
-        np.matmul((cameras @ placements[link]).astype(np.float32), parts.corners[:, :, part], out=result[:, :, part])
-    return result.reshape(3, len(views), 3, -1)
+        # one product for each camera: larger ones are rounded otherwise
+        np.matmul((cameras @ placements[link]).astype(np.float32), parts.corners[:, None, :, part], out=result[..., part])
+    return result
 
 
-def _outlines(corners: NDArray[np.float32], views: Sequence[CameraView]) -> _Outlines:
+def _outlines(corners: NDArray[np.float32], views: Sequence[CameraView], shown: NDArray[np.bool_]) -> _Outlines:
     """Triangles that face a camera and may hold the middle of one of its pixels."""
     depth = corners[:, :, 2]
     near = np.array([[view.near] for view in views], dtype=np.float32)
@@ -85,7 +94,7 @@ def _outlines(corners: NDArray[np.float32], views: Sequence[CameraView]) -> _Out
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         x, y = corners[:, :, 0] / depth, corners[:, :, 1] / depth
         faces = _twice_area(x, y) < -_LEAST_AREA
-    faces &= least >= near
+    faces &= (least >= near) & shown
     edges = np.array([view.size for view in views], dtype=np.float32) - 1.0
     for values, last in ((x, edges[:, :1]), (y, edges[:, 1:])):
         low = np.ceil(np.minimum(np.minimum(values[0], values[1]), values[2]))
@@ -94,7 +103,7 @@ def _outlines(corners: NDArray[np.float32], views: Sequence[CameraView]) -> _Out
     chosen = np.flatnonzero(faces)
     outlines = _Outlines(*(values.reshape(3, -1)[:, chosen] for values in (x, y)), chosen)
     greatest = np.maximum(np.maximum(depth[0], depth[1]), depth[2])
-    crossing = np.flatnonzero((least < near) & (greatest > near))
+    crossing = np.flatnonzero((least < near) & (greatest > near) & shown)
     return _joined([outlines, *_clipped(corners, crossing, near.ravel())]) if len(crossing) else outlines
 
 
@@ -134,9 +143,9 @@ def _cut(a: NDArray, b: NDArray, depth: NDArray) -> NDArray:
     return a + (b - a) * share[:, None]
 
 
-def _inverses(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _inverses(points: NDArray[np.float32]) -> NDArray[np.float64]:
     """Inverse (3, 3, k) of matrices whose columns are the corners (k, 3 corners, 3)."""
-    p = np.ascontiguousarray(points.transpose(1, 2, 0))
+    p = np.ascontiguousarray(points.transpose(1, 2, 0), dtype=np.float64)
     rows = np.empty_like(p)
     for i in range(3):
         a, b = p[(i + 1) % 3], p[(i + 2) % 3]
@@ -213,12 +222,18 @@ class _Spans:
         return seen, winner[seen], nearest[seen]
 
 
-def _interpolated(
-    inverses: NDArray[np.float64], values: NDArray[np.float32], owner: NDArray[np.int64], columns: NDArray, rows: NDArray
-) -> NDArray[np.float32]:
-    """Unit vectors (3, n) at pixels, between the vectors (3 corners, 3, k) of the corners."""
-    forms = np.einsum("ijk,ilk->kjl", inverses, values).astype(np.float32).reshape(-1, 9)[owner].T
-    column, row = columns.astype(np.float32), rows.astype(np.float32)
-    vectors = forms[:3] * column + forms[3:6] * row + forms[6:]
-    vectors /= np.maximum(np.sqrt(vectors[0] ** 2 + vectors[1] ** 2 + vectors[2] ** 2), np.float32(1e-12))
+def _forms(inverses: NDArray[np.float64], values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Factors (k, 9) of u, v and 1, three each, that give vectors between those of the corners, (3 corners, 3, k)."""
+    weights = inverses.astype(np.float32)
+    forms = weights[0][:, None] * values[0] + weights[1][:, None] * values[1] + weights[2][:, None] * values[2]
+    return np.ascontiguousarray(forms.reshape(9, -1).T)
+
+
+def _vectors(forms: NDArray[np.float32], pixels: NDArray[np.int64], width: int) -> NDArray[np.float32]:
+    """Unit vectors (n, 3) at pixels, from their factors (n, 9)."""
+    row, column = np.divmod(pixels, width)
+    u, v = column.astype(np.float32)[:, None], row.astype(np.float32)[:, None]
+    vectors = forms[:, :3] * u + forms[:, 3:6] * v + forms[:, 6:]
+    x, y, z = vectors.T
+    vectors /= np.maximum(np.sqrt(x * x + y * y + z * z), np.float32(1e-12))[:, None]
     return vectors

@@ -40,6 +40,8 @@ class Parts:
     """(3, 4, m): for each corner x, y, z, 1 in the frame of the link [m]."""
     normals: NDArray[np.float32]
     """(3, 3, m): for each corner its unit normal in the frame of the link."""
+    link: NDArray[np.int32]
+    """Number of the link of each triangle (m,), as in `links`."""
     shape: NDArray[np.int32]
     """Number of the visual of each triangle (m,), in PyBullet's order."""
     segments: NDArray[np.int32]
@@ -65,8 +67,10 @@ class Stage:
     def update(self) -> Parts | None:
         """Take the shapes and colours of this instant; None when there is a shape that cannot be drawn here."""
         identifier = self._client.id
-        uids = [bullet.getBodyUniqueId(i, physicsClientId=identifier) for i in range(bullet.getNumBodies(physicsClientId=identifier))]
-        entries = [e for uid in uids if uid not in self._room for e in bullet.getVisualShapeData(uid, physicsClientId=identifier)]
+        uids = [
+            bullet.getBodyUniqueId(i, physicsClientId=identifier) for i in range(bullet.getNumBodies(physicsClientId=identifier))
+        ]
+        entries = [e for uid in uids if uid not in self._room for e in _visuals_of(uid, identifier)]
         self._colors = np.array([entry[7] for entry in entries], dtype=np.float32).reshape(-1, 4)
         visuals = tuple(_visual(entry) for entry in entries)
         if visuals != self._visuals:
@@ -105,8 +109,14 @@ class Stage:
         return np.linalg.inv(_matrices(np.array([[*dynamics[3], *dynamics[4]]]))[0])
 
 
+def _visuals_of(uid: int, identifier: int) -> tuple[tuple, ...]:
+    flag = bullet.VISUAL_SHAPE_DATA_TEXTURE_UNIQUE_IDS
+    entries: tuple[tuple, ...] = bullet.getVisualShapeData(uid, flags=flag, physicsClientId=identifier)
+    return entries
+
+
 def _visual(entry: tuple) -> _Visual:
-    return _Visual(entry[0], entry[1], entry[2], entry[3], entry[4].decode(), entry[5], entry[6], False)
+    return _Visual(entry[0], entry[1], entry[2], entry[3], entry[4].decode(), entry[5], entry[6], entry[8] >= 0)
 
 
 def _parts(visuals: tuple[_Visual, ...]) -> Parts | None:
@@ -123,12 +133,17 @@ def _parts(visuals: tuple[_Visual, ...]) -> Parts | None:
     ends = np.cumsum([0, *(sum(len(t.corners) for _, t in shapes) for shapes in placed.values())]).tolist()
     every = [pair for shapes in placed.values() for pair in shapes]
     corners, normals = (np.concatenate([getattr(t, name) for _, t in every]) for name in ("corners", "normals"))
-    segments = [body + ((link + 1) << _LINK_SHIFT) for (body, link), shapes in placed.items() for _, t in shapes for _ in t.corners]
+    segments = [
+        body + ((link + 1) << _LINK_SHIFT) for (body, link), shapes in placed.items() for _, t in shapes for _ in t.corners
+    ]
     return Parts(
         links=tuple(placed),
         slices=tuple(slice(a, b) for a, b in zip(ends, ends[1:])),
-        corners=np.ascontiguousarray(np.concatenate([corners, np.ones((*corners.shape[:2], 1))], axis=2).transpose(1, 2, 0), dtype=np.float32),
+        corners=np.ascontiguousarray(
+            np.concatenate([corners, np.ones((*corners.shape[:2], 1))], axis=2).transpose(1, 2, 0), dtype=np.float32
+        ),
         normals=np.ascontiguousarray(normals.transpose(1, 2, 0), dtype=np.float32),
+        link=np.repeat(np.arange(len(placed), dtype=np.int32), np.diff(ends)),
         shape=np.concatenate([np.full(len(t.corners), number, dtype=np.int32) for number, t in every]),
         segments=np.array(segments, dtype=np.int32),
     )
