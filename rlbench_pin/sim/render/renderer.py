@@ -1,8 +1,8 @@
 """Pictures: moving things drawn over the room, with shadows and fill lights on top.
 
 A separate drawing of the room saves most work: a camera that stands still draws it once. Where a moving thing is nearer than the
-room it is seen; this is exact to the pixel. Moving things are drawn for all cameras of an instant together, and for the key light,
-whose picture gives the shadows. The fill lights follow from the slopes of the depth.
+room it is seen; this is exact to the pixel. Moving things are drawn for all cameras of an instant together, and for the key
+light, whose picture gives the shadows. The fill lights follow from the slopes of the depth.
 """
 
 from __future__ import annotations
@@ -122,6 +122,8 @@ class Renderer:
             requests: What each is to deliver.
             shadows: The shadows, from `shadow_map` of this instant; made where they are needed when None.
         """
+        if not requests:
+            return []
         backdrops = [self._backdrop(request.view) for request in requests]
         sights = [self._sight(request, backdrop) for request, backdrop in zip(requests, backdrops, strict=True)]
         makes_map = shadows is None and any(request.is_shaded for request in requests)

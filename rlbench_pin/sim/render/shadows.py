@@ -29,7 +29,7 @@ def light_view(light: Light) -> CameraView:
 class LightSpots:
     """Where points lie in a shadow map: four texels with weights, and the distance from the light."""
 
-    first: NDArray[np.int32]
+    first: NDArray[np.int64]
     """Upper left texel (n,)."""
     right: NDArray[np.float32]
     """Weight of the right texels (n,)."""
@@ -114,9 +114,9 @@ def _spots(u: NDArray[np.float32], v: NDArray[np.float32], depth: NDArray[np.flo
         values /= depth
         np.maximum(values, np.float32(0.0), out=values)
         np.minimum(values, last, out=values)
-    column, row = u.astype(np.int32), v.astype(np.int32)
+    column, row = np.floor(u), np.floor(v)
     u -= column
     v -= row
-    row *= _SIZE
+    row *= np.float32(_SIZE)
     row += column
-    return LightSpots(row, u, v, depth)
+    return LightSpots(row.astype(np.int64), u, v, depth)

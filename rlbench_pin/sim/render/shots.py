@@ -79,38 +79,32 @@ class Draughtsman:
             return self._other.shoot(sights)
         placements, colors = self._stage.placements(), self._stage.colors
         drawn = draw(parts, colors[:, 3] > 0.0, placements, [sight.view for sight in sights])
-        turns = np.stack([placements[link][:3, :3] for link in parts.links])
         paint = np.floor(colors[:, :3] * np.float32(255.0))
-        return [_shot(picture, sight, parts, turns, paint) for picture, sight in zip(drawn, sights, strict=True)]
+        return [_shot(picture, sight, parts, paint) for picture, sight in zip(drawn, sights, strict=True)]
 
 
-def _shot(drawn: Drawn, sight: Sight, parts: Parts, turns: NDArray[np.float64], paint: NDArray[np.float32]) -> Shot:
+def _shot(drawn: Drawn, sight: Sight, parts: Parts, paint: NDArray[np.float32]) -> Shot:
     """Colour what a camera sees.
 
     Args:
         drawn: The pixels.
         sight: The camera.
         parts: The triangles.
-        turns: Orientation (3, 3) of every link in the world.
         paint: Colour in 0..255 of every visual.
     """
     depth = np.float32(1.0) / drawn.inverse
     pixels, inverse, triangles, normals = drawn.pixels, drawn.inverse, drawn.triangles, drawn.normals
     seen = depth < sight.limit[pixels] + _TOUCHING
     if not seen.all():
-        depth, pixels, inverse, triangles, normals = (a[seen] for a in (depth, pixels, inverse, triangles, normals))
+        depth, pixels, inverse, triangles, normals = (a[..., seen] for a in (depth, pixels, inverse, triangles, normals))
     colors = np.zeros((0, 3), dtype=np.float32)
     if sight.light is not None:
-        direction = sight.light.unit
-        to_light = (direction @ turns).astype(np.float32)[parts.link[triangles]]
-        upwards = turns[:, 2].astype(np.float32)[parts.link[triangles]]
-        brightness = _brightness(_dot(normals, to_light), _dot(normals, upwards), np.float32(direction[2]), sight)
-        colors = np.minimum(np.floor(paint[parts.shape[triangles]] * brightness[:, None]), np.float32(255.0))
+        x, y, z = direction = sight.light.unit.astype(np.float32)
+        brightness = _brightness(normals[0] * x + normals[1] * y + normals[2] * z, normals[2], direction[2], sight)
+        colors = paint[parts.shape[triangles]]
+        colors *= brightness[:, None]
+        np.minimum(np.floor(colors, out=colors), np.float32(255.0), out=colors)
     return Shot(pixels, colors, inverse, depth, parts.segments[triangles])
-
-
-def _dot(a: NDArray[np.float32], b: NDArray[np.float32]) -> NDArray[np.float32]:
-    return a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
 
 
 def _brightness(cosine: NDArray[np.float32], up: NDArray[np.float32], light_up: np.float32, sight: Sight) -> NDArray[np.float32]:

@@ -1,8 +1,8 @@
 """Which triangle each pixel of some cameras sees, and how far away.
 
-All triangles are projected for all cameras in one go, and the few that face one and hold the middle of a pixel are cut into spans of
-pixels, row by row. With P the matrix of the homogeneous picture points (u z, v z, z) of its corners, 1/z = (1, 1, 1) P^-1 (u, v, 1)
-is affine over a triangle, and any quantity q of the corners is q P^-1 (u, v, 1) z: perspective comes out right.
+All triangles are projected for all cameras in one go, and the few that face one and hold the middle of a pixel are cut into spans
+of pixels, row by row. With P the matrix of the homogeneous picture points (u z, v z, z) of its corners, 1/z is (1, 1, 1) P^-1
+(u, v, 1), affine over a triangle, and any quantity q of the corners is q P^-1 (u, v, 1) z: perspective comes out right.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Drawn:
     inverse: NDArray[np.float32]
     """Inverse depth (n,) [1/m]."""
     normals: NDArray[np.float32]
-    """Unit normals (n, 3) between those of the corners, in the frame of the link."""
+    """Unit normals (3, n) in the world, between those of the corners."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,19 +61,31 @@ def draw(
     widths, heights = np.array([view.size for view in views]).T
     starts = np.concatenate([[0], np.cumsum(widths * heights)])
     camera, triangle = np.divmod(outlines.owner, corners.shape[3])
-    inverses = _inverses(corners[:, camera, :, triangle])
+    inverses = _inverses(corners, camera, triangle)
     spans = _Spans(outlines, widths[camera], heights[camera])
     pixels, owner, inverse = spans.nearest(
         inverses[0] + inverses[1] + inverses[2], starts[camera], widths[camera], int(starts[-1])
     )
     ends = np.searchsorted(pixels, starts)
-    forms = _forms(inverses, parts.normals[:, :, triangle])
+    used = np.zeros(len(triangle), dtype=np.bool_)
+    used[owner] = True
+    number_of = np.cumsum(used) - 1
+    forms = _forms(inverses[..., used], np.take(_normals(parts, placements), triangle[used], axis=2))
     drawn = []
     for number, view in enumerate(views):
         part = slice(ends[number], ends[number + 1])
-        flat = pixels[part] - starts[number]
-        drawn.append(Drawn(flat, triangle[owner[part]], inverse[part], _vectors(forms[owner[part]], flat, view.size[0])))
+        flat, which = pixels[part] - starts[number], owner[part]
+        normals = _vectors(np.take(forms, number_of[which], axis=1), flat, view.size[0])
+        drawn.append(Drawn(flat, triangle[which], inverse[part], normals))
     return drawn
+
+
+def _normals(parts: Parts, placements: Mapping[tuple[int, int], NDArray]) -> NDArray[np.float32]:
+    """Normals of all corners in the world, (3 corners, 3, m)."""
+    result = np.empty_like(parts.normals)
+    for link, part in zip(parts.links, parts.slices, strict=True):
+        np.matmul(placements[link][:3, :3].astype(np.float32), parts.normals[:, :, part], out=result[:, :, part])
+    return result
 
 
 def _projected(parts: Parts, placements: Mapping[tuple[int, int], NDArray], views: Sequence[CameraView]) -> NDArray[np.float32]:
@@ -90,21 +102,28 @@ def _outlines(corners: NDArray[np.float32], views: Sequence[CameraView], shown: 
     """Triangles that face a camera and may hold the middle of one of its pixels."""
     depth = corners[:, :, 2]
     near = np.array([[view.near] for view in views], dtype=np.float32)
-    least = np.minimum(np.minimum(depth[0], depth[1]), depth[2])
+    least = _least(depth)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         x, y = corners[:, :, 0] / depth, corners[:, :, 1] / depth
         faces = _twice_area(x, y) < -_LEAST_AREA
     faces &= (least >= near) & shown
     edges = np.array([view.size for view in views], dtype=np.float32) - 1.0
     for values, last in ((x, edges[:, :1]), (y, edges[:, 1:])):
-        low = np.ceil(np.minimum(np.minimum(values[0], values[1]), values[2]))
-        high = np.maximum(np.maximum(values[0], values[1]), values[2])
+        low, high = np.ceil(_least(values)), _greatest(values)
         faces &= (low <= high) & (low <= last) & (high >= 0.0)
     chosen = np.flatnonzero(faces)
     outlines = _Outlines(*(values.reshape(3, -1)[:, chosen] for values in (x, y)), chosen)
-    greatest = np.maximum(np.maximum(depth[0], depth[1]), depth[2])
-    crossing = np.flatnonzero((least < near) & (greatest > near) & shown)
+    crossing = np.flatnonzero((least < near) & (_greatest(depth) > near) & shown)
     return _joined([outlines, *_clipped(corners, crossing, near.ravel())]) if len(crossing) else outlines
+
+
+def _least(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Smallest (...,) of the values (3, ...) of three corners."""
+    return np.minimum(np.minimum(values[0], values[1]), values[2])
+
+
+def _greatest(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    return np.maximum(np.maximum(values[0], values[1]), values[2])
 
 
 def _twice_area(x: NDArray, y: NDArray) -> NDArray:
@@ -143,9 +162,12 @@ def _cut(a: NDArray, b: NDArray, depth: NDArray) -> NDArray:
     return a + (b - a) * share[:, None]
 
 
-def _inverses(points: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Inverse (3, 3, k) of matrices whose columns are the corners (k, 3 corners, 3)."""
-    p = np.ascontiguousarray(points.transpose(1, 2, 0), dtype=np.float64)
+def _inverses(corners: NDArray[np.float32], camera: NDArray[np.int64], triangle: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Inverse (3, 3, k) of matrices whose columns are the corners of some triangles as some cameras see them."""
+    count = corners.shape[3]
+    first = camera * (3 * count) + triangle
+    flat = corners.reshape(3, -1)
+    p = np.stack([np.take(flat, first + i * count, axis=1) for i in range(3)], axis=1).astype(np.float64)
     rows = np.empty_like(p)
     for i in range(3):
         a, b = p[(i + 1) % 3], p[(i + 2) % 3]
@@ -167,8 +189,9 @@ class _Spans:
 
     def __init__(self, outlines: _Outlines, widths: NDArray, heights: NDArray) -> None:
         x, y = outlines.x, outlines.y
-        first = np.maximum(np.ceil(y.min(axis=0)), 0.0)
-        counts = np.maximum(np.minimum(np.floor(y.max(axis=0)), heights - 1.0) - first + 1.0, 0.0).astype(np.int64)
+        first = np.maximum(np.ceil(_least(y)), np.float32(0.0))
+        last = np.minimum(np.floor(_greatest(y)), heights.astype(np.float32) - np.float32(1.0))
+        counts = np.maximum(last - first + np.float32(1.0), np.float32(0.0)).astype(np.int64)
         owner = np.repeat(np.arange(len(counts)), counts)
         step = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
         low, high = self._bounds(x, y, first, counts, step.astype(np.float32))
@@ -215,25 +238,27 @@ class _Spans:
         pixels = np.repeat(place, length) + offset
         nearest = np.zeros(size, dtype=np.float32)
         np.maximum.at(nearest, pixels, inverse)
-        wins = np.flatnonzero(inverse == nearest[pixels])
-        winner = np.zeros(size, dtype=np.int64)
+        wins = inverse == nearest[pixels]
+        winner = np.empty(size, dtype=np.int64)
         winner[pixels[wins]] = np.repeat(owner, length)[wins]
-        seen = np.flatnonzero(nearest)
+        seen = np.flatnonzero(nearest > 0.0)
         return seen, winner[seen], nearest[seen]
 
 
 def _forms(inverses: NDArray[np.float64], values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Factors (k, 9) of u, v and 1, three each, that give vectors between those of the corners, (3 corners, 3, k)."""
+    """Factors (9, k) of u, v and 1, three each, that give vectors between those of the corners, (3 corners, 3, k)."""
     weights = inverses.astype(np.float32)
-    forms = weights[0][:, None] * values[0] + weights[1][:, None] * values[1] + weights[2][:, None] * values[2]
-    return np.ascontiguousarray(forms.reshape(9, -1).T)
+    forms = weights[0][:, None] * values[0]
+    for i in (1, 2):
+        forms += weights[i][:, None] * values[i]
+    return forms.reshape(9, -1)
 
 
 def _vectors(forms: NDArray[np.float32], pixels: NDArray[np.int64], width: int) -> NDArray[np.float32]:
-    """Unit vectors (n, 3) at pixels, from their factors (n, 9)."""
+    """Unit vectors (3, n) at pixels, from their factors (9, n)."""
     row, column = np.divmod(pixels, width)
-    u, v = column.astype(np.float32)[:, None], row.astype(np.float32)[:, None]
-    vectors = forms[:, :3] * u + forms[:, 3:6] * v + forms[:, 6:]
-    x, y, z = vectors.T
-    vectors /= np.maximum(np.sqrt(x * x + y * y + z * z), np.float32(1e-12))[:, None]
+    vectors = forms[6:] + forms[:3] * column.astype(np.float32)
+    vectors += forms[3:6] * row.astype(np.float32)
+    x, y, z = vectors
+    vectors /= np.maximum(np.sqrt(x * x + y * y + z * z), np.float32(1e-12))
     return vectors

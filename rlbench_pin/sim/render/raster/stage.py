@@ -40,9 +40,7 @@ class Parts:
     """(3, 4, m): for each corner x, y, z, 1 in the frame of the link [m]."""
     normals: NDArray[np.float32]
     """(3, 3, m): for each corner its unit normal in the frame of the link."""
-    link: NDArray[np.int32]
-    """Number of the link of each triangle (m,), as in `links`."""
-    shape: NDArray[np.int32]
+    shape: NDArray[np.int64]
     """Number of the visual of each triangle (m,), in PyBullet's order."""
     segments: NDArray[np.int32]
     """Segmentation value of each triangle (m,): body + (link + 1) << 24."""
@@ -143,8 +141,7 @@ def _parts(visuals: tuple[_Visual, ...]) -> Parts | None:
             np.concatenate([corners, np.ones((*corners.shape[:2], 1))], axis=2).transpose(1, 2, 0), dtype=np.float32
         ),
         normals=np.ascontiguousarray(normals.transpose(1, 2, 0), dtype=np.float32),
-        link=np.repeat(np.arange(len(placed), dtype=np.int32), np.diff(ends)),
-        shape=np.concatenate([np.full(len(t.corners), number, dtype=np.int32) for number, t in every]),
+        shape=np.concatenate([np.full(len(t.corners), number, dtype=np.int64) for number, t in every]),
         segments=np.array(segments, dtype=np.int32),
     )
 
