@@ -91,7 +91,7 @@ def _surface(backdrop: KeptBackdrop, shot: Shot) -> tuple[NDArray[np.float32], N
     """Points and normals (3, n) of one shot."""
     view = backdrop.view
     width = view.size[0]
-    row, column = np.divmod(shot.pixels, width)
+    row, column = np.divmod(shot.pixels.astype(np.int32), np.int32(width))
     place = shot.pixels + 2 * row + (width + 3)
     inverse = backdrop.inverse.copy()
     inverse[place] = here = shot.inverse

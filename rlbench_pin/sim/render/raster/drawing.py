@@ -188,35 +188,22 @@ class _Spans:
     """
 
     def __init__(self, outlines: _Outlines, widths: NDArray, heights: NDArray) -> None:
-        x, y = outlines.x, outlines.y
+        y = outlines.y
         first = np.maximum(np.ceil(_least(y)), np.float32(0.0))
         last = np.minimum(np.floor(_greatest(y)), heights.astype(np.float32) - np.float32(1.0))
         counts = np.maximum(last - first + np.float32(1.0), np.float32(0.0)).astype(np.int64)
-        owner = np.repeat(np.arange(len(counts)), counts)
-        step = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
-        low, high = self._bounds(x, y, first, counts, step.astype(np.float32))
-        low = np.maximum(np.ceil(low), 0.0)
-        high = np.minimum(np.floor(high), np.repeat(widths - 1, counts))
+        ends = np.cumsum(counts)
+        step = np.arange(ends[-1] if len(ends) else 0)
+        step -= np.repeat(ends - counts, counts)
+        low, high = _bounds(outlines.x, y, first, counts, step.astype(np.float32))
+        np.maximum(np.ceil(low, out=low), np.float32(0.0), out=low)
+        np.minimum(np.floor(high, out=high), np.repeat((widths - 1).astype(np.float32), counts), out=high)
         kept = np.flatnonzero(high >= low)
-        self._owner, self._column = owner[kept], low[kept].astype(np.int64)
+        low, high = low[kept], high[kept]
+        self._owner = np.repeat(np.arange(len(counts)), counts)[kept]
+        self._column = low.astype(np.int64)
         self._row = first[self._owner].astype(np.int64) + step[kept]
-        self._length = (high[kept] - low[kept]).astype(np.int64) + 1
-
-    @staticmethod
-    def _bounds(x: NDArray, y: NDArray, first: NDArray, counts: NDArray, step: NDArray) -> tuple[NDArray, NDArray]:
-        """First and last column of each row [px]: edges that go down bound from the left, those that go up from the right."""
-        low, high = np.full(len(step), -np.inf, dtype=np.float32), np.full(len(step), np.inf, dtype=np.float32)
-        for i in range(3):
-            j = (i + 1) % 3
-            rise = y[j] - y[i]
-            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-                slope = (x[j] - x[i]) / rise
-                start = x[i] + (first - y[i]) * slope
-            for bound, is_side, worst, choose in ((low, rise > 0.0, -np.inf, np.maximum), (high, rise < 0.0, np.inf, np.minimum)):
-                at = np.where(is_side, start, np.float32(worst))
-                along = np.where(is_side, slope, np.float32(0.0))
-                choose(bound, np.repeat(at, counts) + np.repeat(along, counts) * step, out=bound)
-        return low, high
+        self._length = (high - low).astype(np.int64) + 1
 
     def nearest(
         self, plane: NDArray[np.float64], starts: NDArray, widths: NDArray, size: int
@@ -232,10 +219,14 @@ class _Spans:
         owner, length = self._owner, self._length
         begin = plane[0, owner] * self._column + plane[1, owner] * self._row + plane[2, owner]
         place = starts[owner] + self._row * widths[owner] + self._column
-        offset = np.arange(int(length.sum())) - np.repeat(np.cumsum(length) - length, length)
-        inverse = np.repeat(begin.astype(np.float32), length)
-        inverse += np.repeat(plane[0, owner].astype(np.float32), length) * offset.astype(np.float32)
-        pixels = np.repeat(place, length) + offset
+        ends = np.cumsum(length)
+        offset = np.arange(ends[-1] if len(ends) else 0)
+        offset -= np.repeat(ends - length, length)
+        inverse = np.repeat(plane[0, owner].astype(np.float32), length)
+        inverse *= offset
+        inverse += np.repeat(begin.astype(np.float32), length)
+        pixels = np.repeat(place, length)
+        pixels += offset
         nearest = np.zeros(size, dtype=np.float32)
         np.maximum.at(nearest, pixels, inverse)
         wins = inverse == nearest[pixels]
@@ -243,6 +234,46 @@ class _Spans:
         winner[pixels[wins]] = np.repeat(owner, length)[wins]
         seen = np.flatnonzero(nearest > 0.0)
         return seen, winner[seen], nearest[seen]
+
+
+def _bounds(
+    x: NDArray[np.float32], y: NDArray[np.float32], first: NDArray[np.float32], counts: NDArray[np.int64], step: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """First and last column of rows of triangles [px].
+
+    Edges that go down the picture bound from the left, those that go up from the right: one on one side, up to two on the other.
+
+    Args:
+        x: Columns (3, k) of the corners [px].
+        y: Rows (3, k) of the corners [px].
+        first: First row of each triangle (k,) [px].
+        counts: Number of its rows (k,).
+        step: Number of each row in its triangle (n,).
+    """
+    a, b, c = _from_top(x, y)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        edges = []
+        for (x0, y0), (x1, y1) in ((a, c), (a, b), (b, c)):
+            slope = (x1 - x0) / (y1 - y0)
+            column = np.repeat(slope, counts)
+            column *= step
+            column += np.repeat(x0 + (first - y0) * slope, counts)
+            edges.append(column)
+        long, upper, lower = edges
+        # level edges, nan or infinite here, bound nothing; the middle corner lies to the right of the long edge or to its left
+        is_right = np.repeat((b[0] - a[0]) * (c[1] - a[1]) > (c[0] - a[0]) * (b[1] - a[1]), counts)
+        return np.where(is_right, long, np.fmax(upper, lower)), np.where(is_right, np.fmin(upper, lower), long)
+
+
+def _from_top(x: NDArray[np.float32], y: NDArray[np.float32]) -> list[tuple[NDArray[np.float32], NDArray[np.float32]]]:
+    """Columns and rows of the corners of triangles, the upper corners first."""
+    corners = list(zip(x, y, strict=True))
+    for i, j in ((0, 1), (1, 2), (0, 1)):
+        (xi, yi), (xj, yj) = corners[i], corners[j]
+        swaps = yi > yj
+        corners[i] = np.where(swaps, xj, xi), np.where(swaps, yj, yi)
+        corners[j] = np.where(swaps, xi, xj), np.where(swaps, yi, yj)
+    return corners
 
 
 def _forms(inverses: NDArray[np.float64], values: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -256,9 +287,10 @@ def _forms(inverses: NDArray[np.float64], values: NDArray[np.float32]) -> NDArra
 
 def _vectors(forms: NDArray[np.float32], pixels: NDArray[np.int64], width: int) -> NDArray[np.float32]:
     """Unit vectors (3, n) at pixels, from their factors (9, n)."""
-    row, column = np.divmod(pixels, width)
-    vectors = forms[6:] + forms[:3] * column.astype(np.float32)
+    row, column = np.divmod(pixels.astype(np.int32), np.int32(width))
+    vectors = forms[:3] * column.astype(np.float32)
     vectors += forms[3:6] * row.astype(np.float32)
+    vectors += forms[6:]
     x, y, z = vectors
     vectors /= np.maximum(np.sqrt(x * x + y * y + z * z), np.float32(1e-12))
     return vectors
