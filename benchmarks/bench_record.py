@@ -3,9 +3,10 @@
     python benchmarks/bench_record.py --out docs/results/record.json
     python benchmarks/bench_record.py --every-task --out docs/results/record_tasks.json
 
-The second measures the first variation of every task with five cameras by processor time in one process: episodes that one core makes
-in a minute, and kilobytes a frame, in the mean over the tasks. It goes on where it was stopped. The first compares workers: rates are those between the first and the last episode, so the start of the workers is left out; a figure by processor time (which other programs
-on the machine do not change) stands beside those by the clock. Both write a table beside the JSON.
+The second measures the first variation of every task with five cameras by processor time in one process: episodes that one core
+makes in a minute, and kilobytes a frame, in the mean over the tasks. It goes on where it was stopped. The first compares workers:
+rates are those between the first and the last episode, so the start of the workers is left out; a figure by processor time (which
+other programs on the machine do not change) stands beside those by the clock. Both write a table beside the JSON.
 """
 
 from __future__ import annotations
@@ -160,7 +161,10 @@ def measure_tasks(tasks: Sequence[str], episodes: int, kept: Path | None) -> lis
 
 def table_of_tasks(figures: Sequence[TaskFigures]) -> str:
     """Return the figures for people, the mean over the tasks last."""
-    lines = ["| Task | Processor s an episode | Episodes a minute and core | Frames | ms a frame | kB a frame |", "|---|---|---|---|---|---|"]
+    lines = [
+        "| Task | Processor s an episode | Episodes a minute and core | Frames | ms a frame | kB a frame |",
+        "|---|---|---|---|---|---|",
+    ]
     rows = [(f.task, f.seconds, f.frames, 1e3 * f.seconds / f.frames, f.kilobytes_a_frame) for f in figures]
     means = [sum(column) / len(rows) for column in zip(*(row[1:] for row in rows))]
     rows.append(("mean", means[0], means[1], means[2], means[3]))
@@ -191,13 +195,16 @@ def main() -> None:
     """Measure, print, save."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tasks", nargs="+")
-    parser.add_argument("--every-task", action="store_true", help="processor time of every task, or of those named, in one process")
+    parser.add_argument(
+        "--every-task", action="store_true", help="processor time of every task, or of those named, in one process"
+    )
     parser.add_argument("--episodes", type=int, nargs="+", default=[20, 6], help="of each task, without and with pictures")
     parser.add_argument("--workers", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--out", type=Path)
     options = parser.parse_args()
     if options.every_task:
-        text = table_of_tasks(measure_tasks(options.tasks or task_names(), 2 if len(options.episodes) > 1 else options.episodes[0], options.out))
+        episodes = options.episodes[0] if len(options.episodes) == 1 else 2
+        text = table_of_tasks(measure_tasks(options.tasks or task_names(), episodes, options.out))
         print(text)
         if options.out is not None:
             options.out.with_suffix(".md").write_text(text, encoding="utf-8")

@@ -147,7 +147,7 @@ def _unpack(kind: str, data: np.ndarray) -> list[Value]:
     raise ValueError(f"unknown kind of series '{kind}'")
 
 
-def _are_equal(rows: Sequence[Value]) -> bool:
+def _are_equal(rows: Sequence[Value] | np.ndarray) -> bool:
     """Whether all texts or arrays are bit-equal (so that NaN equals NaN and -0.0 differs from 0.0)."""
     if isinstance(rows[0], str):
         return all(text == rows[0] for text in rows)

@@ -20,7 +20,7 @@ from rlbench_pin.sim.render.backdrop import Painter
 from rlbench_pin.sim.render.camera import CameraView, Pictures
 from rlbench_pin.sim.render.lighting import Light, Lighting
 from rlbench_pin.sim.render.link_texture import LinkTexture
-from rlbench_pin.sim.render.shading import KeptBackdrop, as_bytes, light_factors, put_textures, shade_room, surfaces_of
+from rlbench_pin.sim.render.shading import KeptBackdrop, as_bytes, brightness, put_textures, shade_room, surfaces_of
 from rlbench_pin.sim.render.shadows import ShadowMap, light_view
 from rlbench_pin.sim.render.shots import BODY_BITS, LINK_SHIFT, BulletCamera, Draughtsman, Photographer, Shot, Sight
 
@@ -131,10 +131,9 @@ class Renderer:
         shots = self._photographer.shoot([*sights, _sight_of_light(view)] if makes_map else sights)
         if makes_map:
             shadows = _shadow_map(view, shots.pop())
-        images = self._images(requests, backdrops, shots, shadows)
         return [
-            Pictures(image, *self._geometry(request, backdrop, shot))
-            for image, request, backdrop, shot in zip(images, requests, backdrops, shots, strict=True)
+            self._pictures(request, backdrop, shot, shadows if request.shadows else None)
+            for request, backdrop, shot in zip(requests, backdrops, shots, strict=True)
         ]
 
     # Moving things ---------------------------------------------------------------------------------------------------
@@ -149,51 +148,31 @@ class Renderer:
         ambient = lighting.ambient if request.shadows else lighting.ambient + lighting.mean_fill
         return Sight(request.view, backdrop.picture.depth.ravel(), lighting.key if request.rgb else None, ambient)
 
-    def _geometry(
-        self, request: Request, backdrop: KeptBackdrop, shot: Shot
-    ) -> tuple[NDArray[np.float32] | None, NDArray[np.int32] | None]:
-        """Depth and mask, as far as they are asked for."""
-        distance = ids = None
+    def _pictures(self, request: Request, backdrop: KeptBackdrop, shot: Shot, shadows: ShadowMap | None) -> Pictures:
+        """Put what moves before the room, as far as it is asked for."""
+        image = distance = ids = None
+        if request.rgb:
+            image = backdrop.rgb.copy()
+            if shadows is not None and not shadows.is_empty:
+                shade_room(image, backdrop, shadows)
+            image.reshape(-1, 3)[shot.pixels] = self._shaded(backdrop, shot, shadows)
         if request.depth:
             distance = backdrop.picture.depth.copy()
             distance.ravel()[shot.pixels] = shot.depth
         if request.mask:
             ids = backdrop.picture.mask.copy()
             ids.ravel()[shot.pixels] = self._ids()[shot.segments & BODY_BITS, shot.segments >> LINK_SHIFT]
-        return distance, ids
+        return Pictures(image, distance, ids)
 
-    # Light -----------------------------------------------------------------------------------------------------------
-
-    def _images(
-        self, requests: Sequence[Request], backdrops: Sequence[KeptBackdrop], shots: Sequence[Shot], shadows: ShadowMap | None
-    ) -> list[NDArray[np.uint8] | None]:
-        """Colours (h, w, 3) of each camera, None where they are not asked for."""
-        images = [backdrop.rgb.copy() if request.rgb else None for request, backdrop in zip(requests, backdrops, strict=True)]
-        for shaded in (True, False):
-            chosen = [i for i, request in enumerate(requests) if request.rgb and request.shadows == shaded]
-            if not chosen:
-                continue
-            rooms, seen = [backdrops[i] for i in chosen], [shots[i] for i in chosen]
-            light = shadows if shaded else None
-            ends = np.cumsum([0, *(len(shot.pixels) for shot in seen)])
-            colors = self._shaded(rooms, seen, light)
-            for number, i in enumerate(chosen):
-                image = images[i]
-                assert image is not None
-                if light is not None and not light.is_empty:
-                    shade_room(image, backdrops[i], light)
-                image.reshape(-1, 3)[shots[i].pixels] = colors[ends[number] : ends[number + 1]]
-        return images
-
-    def _shaded(self, backdrops: Sequence[KeptBackdrop], shots: Sequence[Shot], shadows: ShadowMap | None) -> NDArray[np.uint8]:
-        """Colours (n, 3) of moving things with shadows, fill lights and textures, of one camera after the other."""
-        colors = np.concatenate([shot.colors for shot in shots])
+    def _shaded(self, backdrop: KeptBackdrop, shot: Shot, shadows: ShadowMap | None) -> NDArray[np.uint8]:
+        """Colours (n, 3) of moving things with shadows, fill lights and textures."""
+        colors = shot.colors
         if len(colors) and (shadows is not None or self._link_textures):
-            surfaces = surfaces_of(backdrops, shots)
+            surfaces = surfaces_of(backdrop, shot)
             if shadows is not None:
-                colors *= light_factors(surfaces, self.lighting, shadows)
+                colors *= brightness(surfaces, self.lighting, shadows)
             if self._link_textures:
-                put_textures(colors, backdrops, surfaces, self._link_textures, self._frame)
+                put_textures(colors, surfaces, self._link_textures, self._frame)
         return as_bytes(colors)
 
     def _frame(self, body: int, link: int) -> NDArray[np.float32]:

@@ -1,8 +1,8 @@
-"""Shadows, fill lights and textures on what cameras see, for all of them at once: small arrays cost mostly their calls."""
+"""Shadows, fill lights and textures on what a camera sees."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -67,114 +67,122 @@ def shade_room(image: NDArray[np.uint8], backdrop: KeptBackdrop, shadows: Shadow
 
 @dataclass(frozen=True, eq=False)
 class Surfaces:
-    """Points of moving things that some cameras see, those of one camera after those of the other."""
+    """Points of moving things that one camera sees, in its frame; each quantity as x, y and z."""
 
-    shots: tuple[Shot, ...]
-    """What the cameras see."""
+    backdrop: KeptBackdrop
+    """The camera."""
+    shot: Shot
+    """What it sees."""
     points: NDArray[np.float32]
-    """Where it is (3, n) in the world [m]."""
+    """(3, n) [m]."""
     normals: NDArray[np.float32]
-    """Unit normals (3, n) in the world."""
+    """Unit normals (3, n)."""
+
+    def in_world(self, chosen: NDArray[np.int64]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Return some points and normals (m, 3) in world axes."""
+        pose = self.backdrop.view.extrinsics().astype(np.float32)
+        points, normals = (a[:, chosen].T @ pose[:3, :3].T for a in (self.points, self.normals))
+        return points + pose[:3, 3], normals
 
 
-def surfaces_of(backdrops: Sequence[KeptBackdrop], shots: Sequence[Shot]) -> Surfaces:
-    """Find the points and normals of what cameras see, from its depth.
+def surfaces_of(backdrop: KeptBackdrop, shot: Shot) -> Surfaces:
+    """Find the points and normals of what a camera sees, from its depth.
 
     On a plane m . P = 1 the inverse depth is m . ray, affine over the picture; its slopes therefore give m. At edges the smaller
     of the two one-sided slopes is that of the surface itself.
     """
-    parts = [_surface(backdrop, shot) for backdrop, shot in zip(backdrops, shots, strict=True)]
-    return Surfaces(tuple(shots), *(np.concatenate([part[i] for part in parts], axis=1) for i in (0, 1)))
-
-
-def _surface(backdrop: KeptBackdrop, shot: Shot) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Points and normals (3, n) of one shot."""
     view = backdrop.view
     width = view.size[0]
     row, column = np.divmod(shot.pixels.astype(np.int32), np.int32(width))
-    place = shot.pixels + 2 * row + (width + 3)
+    place = shot.pixels + 2 * row
+    place += width + 3
     inverse = backdrop.inverse.copy()
     inverse[place] = here = shot.inverse
-    along = _smaller(inverse[place + 1] - here, here - inverse[place - 1])
-    down = _smaller(inverse[place + width + 2] - here, here - inverse[place - width - 2])
-    k, pose = view.intrinsics().astype(np.float32), view.extrinsics().astype(np.float32)
+    along = _smaller(inverse.take(place + 1) - here, here - inverse.take(place - 1))
+    down = _smaller(inverse.take(place + (width + 2)) - here, here - inverse.take(place - (width + 2)))
+    k = view.intrinsics().astype(np.float32)
     u, v = column.astype(np.float32) - k[0, 2], row.astype(np.float32) - k[1, 2]
-    normals = _turned(pose, -along * k[0, 0], -down * k[1, 1], along * u + down * v - here)
-    length = np.sqrt(normals[0] * normals[0] + normals[1] * normals[1] + normals[2] * normals[2])
-    normals /= np.maximum(length, np.float32(1e-12))
-    points = _turned(pose, u * (shot.depth / k[0, 0]), v * (shot.depth / k[1, 1]), shot.depth)
-    points += pose[:3, 3:]
-    return points, normals
+    normals, points = np.empty((3, len(here)), dtype=np.float32), np.empty((3, len(here)), dtype=np.float32)
+    np.multiply(along, -k[0, 0], out=normals[0])
+    np.multiply(down, -k[1, 1], out=normals[1])
+    np.subtract(along * u + down * v, here, out=normals[2])
+    length = normals[0] * normals[0]
+    length += normals[1] * normals[1]
+    length += normals[2] * normals[2]
+    normals /= np.maximum(np.sqrt(length, out=length), np.float32(1e-12), out=length)
+    np.multiply(u, shot.depth / k[0, 0], out=points[0])
+    np.multiply(v, shot.depth / k[1, 1], out=points[1])
+    points[2] = shot.depth
+    return Surfaces(backdrop, shot, points, normals)
 
 
 def _smaller(a: NDArray[np.float32], b: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.where(np.abs(a) < np.abs(b), a, b)
 
 
-def _turned(pose: NDArray[np.float32], x: NDArray, y: NDArray, z: NDArray) -> NDArray[np.float32]:
-    """Vectors (3, n) in the world from their components in a frame (4, 4)."""
-    return pose[:3, :1] * x + pose[:3, 1:2] * y + pose[:3, 2:3] * z
-
-
-def light_factors(surfaces: Surfaces, lighting: Lighting, shadows: ShadowMap) -> NDArray[np.float32]:
-    """By how much brighter (n, 3) or (n, 1) points are than ambient and unshaded key light make them."""
-    normals = surfaces.normals
-    cosine = _on(normals, lighting.key.unit)
-    tangent = np.sqrt(np.float32(1.0) - np.minimum(cosine, np.float32(1.0)) ** 2) / np.maximum(cosine, np.float32(0.15))
-    bias = np.float32(0.006) + np.float32(0.008) * tangent
-    lit = np.float32(1.0) if shadows.is_empty else shadows.lit(spots_of(shadows.view, surfaces.points), bias)
+def brightness(surfaces: Surfaces, lighting: Lighting, shadows: ShadowMap) -> NDArray[np.float32]:
+    """By how much brighter (n, 1) or (n, 3) points are than ambient and unshaded key light make them."""
+    turn = surfaces.backdrop.view.extrinsics()[:3, :3]
+    cosine = _on(surfaces.normals, lighting.key.unit @ turn)
     key = cosine * np.float32(lighting.key.intensity)
     ambient = np.float32(lighting.ambient)
     plain = ambient + key
-    fills = [_on(normals, fill.unit) * np.float32(fill.intensity) for fill in lighting.fills]
+    if not shadows.is_empty:
+        key *= _share(surfaces, cosine, shadows)
+    fills = [_on(surfaces.normals, fill.unit @ turn) * np.float32(fill.intensity) for fill in lighting.fills]
     if lighting.is_white:
-        total = ambient + key * lit
+        key += ambient
         for fill in fills:
-            total += fill
-        return (total / plain)[:, None]
+            key += fill
+        key /= plain
+        return key[:, None]
     tint = np.array(lighting.key.color, dtype=np.float32)
-    mixed = ambient * (tint * np.float32(0.5) + np.float32(0.5)) + (key * lit)[:, None] * tint
+    mixed = ambient * (tint * np.float32(0.5) + np.float32(0.5)) + key[:, None] * tint
     for fill, light in zip(fills, lighting.fills, strict=True):
-        mixed = mixed + fill[:, None] * np.array(light.color, dtype=np.float32)
+        mixed += fill[:, None] * np.array(light.color, dtype=np.float32)
     return mixed / plain[:, None]
+
+
+def _share(surfaces: Surfaces, cosine: NDArray[np.float32], shadows: ShadowMap) -> NDArray[np.float32]:
+    """Share (n,) of the key light that reaches points; surfaces that it grazes are given more room."""
+    tangent = np.sqrt(np.float32(1.0) - np.minimum(cosine, np.float32(1.0)) ** 2) / np.maximum(cosine, np.float32(0.15))
+    tangent *= np.float32(0.008)
+    tangent += np.float32(0.006)
+    return shadows.lit(spots_of(shadows.view, surfaces.backdrop.view, surfaces.points), tangent)
 
 
 def _on(normals: NDArray[np.float32], direction: NDArray[np.float64]) -> NDArray[np.float32]:
     """Cosines (n,) between normals (3, n) and a unit vector (3,), 0 where they point away from each other."""
     x, y, z = direction.astype(np.float32)
-    return np.maximum(normals[0] * x + normals[1] * y + normals[2] * z, np.float32(0.0))
+    cosine = normals[0] * x
+    cosine += normals[1] * y
+    cosine += normals[2] * z
+    return np.maximum(cosine, np.float32(0.0), out=cosine)
 
 
 def put_textures(
-    colors: NDArray[np.float32],
-    backdrops: Sequence[KeptBackdrop],
-    surfaces: Surfaces,
-    textures: Mapping[tuple[int, int], LinkTexture],
-    frame: LinkFrame,
+    colors: NDArray[np.float32], surfaces: Surfaces, textures: Mapping[tuple[int, int], LinkTexture], frame: LinkFrame
 ) -> None:
     """Multiply colours (n, 3) by textures of links.
 
     Args:
         colors: Colours of the points.
-        backdrops: The cameras.
         surfaces: The points.
         textures: Textures by body and link.
         frame: Says where a link is.
     """
-    shots = surfaces.shots
-    segments = np.concatenate([shot.segments for shot in shots])
-    sizes = [shot.depth / np.float32(-b.view.intrinsics()[0, 0]) for b, shot in zip(backdrops, shots, strict=True)]
-    size = np.concatenate(sizes)
+    shot, focal = surfaces.shot, np.float32(-surfaces.backdrop.view.intrinsics()[0, 0])
     for (body, link), texture in textures.items():
-        chosen = np.flatnonzero(segments == body + ((link + 1) << LINK_SHIFT))
+        chosen = np.flatnonzero(shot.segments == body + ((link + 1) << LINK_SHIFT))
         if len(chosen):
-            points, normals = (np.ascontiguousarray(a[:, chosen].T) for a in (surfaces.points, surfaces.normals))
-            colors[chosen] *= colors_of(texture, frame(body, link), points, normals, size[chosen])
+            points, normals = surfaces.in_world(chosen)
+            colors[chosen] *= colors_of(texture, frame(body, link), points, normals, shot.depth[chosen] / focal)
 
 
 def as_bytes(colors: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Round colours in 0..255."""
-    return np.minimum(colors + np.float32(0.5), np.float32(255.0)).astype(np.uint8)
+    """Round colours in 0..255; overwrites them."""
+    colors += np.float32(0.5)
+    return np.minimum(colors, np.float32(255.0), out=colors).astype(np.uint8)
 
 
 def _unpacked(colors: NDArray[np.uint32]) -> NDArray[np.float32]:

@@ -80,12 +80,17 @@ class ShadowMap:
         return upper + (lower - upper) * spots.down
 
 
-def spots_of(light: CameraView, points: NDArray[np.float32]) -> LightSpots:
-    """Find points (3, n) [m] in shadow maps taken with `light`."""
-    matrix = light.to_picture.astype(np.float32)
+def spots_of(light: CameraView, view: CameraView, points: NDArray[np.float32]) -> LightSpots:
+    """Find points (3, n) [m] in the frame of a camera in shadow maps taken with `light`."""
     x, y, z = points
-    u, v, depth = (row[0] * x + row[1] * y + row[2] * z + row[3] for row in matrix)
-    return _spots(u, v, depth)
+    found = []
+    for a, b, c, shift in (light.to_picture @ view.extrinsics()).astype(np.float32):
+        value = x * a
+        value += y * b
+        value += z * c
+        value += shift
+        found.append(value)
+    return _spots(*found)
 
 
 def spots_in_picture(light: CameraView, view: CameraView, depth: NDArray[np.float32]) -> LightSpots:

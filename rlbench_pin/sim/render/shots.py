@@ -92,19 +92,19 @@ def _shot(drawn: Drawn, sight: Sight, parts: Parts, paint: NDArray[np.float32]) 
         parts: The triangles.
         paint: Colour in 0..255 of every visual.
     """
-    depth = np.float32(1.0) / drawn.inverse
+    depth: NDArray[np.float32] = np.float32(1.0) / drawn.inverse
     pixels, inverse, triangles, normals = drawn.pixels, drawn.inverse, drawn.triangles, drawn.normals
     seen = depth < sight.limit[pixels] + _TOUCHING
     if not seen.all():
-        depth, pixels, inverse, triangles, normals = (a[..., seen] for a in (depth, pixels, inverse, triangles, normals))
+        depth, pixels, inverse, triangles, normals = depth[seen], pixels[seen], inverse[seen], triangles[seen], normals[:, seen]
     colors = np.zeros((0, 3), dtype=np.float32)
     if sight.light is not None:
         x, y, z = direction = sight.light.unit.astype(np.float32)
         brightness = _brightness(normals[0] * x + normals[1] * y + normals[2] * z, normals[2], direction[2], sight)
-        colors = paint[parts.shape[triangles]]
+        colors = paint.take(parts.shape.take(triangles), axis=0)
         colors *= brightness[:, None]
         np.minimum(np.floor(colors, out=colors), np.float32(255.0), out=colors)
-    return Shot(pixels, colors, inverse, depth, parts.segments[triangles])
+    return Shot(pixels, colors, inverse, depth, parts.segments.take(triangles))
 
 
 def _brightness(cosine: NDArray[np.float32], up: NDArray[np.float32], light_up: np.float32, sight: Sight) -> NDArray[np.float32]:
@@ -149,10 +149,10 @@ class BulletCamera:
             moving &= ~np.isin(segments & BODY_BITS, self._room)
         pixels = np.flatnonzero(moving)
         near, far = view.near, view.far
-        inverse = (far - (far - near) * np.reshape(buffer, -1)[pixels].astype(np.float64)) / (near * far)
-        depth = (1.0 / inverse).astype(np.float32)
+        precise = (far - (far - near) * np.reshape(buffer, -1)[pixels].astype(np.float64)) / (near * far)
+        depth = (1.0 / precise).astype(np.float32)
         seen = depth < sight.limit[pixels] + _TOUCHING
-        pixels, inverse, depth = pixels[seen], inverse[seen].astype(np.float32), depth[seen]
+        pixels, inverse, depth = pixels[seen], precise[seen].astype(np.float32), depth[seen]
         rgb = np.reshape(colors, (-1, 4))[pixels, :3].astype(np.float32)
         return Shot(pixels, rgb, inverse, depth, segments[pixels])
 

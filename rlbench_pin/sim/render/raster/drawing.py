@@ -112,7 +112,7 @@ def _outlines(corners: NDArray[np.float32], views: Sequence[CameraView], shown: 
         low, high = np.ceil(_least(values)), _greatest(values)
         faces &= (low <= high) & (low <= last) & (high >= 0.0)
     chosen = np.flatnonzero(faces)
-    outlines = _Outlines(*(values.reshape(3, -1)[:, chosen] for values in (x, y)), chosen)
+    outlines = _Outlines(x.reshape(3, -1)[:, chosen], y.reshape(3, -1)[:, chosen], chosen)
     crossing = np.flatnonzero((least < near) & (_greatest(depth) > near) & shown)
     return _joined([outlines, *_clipped(corners, crossing, near.ravel())]) if len(crossing) else outlines
 
@@ -237,7 +237,11 @@ class _Spans:
 
 
 def _bounds(
-    x: NDArray[np.float32], y: NDArray[np.float32], first: NDArray[np.float32], counts: NDArray[np.int64], step: NDArray[np.float32]
+    x: NDArray[np.float32],
+    y: NDArray[np.float32],
+    first: NDArray[np.float32],
+    counts: NDArray[np.int64],
+    step: NDArray[np.float32],
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """First and last column of rows of triangles [px].
 

@@ -106,7 +106,7 @@ def _read_obj(file: Path) -> Triangles:
     """Read corners, normals and faces; faces with more than three corners become fans, corners without normals are flat."""
     points: list[list[float]] = []
     normals: list[list[float]] = []
-    faces: list[list[tuple[int, int | None]]] = []
+    faces: list[list[tuple[int, int]]] = []
     for line in file.read_text(encoding="utf-8", errors="replace").splitlines():
         word, *rest = line.split() or [""]
         if word == "v":
@@ -116,18 +116,19 @@ def _read_obj(file: Path) -> Triangles:
         elif word == "f":
             corners = [_corner(text, len(points), len(normals)) for text in rest]
             faces += [[corners[0], corners[i], corners[i + 1]] for i in range(1, len(corners) - 1)]
-    corners_at = np.array(points).reshape(-1, 3)[[[c[0] for c in face] for face in faces]] if faces else np.zeros((0, 3, 3))
-    if not faces or any(c[1] is None for face in faces for c in face):
+    numbers = np.array(faces, dtype=np.int64).reshape(-1, 3, 2)
+    corners_at = np.array(points, dtype=float).reshape(-1, 3)[numbers[..., 0]]
+    if len(normals) == 0 or (numbers[..., 1] < 0).any():
         return Triangles(corners_at, _flat(corners_at))
-    at_corners = np.array(normals)[[[c[1] for c in face] for face in faces]]
+    at_corners = np.array(normals)[numbers[..., 1]]
     return Triangles(corners_at, at_corners / np.maximum(np.linalg.norm(at_corners, axis=2, keepdims=True), 1e-30))
 
 
-def _corner(text: str, points: int, normals: int) -> tuple[int, int | None]:
-    """Numbers of the point and the normal of one corner `v/vt/vn`; negative ones count from the end."""
+def _corner(text: str, points: int, normals: int) -> tuple[int, int]:
+    """Numbers of the point and the normal of one corner `v/vt/vn`, -1 for no normal; negative ones count from the end."""
     parts = text.split("/")
-    normal = int(parts[2]) if len(parts) > 2 and parts[2] else None
-    return _index(int(parts[0]), points), None if normal is None else _index(normal, normals)
+    normal = _index(int(parts[2]), normals) if len(parts) > 2 and parts[2] else -1
+    return _index(int(parts[0]), points), normal
 
 
 def _index(number: int, count: int) -> int:

@@ -56,6 +56,7 @@ class Stage:
 
     def __init__(self, client: PhysicsClient, room: frozenset[int]) -> None:
         self._client, self._room = client, room
+        self._entries: list[tuple] = []
         self._visuals: tuple[_Visual, ...] = ()
         self._parts: Parts | None = None
         self._bodies: dict[int, int] = {}
@@ -68,14 +69,16 @@ class Stage:
         uids = [
             bullet.getBodyUniqueId(i, physicsClientId=identifier) for i in range(bullet.getNumBodies(physicsClientId=identifier))
         ]
-        entries = [e for uid in uids if uid not in self._room for e in _visuals_of(uid, identifier)]
-        self._colors = np.array([entry[7] for entry in entries], dtype=np.float32).reshape(-1, 4)
-        visuals = tuple(_visual(entry) for entry in entries)
-        if visuals != self._visuals:
-            self._visuals, self._parts = visuals, _parts(visuals)
-            bodies = {visual.body: bullet.getNumJoints(visual.body, physicsClientId=identifier) for visual in visuals}
-            self._from_com = {body: self._com(body) for body in bodies}
-            self._bodies = bodies
+        entries = [entry for uid in uids if uid not in self._room for entry in _entries_of(uid, identifier)]
+        if entries != self._entries:
+            self._entries = entries
+            self._colors = np.array([entry[7] for entry in entries], dtype=np.float32).reshape(-1, 4)
+            visuals = tuple(_visual(entry) for entry in entries)
+            if visuals != self._visuals:
+                self._visuals, self._parts = visuals, _parts(visuals)
+                bodies = {visual.body: bullet.getNumJoints(visual.body, physicsClientId=identifier) for visual in visuals}
+                self._from_com = {body: self._com(body) for body in bodies}
+                self._bodies = bodies
         return self._parts
 
     @property
@@ -107,7 +110,7 @@ class Stage:
         return np.linalg.inv(_matrices(np.array([[*dynamics[3], *dynamics[4]]]))[0])
 
 
-def _visuals_of(uid: int, identifier: int) -> tuple[tuple, ...]:
+def _entries_of(uid: int, identifier: int) -> tuple[tuple, ...]:
     flag = bullet.VISUAL_SHAPE_DATA_TEXTURE_UNIQUE_IDS
     entries: tuple[tuple, ...] = bullet.getVisualShapeData(uid, flags=flag, physicsClientId=identifier)
     return entries
