@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from rlbench_pin.sim.render.camera import CameraView
 from rlbench_pin.sim.render.raster.stage import Parts
 
-_LEAST_AREA = 1e-2  # twice the area of a triangle that is drawn [px^2]
+_LEAST_AREA = 1e-4  # twice the area of a triangle that is drawn; smaller ones are slivers [px^2]
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rlbench_pin.sim.client import bullet
 
-_AROUND, _ALONG = 32, 16
+_AROUND, _ALONG = 20, 10
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,10 +30,10 @@ def volume(triangles: Triangles) -> float:
 
 @pytest.mark.parametrize(("kind", "size", "expected"), SHAPES)
 def test_primitives_have_their_volume_and_normals_outwards(kind: int, size: tuple[float, ...], expected: float) -> None:
-    """Within the 4 % that flat facets cost, so that no facet is missing or turned."""
+    """Within the 8 % that flat facets cost, so that no facet is missing or turned."""
     triangles = triangles_of(kind, size, "")
     assert triangles is not None
-    assert 0.96 * expected < volume(triangles) <= 1.0001 * expected
+    assert 0.92 * expected < volume(triangles) <= 1.0001 * expected
     np.testing.assert_allclose(np.linalg.norm(triangles.normals, axis=2), 1.0, atol=1e-9)
     assert (np.einsum("ijk,ijk->ij", triangles.normals, triangles.corners) > 0.0).all()
 
