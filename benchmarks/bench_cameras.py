@@ -23,7 +23,7 @@ from rlbench_pin.environment.observations.cameras import camera_view
 from rlbench_pin.errors import CameraError
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.robot.catalogue import robot_description
-from rlbench_pin.sim import CameraView, World
+from rlbench_pin.sim import CameraView, Request, World
 from rlbench_pin.tasks import task_class, task_scene
 
 SIZES = (64, 128, 256, 512)
@@ -138,10 +138,8 @@ def all_cameras(world: World, size: int, products: dict[str, bool], shadows: boo
     def shoot() -> None:
         # A moving camera is drawn anew each time: the hand turns a little.
         world.robot.reset_configuration(np.array(robot.home) + np.array([0, 0, 0, 0, 0, 0, next(turns)]))
-        light = world.renderer.shadow_map() if shadows else False
-        for name in CAMERAS:
-            view = camera_view(name, CameraConfig(image_size=(size, size)), world, robot)
-            world.render(view, **products, shadows=light)
+        views = [camera_view(name, CameraConfig(image_size=(size, size)), world, robot) for name in CAMERAS]
+        world.renderer.render_all([Request(view, **products, shadows=shadows) for view in views])
 
     turns = iter(np.linspace(0.0, 0.5, 1000))
     return shoot

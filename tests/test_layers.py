@@ -40,6 +40,7 @@ HOMES: dict[str, tuple[str, ...]] = {
     "coal": ("robot",),
     "pinocchio": ("spatial", "robot", "planning", "control", "sim", "evaluation", "recording"),
     "h5py": ("datasets",),
+    "isal": ("datasets",),
     "pyarrow": ("datasets",),
     "av": ("datasets",),
     "tomllib": ("scene",),

@@ -111,7 +111,7 @@ class Episode:
     # Reading ----------------------------------------------------------------------------------------------------
 
     def __getitem__(self, index: int) -> Observation:
-        """Read one frame; pictures are stored frame by frame, so this reads no other."""
+        """Read one frame; pictures are stored by four frames, so this reads at most three others."""
         if not -self._length <= index < self._length:
             raise IndexError(f"frame {index} of {self._length}")
         return self.observations(range(index % self._length, index % self._length + 1))[0]

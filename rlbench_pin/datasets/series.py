@@ -20,6 +20,8 @@ from typing import Any
 import h5py
 import numpy as np
 
+from rlbench_pin.datasets.chunks import are_pictures, write_pictures
+
 Value = Any
 """What `Observation.misc` may hold: arrays, numbers, texts, and lists and dicts of them."""
 
@@ -36,9 +38,13 @@ def write_series(group: h5py.Group, name: str, values: Sequence[Value], compress
         return
     present = [values[i] for i in frames]
     kind = _kind(present)
-    data = _pack(kind, present)
-    constant = kind != "float" and len(present) > 1 and _all_equal(data)
-    dataset = _create(group, name, data[:1] if constant else data, compression)
+    if kind == "array" and len(present) > 1 and are_pictures(present):
+        constant = _are_equal(present)
+        dataset = _create_pictures(group, name, present[:1] if constant else present, compression)
+    else:
+        data = _pack(kind, present)
+        constant = kind != "float" and len(present) > 1 and _are_equal(data)
+        dataset = _create(group, name, data[:1] if constant else data, compression)
     dataset.attrs["kind"] = kind
     if constant:
         dataset.attrs["constant"] = True
@@ -141,22 +147,29 @@ def _unpack(kind: str, data: np.ndarray) -> list[Value]:
     raise ValueError(f"unknown kind of series '{kind}'")
 
 
-def _all_equal(data: np.ndarray) -> bool:
-    """Whether all rows are bit-equal (so that NaN equals NaN and -0.0 differs from 0.0)."""
-    if data.dtype == object:
-        return all(text == data[0] for text in data)
-    first = data[0].tobytes()
-    return all(row.tobytes() == first for row in data)
+def _are_equal(rows: Sequence[Value] | np.ndarray) -> bool:
+    """Whether all texts or arrays are bit-equal (so that NaN equals NaN and -0.0 differs from 0.0)."""
+    if isinstance(rows[0], str):
+        return all(text == rows[0] for text in rows)
+    first = rows[0].tobytes()
+    return all(row.tobytes() == first for row in rows[1:])
 
 
 def _create(group: h5py.Group, name: str, data: np.ndarray, compression: str) -> h5py.Dataset:
-    """Make a dataset; anything large is chunked per frame, shuffled and compressed."""
+    """Make a dataset; what is not small is shuffled and compressed in one piece."""
     if data.dtype == object:
         return group.create_dataset(name, data=data, dtype=h5py.string_dtype("utf-8"))
     if data.nbytes < _SMALL or data.size == 0:
         return group.create_dataset(name, data=data)
-    chunks = (1, *data.shape[1:]) if data.ndim >= 3 and data[0].nbytes >= 4096 else data.shape
-    return group.create_dataset(name, data=data, chunks=chunks, compression=compression, shuffle=True)
+    return group.create_dataset(name, data=data, chunks=data.shape, compression=compression, shuffle=True)
+
+
+def _create_pictures(group: h5py.Group, name: str, frames: Sequence[np.ndarray], compression: str) -> h5py.Dataset:
+    """Make a dataset of pictures in chunks of some frames."""
+    if compression == "gzip":
+        return write_pictures(group, name, frames)
+    data = np.stack(frames)
+    return group.create_dataset(name, data=data, chunks=(1, *data.shape[1:]), compression=compression, shuffle=True)
 
 
 def _plain(value: Value) -> Value:

@@ -15,6 +15,7 @@ from rlbench_pin.sim.frame import Frame, Posed, Region
 from rlbench_pin.sim.render.camera import CameraView, Pictures, look_at
 from rlbench_pin.sim.render.egl import RENDERERS, EglMissing, RendererName
 from rlbench_pin.sim.render.lighting import Light, Lighting
+from rlbench_pin.sim.render.renderer import Request
 from rlbench_pin.sim.render.shadows import ShadowMap
 from rlbench_pin.sim.render.texture import Texture, read_texture
 from rlbench_pin.sim.sensor import Sensor
@@ -37,6 +38,7 @@ __all__ = [
     "Posed",
     "Region",
     "RendererName",
+    "Request",
     "Sensor",
     "ShadowMap",
     "SimGripper",

@@ -15,7 +15,7 @@ from rlbench_pin.environment.observations.noise import Identity
 from rlbench_pin.environment.observations.placing import CameraPlaces, Cameras
 from rlbench_pin.observation import Observation
 from rlbench_pin.robot.model import RobotModel
-from rlbench_pin.sim import CameraView, Lighting, ShadowMap, World
+from rlbench_pin.sim import CameraView, Lighting, Pictures, Request, World
 from rlbench_pin.spatial import FloatArray, compose
 from rlbench_pin.tasks import Task
 
@@ -56,7 +56,6 @@ class Observer:
         self._world, self._arm, self.config = world, model, config
         self.cameras = Cameras(world, model.description, config, places or CameraPlaces())
         self._model = ModelObserver(world, model)
-        self._shadows: ShadowMap | None = None
         self.look = Look()
 
     def observe(self, task: Task, variation: int, rng: np.random.Generator, instructions: Sequence[str] = ()) -> Observation:
@@ -71,14 +70,7 @@ class Observer:
             observation.misc.update(self._model.observe(self.config.model))
         if self.config.joint_poses:
             observation.misc["joint_poses"] = self._arm.joint_poses(self._world.robot.joint_positions)
-        self._shadows = None
-        self._world.renderer.lighting = self.look.lighting or self.config.lighting
-        cameras = self.config.all_cameras()
-        if any(config.mask for config in cameras.values()):
-            observation.misc["mask_names"] = dict(self._world.masks)
-        for name, config in cameras.items():
-            if config.is_used:
-                self._add_camera(observation, name, config, self._view(name), rng)
+        self._look(observation, rng)
         if self.config.wrist_camera_matrix:
             observation.misc["wrist_camera_matrix"] = self._view("wrist").extrinsics()
         return task.decorate_observation(observation)
@@ -87,33 +79,37 @@ class Observer:
         """Return what a camera sees now, wherever it was put and however randomization moved it."""
         return self.look.moved(name, self.cameras.view(name))
 
-    def _add_camera(
-        self, observation: Observation, name: str, config: CameraConfig, view: CameraView, rng: np.random.Generator
-    ) -> None:
-        pictures = self._world.render(
-            view,
-            rgb=config.rgb,
-            depth=config.depth or config.point_cloud,
-            mask=config.mask,
-            shadows=self._shadow_map() if config.rgb and config.draws_shadows else False,
-        )
-        if config.rgb and pictures.rgb is not None:
-            setattr(observation, f"{name}_rgb", _noisy_rgb(pictures.rgb, config, rng))
-        if pictures.depth is not None:
-            metres = config.noise_of("depth").apply(pictures.depth, rng)
-            if config.point_cloud:
-                setattr(observation, f"{name}_point_cloud", point_cloud(metres, view))
-            if config.depth:
-                setattr(observation, f"{name}_depth", metres if config.depth_in_meters else normalised_depth(metres, view))
-        if config.mask and pictures.mask is not None:
-            setattr(observation, f"{name}_mask", pictures.mask if config.masks_as_one_channel else spread_mask(pictures.mask))
-        observation.misc.update(camera_misc(name, view))
+    def _look(self, observation: Observation, rng: np.random.Generator) -> None:
+        """Add what the cameras see, all of them at once."""
+        renderer = self._world.renderer
+        renderer.lighting = self.look.lighting or self.config.lighting
+        cameras = self.config.all_cameras()
+        if any(config.mask for config in cameras.values()):
+            observation.misc["mask_names"] = dict(self._world.masks)
+        used = {name: (config, self._view(name)) for name, config in cameras.items() if config.is_used}
+        requests = [
+            Request(view, config.rgb, config.depth or config.point_cloud, config.mask, config.draws_shadows)
+            for config, view in used.values()
+        ]
+        for (name, (config, view)), pictures in zip(used.items(), renderer.render_all(requests), strict=True):
+            _add_pictures(observation, name, config, view, pictures, rng)
 
-    def _shadow_map(self) -> ShadowMap:
-        """One for all cameras of an observation."""
-        if self._shadows is None:
-            self._shadows = self._world.renderer.shadow_map()
-        return self._shadows
+
+def _add_pictures(
+    observation: Observation, name: str, config: CameraConfig, view: CameraView, pictures: Pictures, rng: np.random.Generator
+) -> None:
+    """Add what one camera delivers."""
+    if pictures.rgb is not None:
+        setattr(observation, f"{name}_rgb", _noisy_rgb(pictures.rgb, config, rng))
+    if pictures.depth is not None:
+        metres = config.noise_of("depth").apply(pictures.depth, rng)
+        if config.point_cloud:
+            setattr(observation, f"{name}_point_cloud", point_cloud(metres, view))
+        if config.depth:
+            setattr(observation, f"{name}_depth", metres if config.depth_in_meters else normalised_depth(metres, view))
+    if pictures.mask is not None:
+        setattr(observation, f"{name}_mask", pictures.mask if config.masks_as_one_channel else spread_mask(pictures.mask))
+    observation.misc.update(camera_misc(name, view))
 
 
 def _noisy_rgb(rgb: np.ndarray, config: CameraConfig, rng: np.random.Generator) -> np.ndarray:

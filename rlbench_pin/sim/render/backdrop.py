@@ -19,6 +19,7 @@ from rlbench_pin.sim.render.texture import Texture
 
 _OUTSIDE = (118, 128, 138)
 _CLOSE = 1e-3  # [m]
+_SLACK = 1.0001  # for rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,8 +79,9 @@ class Painter:
         rotation, shift = to_camera[:3, :3], to_camera[:3, 3]
         corners, edges = self._corners @ rotation.T + shift, self._edges @ rotation.T
         bases = self._bases @ rotation.T
-        for number in self._in_sight(view, corners, edges, bases[:, 0]):
-            canvas.add(number, corners[number], edges[number], bases[number])
+        sights = [canvas.sight(n, corners[n], edges[n], bases[n]) for n in self._in_sight(view, corners, edges, bases[:, 0])]
+        for sight in sorted((sight for sight in sights if sight is not None), key=lambda sight: -sight.nearest):
+            canvas.add(sight)
         lit, dark = self._paint(canvas)
         inverse, owner = canvas.inverse, canvas.owner
         in_range = (owner >= 0) & (inverse * np.float32(view.far) >= 1.0)
@@ -125,6 +127,19 @@ def _bases(edges: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.concatenate([normals[:, None], along], axis=1)
 
 
+@dataclass(frozen=True, eq=False)
+class _Sight:
+    """Where one rectangle can be seen, and how 1/z, s/z and t/z follow from the ray of a pixel."""
+
+    number: int
+    window: tuple[slice, slice]
+    """Rows and columns."""
+    forms: NDArray[np.float64]
+    """(3, 3): each times (x, y, 1) of a ray."""
+    nearest: float
+    """Greatest 1/z that its plane has in the window."""
+
+
 class _Canvas:
     """Which rectangle each pixel sees, and where on it."""
 
@@ -136,17 +151,29 @@ class _Canvas:
         self.owner = np.full(self._shape, -1, dtype=np.int32)
         self.inverse, self._s, self._t = (np.zeros(self._shape, dtype=np.float32) for _ in range(3))
 
-    def add(self, number: int, corner: NDArray, edges: NDArray, basis: NDArray) -> None:
-        """Draw one rectangle, given in camera coordinates, where it is nearer than what is there."""
+    def sight(self, number: int, corner: NDArray, edges: NDArray, basis: NDArray) -> _Sight | None:
+        """Where a rectangle, given in camera coordinates, can be seen; None when it is out of sight."""
         window = self._window(corner, edges)
         if window is None:
+            return None
+        forms = np.empty((3, 3))
+        forms[0] = basis[0] / (basis[0] @ corner)
+        for form, along in zip(forms[1:], basis[1:], strict=True):
+            form[:] = along - (along @ corner) * forms[0]
+        rows, columns = (rays[part][[0, -1]] for rays, part in zip((self._rows, self._columns), window, strict=True))
+        nearest = float((forms[0, 1] * rows).max() + (forms[0, 0] * columns).max() + forms[0, 2])
+        return _Sight(number, window, forms, nearest)
+
+    def add(self, sight: _Sight) -> None:
+        """Draw one rectangle where it is nearer than what is there."""
+        window = sight.window
+        there = self.inverse[window]
+        if float(there.min()) > sight.nearest * _SLACK:
             return
-        inverse_form = basis[0] / (basis[0] @ corner)
-        forms = [inverse_form, *(along - (along @ corner) * inverse_form for along in basis[1:])]
-        inverse, s, t = (self._affine(form, window) for form in forms)
-        seen = (inverse > self.inverse[window]) & (s >= 0.0) & (s <= inverse) & (t >= 0.0) & (t <= inverse)
+        inverse, s, t = (self._affine(form, window) for form in sight.forms)
+        seen = (inverse > there) & (s >= 0.0) & (s <= inverse) & (t >= 0.0) & (t <= inverse)
         seen &= inverse * np.float32(self._view.near) < 1.0
-        np.copyto(self.owner[window], number, where=seen)
+        np.copyto(self.owner[window], sight.number, where=seen)
         for target, value in ((self.inverse, inverse), (self._s, s), (self._t, t)):
             np.copyto(target[window], value, where=seen)
 

@@ -63,6 +63,11 @@ class CameraView:
         return pose_to_matrix(self.pose)
 
     @cached_property
+    def to_picture(self) -> FloatArray:
+        """Matrix (3, 4) from world coordinates to u z, v z and z, where z is the depth."""
+        return self._intrinsics @ np.linalg.inv(self._extrinsics)[:3]
+
+    @cached_property
     def rays(self) -> NDArray[np.float32]:
         """Direction (h * w, 3) in the world of every pixel's ray, of depth 1; read-only."""
         width, height = self.size

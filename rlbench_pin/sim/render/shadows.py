@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rlbench_pin.sim.render.camera import CameraView, look_at
+from rlbench_pin.sim.render.camera import CameraView, look_at, pixel_rays
 from rlbench_pin.sim.render.lighting import Light
 
 _CENTER = np.array([0.2, 0.0, 1.0])
@@ -29,7 +29,7 @@ def light_view(light: Light) -> CameraView:
 class LightSpots:
     """Where points lie in a shadow map: four texels with weights, and the distance from the light."""
 
-    first: NDArray[np.int32]
+    first: NDArray[np.int64]
     """Upper left texel (n,)."""
     right: NDArray[np.float32]
     """Weight of the right texels (n,)."""
@@ -38,6 +38,10 @@ class LightSpots:
     depth: NDArray[np.float32]
     """Distance along the light (n,) [m]."""
 
+    def at(self, chosen: NDArray[np.int64]) -> LightSpots:
+        """Return some of them."""
+        return LightSpots(self.first[chosen], self.right[chosen], self.down[chosen], self.depth[chosen])
+
 
 class ShadowMap:
     """How far the key light gets.
@@ -45,6 +49,10 @@ class ShadowMap:
     Args:
         view: Camera of the light.
         depth: Distance (n, n) along the light to the first moving thing [m]; `view.far` where there is none.
+
+    Attributes:
+        is_empty: Whether nothing stands in the light.
+        is_near: Of every texel (n * n,), whether it, its right, lower or lower right neighbour is blocked.
     """
 
     def __init__(self, view: CameraView, depth: NDArray[np.float32]) -> None:
@@ -52,6 +60,10 @@ class ShadowMap:
         blocked[0], blocked[-1], blocked[:, 0], blocked[:, -1] = _FAR, _FAR, _FAR, _FAR
         self.view, self._depth = view, blocked.ravel()
         self.is_empty = bool((blocked >= _FAR).all())
+        near = blocked < _FAR
+        near[:, :-1] |= near[:, 1:]
+        near[:-1] |= near[1:]
+        self.is_near = near.ravel()
 
     def lit(self, spots: LightSpots, bias: NDArray[np.float32] | float = _ROOM_BIAS) -> NDArray[np.float32]:
         """Share (n,) of the key light that reaches points, 0..1.
@@ -61,18 +73,55 @@ class ShadowMap:
             bias: By how much a thing must be nearer to the light to shade a point [m].
         """
         limit = spots.depth - np.float32(bias)
-        free = [(self._depth[spots.first + step] >= limit).astype(np.float32) for step in (0, 1, _SIZE, _SIZE + 1)]
+        first = spots.first
+        free = [(self._depth[first + step] >= limit).astype(np.float32) for step in (0, 1, _SIZE, _SIZE + 1)]
         upper = free[0] + (free[1] - free[0]) * spots.right
         lower = free[2] + (free[3] - free[2]) * spots.right
         return upper + (lower - upper) * spots.down
 
 
-def spots_of(view: CameraView, points: NDArray[np.float32]) -> LightSpots:
-    """Find points (n, 3) [m] in shadow maps taken with `view`."""
-    matrix = np.linalg.inv(view.extrinsics())
-    x, y, depth = (points @ matrix[:3, :3].T.astype(np.float32) + matrix[:3, 3].astype(np.float32)).T
-    k = view.intrinsics()
-    u = np.clip(np.float32(k[0, 0]) * x / depth + np.float32(k[0, 2]), 0.0, _SIZE - 1.001)
-    v = np.clip(np.float32(k[1, 1]) * y / depth + np.float32(k[1, 2]), 0.0, _SIZE - 1.001)
-    column, row = u.astype(np.int32), v.astype(np.int32)
-    return LightSpots(row * _SIZE + column, u - column, v - row, depth)
+def spots_of(light: CameraView, view: CameraView, points: NDArray[np.float32]) -> LightSpots:
+    """Find points (3, n) [m] in the frame of a camera in shadow maps taken with `light`."""
+    x, y, z = points
+    found = []
+    for a, b, c, shift in (light.to_picture @ view.extrinsics()).astype(np.float32):
+        value = x * a
+        value += y * b
+        value += z * c
+        value += shift
+        found.append(value)
+    return _spots(*found)
+
+
+def spots_in_picture(light: CameraView, view: CameraView, depth: NDArray[np.float32]) -> LightSpots:
+    """Find what all pixels of a camera see in shadow maps taken with `light`.
+
+    Args:
+        light: Camera of the light.
+        view: The camera.
+        depth: What it sees, (h, w) [m].
+    """
+    matrix = light.to_picture @ view.extrinsics()
+    columns, rows = pixel_rays(view)
+    found = []
+    for a, b, c, shift in matrix:
+        slope = (b * rows + c).astype(np.float32)[:, None] + (a * columns).astype(np.float32)
+        slope *= depth
+        slope += np.float32(shift)
+        found.append(slope.ravel())
+    return _spots(*found)
+
+
+def _spots(u: NDArray[np.float32], v: NDArray[np.float32], depth: NDArray[np.float32]) -> LightSpots:
+    """Spots of homogeneous picture points u z, v z and z (n,); overwrites the first two."""
+    last = np.float32(_SIZE - 1.001)
+    for values in (u, v):
+        values /= depth
+        np.maximum(values, np.float32(0.0), out=values)
+        np.minimum(values, last, out=values)
+    column, row = np.floor(u), np.floor(v)
+    u -= column
+    v -= row
+    row *= np.float32(_SIZE)
+    row += column
+    return LightSpots(row.astype(np.int64), u, v, depth)

@@ -1,0 +1,160 @@
+"""All that moves in a world, as triangles in the frames of its links."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rlbench_pin.sim.bodies.model import BASE
+from rlbench_pin.sim.client import PhysicsClient, bullet
+from rlbench_pin.sim.render.raster.meshes import Triangles, triangles_of
+
+_LINK_SHIFT = 24
+
+
+@dataclass(frozen=True)
+class _Visual:
+    """One visual shape as PyBullet lists it."""
+
+    body: int
+    link: int
+    kind: int
+    size: tuple[float, ...]
+    file: str
+    position: tuple[float, ...]
+    quaternion: tuple[float, ...]
+    is_textured: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The triangles of all links; those of one link follow each other."""
+
+    links: tuple[tuple[int, int], ...]
+    """Body and link number of each link."""
+    slices: tuple[slice, ...]
+    """Its triangles."""
+    corners: NDArray[np.float32]
+    """(3, 4, m): for each corner x, y, z, 1 in the frame of the link [m]."""
+    normals: NDArray[np.float32]
+    """(3, 3, m): for each corner its unit normal in the frame of the link."""
+    shape: NDArray[np.int64]
+    """Number of the visual of each triangle (m,), in PyBullet's order."""
+    segments: NDArray[np.int32]
+    """Segmentation value of each triangle (m,): body + (link + 1) << 24."""
+
+
+class Stage:
+    """Reads what a physics server shows.
+
+    Args:
+        client: The server.
+        room: Numbers of the bodies that are left out.
+    """
+
+    def __init__(self, client: PhysicsClient, room: frozenset[int]) -> None:
+        self._client, self._room = client, room
+        self._entries: list[tuple] = []
+        self._visuals: tuple[_Visual, ...] = ()
+        self._parts: Parts | None = None
+        self._bodies: dict[int, int] = {}
+        self._from_com: dict[int, NDArray] = {}
+        self._colors: NDArray[np.float32] = np.zeros((0, 4), dtype=np.float32)
+
+    def update(self) -> Parts | None:
+        """Take the shapes and colours of this instant; None when there is a shape that cannot be drawn here."""
+        identifier = self._client.id
+        uids = [
+            bullet.getBodyUniqueId(i, physicsClientId=identifier) for i in range(bullet.getNumBodies(physicsClientId=identifier))
+        ]
+        entries = [entry for uid in uids if uid not in self._room for entry in _entries_of(uid, identifier)]
+        if entries != self._entries:
+            self._entries = entries
+            self._colors = np.array([entry[7] for entry in entries], dtype=np.float32).reshape(-1, 4)
+            visuals = tuple(_visual(entry) for entry in entries)
+            if visuals != self._visuals:
+                self._visuals, self._parts = visuals, _parts(visuals)
+                bodies = {visual.body: bullet.getNumJoints(visual.body, physicsClientId=identifier) for visual in visuals}
+                self._from_com = {body: self._com(body) for body in bodies}
+                self._bodies = bodies
+        return self._parts
+
+    @property
+    def colors(self) -> NDArray[np.float32]:
+        """Colour rgba in 0..1 of each visual (n, 4)."""
+        return self._colors
+
+    def placements(self) -> dict[tuple[int, int], NDArray[np.float64]]:
+        """Matrix (4, 4) of the frame of every link now, by body and link."""
+        keys: list[tuple[int, int]] = []
+        poses: list[tuple[float, ...]] = []
+        identifier = self._client.id
+        for body, joints in self._bodies.items():
+            position, quaternion = bullet.getBasePositionAndOrientation(body, physicsClientId=identifier)
+            keys.append((body, BASE))
+            poses.append((*position, *quaternion))
+            if joints:
+                states = bullet.getLinkStates(body, range(joints), computeForwardKinematics=1, physicsClientId=identifier)
+                keys += [(body, link) for link in range(joints)]
+                poses += [(*state[4], *state[5]) for state in states]
+        matrices = dict(zip(keys, _matrices(np.array(poses))))
+        for body, offset in self._from_com.items():
+            matrices[body, BASE] = matrices[body, BASE] @ offset
+        return matrices
+
+    def _com(self, body: int) -> NDArray:
+        """Base link frame (4, 4) in the inertial frame, by which PyBullet poses a body."""
+        dynamics = bullet.getDynamicsInfo(body, BASE, physicsClientId=self._client.id)
+        return np.linalg.inv(_matrices(np.array([[*dynamics[3], *dynamics[4]]]))[0])
+
+
+def _entries_of(uid: int, identifier: int) -> tuple[tuple, ...]:
+    flag = bullet.VISUAL_SHAPE_DATA_TEXTURE_UNIQUE_IDS
+    entries: tuple[tuple, ...] = bullet.getVisualShapeData(uid, flags=flag, physicsClientId=identifier)
+    return entries
+
+
+def _visual(entry: tuple) -> _Visual:
+    return _Visual(entry[0], entry[1], entry[2], entry[3], entry[4].decode(), entry[5], entry[6], entry[8] >= 0)
+
+
+def _parts(visuals: tuple[_Visual, ...]) -> Parts | None:
+    """Read all shapes; None when one cannot be drawn."""
+    placed: dict[tuple[int, int], list[tuple[int, Triangles]]] = {}
+    for number, visual in enumerate(visuals):
+        triangles = triangles_of(visual.kind, visual.size, visual.file)
+        if triangles is None or visual.is_textured:
+            return None
+        frame = _matrices(np.array([[*visual.position, *visual.quaternion]]))[0]
+        corners = triangles.corners @ frame[:3, :3].T + frame[:3, 3]
+        moved = Triangles(corners, triangles.normals @ frame[:3, :3].T)
+        placed.setdefault((visual.body, visual.link), []).append((number, moved))
+    ends = np.cumsum([0, *(sum(len(t.corners) for _, t in shapes) for shapes in placed.values())]).tolist()
+    every = [pair for shapes in placed.values() for pair in shapes]
+    corners, normals = (np.concatenate([getattr(t, name) for _, t in every]) for name in ("corners", "normals"))
+    segments = [
+        body + ((link + 1) << _LINK_SHIFT) for (body, link), shapes in placed.items() for _, t in shapes for _ in t.corners
+    ]
+    return Parts(
+        links=tuple(placed),
+        slices=tuple(slice(a, b) for a, b in zip(ends, ends[1:])),
+        corners=np.ascontiguousarray(
+            np.concatenate([corners, np.ones((*corners.shape[:2], 1))], axis=2).transpose(1, 2, 0), dtype=np.float32
+        ),
+        normals=np.ascontiguousarray(normals.transpose(1, 2, 0), dtype=np.float32),
+        shape=np.concatenate([np.full(len(t.corners), number, dtype=np.int64) for number, t in every]),
+        segments=np.array(segments, dtype=np.int32),
+    )
+
+
+def _matrices(poses: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Matrices (n, 4, 4) of poses (n, 7)."""
+    x, y, z, w = (poses[:, 3:] / np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)).T
+    result = np.zeros((len(poses), 4, 4))
+    result[:, 0] = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), poses[:, 0]], axis=1)
+    result[:, 1] = np.stack([2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), poses[:, 1]], axis=1)
+    result[:, 2] = np.stack([2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y), poses[:, 2]], axis=1)
+    result[:, 3, 3] = 1.0
+    return result
