@@ -15,7 +15,6 @@ from typing import Any
 from rlbench_pin.cli.arguments import record as arguments
 from rlbench_pin.cli.arguments.record import KnownNames
 from rlbench_pin.cli.list_tasks import named_tasks
-from rlbench_pin.cli.process.files import check_folder
 from rlbench_pin.cli.process.interrupts import INTERRUPTED
 from rlbench_pin.cli.process.words import EngineName, check_at_least
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
@@ -35,7 +34,6 @@ class Record(arguments.Record):
         check_at_least(self, workers=0)
         config = read_recording(self.out) if self.resume and not self.tasks else self._config()
         engine = make_engine(self.engine, self.workers)
-        check_folder(self.out)
         with stopping_gently() as stop, closing(RecordBar("record")) as bar:
             report = record(
                 config,

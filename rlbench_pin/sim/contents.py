@@ -8,7 +8,7 @@ from rlbench_pin.errors import RlbenchPinError, UnknownName
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
 from rlbench_pin.sim import build
-from rlbench_pin.sim.bodies.body import Body
+from rlbench_pin.sim.bodies.body import Body, Color
 from rlbench_pin.sim.bodies.joint import ObjectJoint
 from rlbench_pin.sim.bodies.model import LoadedModel
 from rlbench_pin.sim.client import PhysicsClient, bullet
@@ -71,6 +71,10 @@ class Contents:
     def _register(self, body: Body) -> None:
         self.masks.add(body.name, body.model)
         self.contacts.add(body.name, body.model)
+
+    def mixed_colors(self) -> dict[tuple[int, int], tuple[Color, ...]]:
+        """Return the colours of links whose visuals differ, by body and link number, visuals in file order."""
+        return {(b.model.uid, link): colors for b in self.bodies.values() for link, colors in b.mixed_colors.items()}
 
     # Lookup ----------------------------------------------------------------------------------------------------------
 

@@ -41,7 +41,7 @@ LOOSE = {
     "MotionPlanner.plan_to_pose": "pose",
 }
 """Limits may be infinite; some arguments stand for several or for one."""
-FAST = ("place", "visit", "measure", "probe", "gradients", "names", "wider", "update")
+FAST = ("place", "visit", "distance", "measure", "probe", "gradients", "names", "wider", "update")
 """Of `DistanceModel` and `CollisionModel`: the inner loop of the safety filter, which checks what enters itself."""
 
 

@@ -146,6 +146,7 @@ class JointBounds:
 
     def travels(self, v: FloatArray, command: FloatArray) -> list[float]:
         """Return `travel` as plain numbers."""
+        v, command = (as_vector(x, len(self.velocity), "joint velocity") for x in (v, command))
         half, hold, ways = 0.5 * self.dt, self.hold, []
         for before, after, (step, change) in zip(v.tolist(), command.tolist(), self._steps):
             speed, before = abs(after), abs(before)

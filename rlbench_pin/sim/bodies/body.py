@@ -192,6 +192,11 @@ class Body:
         """Colours that were set, by link number."""
         return dict(self._colors)
 
+    @property
+    def mixed_colors(self) -> dict[int, tuple[Color, ...]]:
+        """Colours of the visuals of links that have several and show them, by link number; PyBullet tells only one of them."""
+        return {link: own for link, own in self._visuals.items() if link not in self._colors and len(set(own)) > 1}
+
     def set_colors(self, colors: dict[int, Color]) -> None:
         """Make `colors` the only ones that differ from the URDF."""
         as_record(colors, dict, "colors")

@@ -22,7 +22,7 @@ from rlbench_pin.sim.render.lighting import Light, Lighting
 from rlbench_pin.sim.render.link_texture import LinkTexture
 from rlbench_pin.sim.render.shading import KeptBackdrop, as_bytes, brightness, put_textures, shade_room, surfaces_of
 from rlbench_pin.sim.render.shadows import ShadowMap, light_view
-from rlbench_pin.sim.render.shots import BODY_BITS, LINK_SHIFT, BulletCamera, Draughtsman, Photographer, Shot, Sight
+from rlbench_pin.sim.render.shots import BODY_BITS, LINK_SHIFT, BulletCamera, Draughtsman, MixedColors, Photographer, Shot, Sight
 from rlbench_pin.values import as_flag, as_record
 
 _KEPT = 12
@@ -57,7 +57,7 @@ class Renderer:
         room: What the backdrop draws.
         room_ids: Mask id of each room body.
         ids: Returns the mask ids of body b and link l at `[b, l + 1]`.
-        hardware: Draw moving things with OpenGL instead of TinyRenderer.
+        mixed_colors: Returns the colours of links whose visuals differ, by body and link number.
 
     Attributes:
         lighting: The lights; may be replaced at any time.
@@ -69,11 +69,12 @@ class Renderer:
         room: Mapping[str, RoomBody],
         room_ids: Mapping[str, int],
         ids: Callable[[], NDArray[np.int32]],
-        hardware: bool = False,
+        mixed_colors: MixedColors,
     ) -> None:
         self._client, self._room, self._room_ids, self._ids = client, room, room_ids, ids
         numbers = frozenset(body.model.uid for body in room.values())
-        self._photographer: Photographer = BulletCamera(client, numbers) if hardware else Draughtsman(client, numbers)
+        drawn = Draughtsman(client, numbers, mixed_colors)
+        self._photographer: Photographer = BulletCamera(client, numbers) if client.hardware else drawn
         self.lighting = Lighting()
         self._light_view: tuple[Light, CameraView] | None = None
         self._link_textures: dict[tuple[int, int], LinkTexture] = {}

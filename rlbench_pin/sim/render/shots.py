@@ -14,7 +14,7 @@ from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.sim.render.camera import CameraView, projection_matrix
 from rlbench_pin.sim.render.lighting import Light
 from rlbench_pin.sim.render.raster.drawing import Drawn, draw
-from rlbench_pin.sim.render.raster.stage import Parts, Stage
+from rlbench_pin.sim.render.raster.stage import MixedColors, Parts, Stage
 from rlbench_pin.sim.server.output import captured_output
 
 LINK_SHIFT = 24  # a segmentation value is body + (link + 1) << 24
@@ -67,10 +67,11 @@ class Draughtsman:
     Args:
         client: The physics server.
         room: Numbers of the bodies of the room.
+        mixed_colors: Returns the colours of links whose visuals differ, by body and link number.
     """
 
-    def __init__(self, client: PhysicsClient, room: frozenset[int]) -> None:
-        self._stage, self._other = Stage(client, room), BulletCamera(client, room)
+    def __init__(self, client: PhysicsClient, room: frozenset[int], mixed_colors: MixedColors) -> None:
+        self._stage, self._other = Stage(client, room, mixed_colors), BulletCamera(client, room)
 
     def shoot(self, sights: Sequence[Sight]) -> list[Shot]:
         """Return one shot for each camera."""

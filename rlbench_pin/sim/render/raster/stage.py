@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,9 @@ from rlbench_pin.sim.bodies.model import BASE
 from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.sim.render.raster.meshes import Triangles, triangles_of
 
+Rgba = tuple[float, float, float, float]
+MixedColors = Callable[[], dict[tuple[int, int], tuple[Rgba, ...]]]
+"""Tells the colours of the visuals of some links, by body and link number."""
 _LINK_SHIFT = 24
 
 
@@ -52,10 +56,13 @@ class Stage:
     Args:
         client: The server.
         room: Numbers of the bodies that are left out.
+        mixed_colors: Returns the colours of links whose visuals differ and show them, by body and link number. Once such a link
+            was painted and is no more, PyBullet tells the colour of its last visual for all.
     """
 
-    def __init__(self, client: PhysicsClient, room: frozenset[int]) -> None:
-        self._client, self._room = client, room
+    def __init__(self, client: PhysicsClient, room: frozenset[int], mixed_colors: MixedColors) -> None:
+        self._client, self._room, self._mixed_colors = client, room, mixed_colors
+        self._mixed: dict[tuple[int, int], tuple[Rgba, ...]] = {}
         self._entries: list[tuple] = []
         self._visuals: tuple[_Visual, ...] = ()
         self._parts: Parts | None = None
@@ -70,9 +77,10 @@ class Stage:
             bullet.getBodyUniqueId(i, physicsClientId=identifier) for i in range(bullet.getNumBodies(physicsClientId=identifier))
         ]
         entries = [entry for uid in uids if uid not in self._room for entry in _entries_of(uid, identifier)]
-        if entries != self._entries:
-            self._entries = entries
-            self._colors = np.array([entry[7] for entry in entries], dtype=np.float32).reshape(-1, 4)
+        mixed = self._mixed_colors()
+        if entries != self._entries or mixed != self._mixed:
+            self._entries, self._mixed = entries, mixed
+            self._colors = _colors_of(entries, mixed)
             visuals = tuple(_visual(entry) for entry in entries)
             if visuals != self._visuals:
                 self._visuals, self._parts = visuals, _parts(visuals)
@@ -114,6 +122,18 @@ def _entries_of(uid: int, identifier: int) -> tuple[tuple, ...]:
     flag = bullet.VISUAL_SHAPE_DATA_TEXTURE_UNIQUE_IDS
     entries: tuple[tuple, ...] = bullet.getVisualShapeData(uid, flags=flag, physicsClientId=identifier)
     return entries
+
+
+def _colors_of(entries: list[tuple], mixed: Mapping[tuple[int, int], tuple[Rgba, ...]]) -> NDArray[np.float32]:
+    """Return the colour of each visual (n, 4), to six digits as bodies keep them; under a texture it is what PyBullet has."""
+    left = {link: list(colors) for link, colors in mixed.items()}
+    colors = np.round(np.array([entry[7] for entry in entries]).reshape(-1, 4), 6)
+    for shown, entry in zip(colors, entries):
+        if entry[:2] in left:
+            own = left[entry[:2]].pop(0)
+            if tuple(shown) == mixed[entry[:2]][-1]:
+                shown[:] = own
+    return colors.astype(np.float32)
 
 
 def _visual(entry: tuple) -> _Visual:

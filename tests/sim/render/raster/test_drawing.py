@@ -22,7 +22,7 @@ def shots(world: World, views: list[CameraView]) -> tuple[list[Shot], list[Shot]
     """What both see without the room."""
     room = frozenset(body.model.uid for body in world.room.values())
     sights = [Sight(v, np.full(v.size[0] * v.size[1], v.far, dtype=np.float32), Lighting().key, 0.5) for v in views]
-    ours, theirs = Draughtsman(world.client, room).shoot(sights), BulletCamera(world.client, room).shoot(sights)
+    ours, theirs = Draughtsman(world.client, room, dict).shoot(sights), BulletCamera(world.client, room).shoot(sights)
     return ours, [_nearer(shot, view) for shot, view in zip(theirs, views, strict=True)]
 
 
