@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from rlbench_pin.control.qp.constraints import JointBounds
-from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.robot.model import RobotModel, loaded
 from rlbench_pin.spatial import FloatArray
 
 RESERVE = 0.95
@@ -35,7 +35,7 @@ class MotorCheck:
         """Take over what the arm carries, in the frame of its last joint; the same object as before changes nothing."""
         if payload is not self._payload:
             self._payload = payload
-            self._arm.inertias[self._last] = self._bare + payload if payload.mass > 0.0 else self._bare.copy()
+            self._arm.inertias[self._last] = loaded(self._bare, payload)
 
     def overloaded(self, q: FloatArray, v: FloatArray, command: FloatArray) -> bool:
         """Whether a motor lacks torque for `command` from `q` [rad] at `v` [rad/s], or for braking after it."""

@@ -73,15 +73,7 @@ class SafetyFilter:
         self.bounds = JointBounds(model.limits if limits is None else limits, config.dt, config.hold, config.limit_margin)
         self.distances = DistanceModel(model)
         self.counts = FilterCounts() if counts is None else counts
-        self._dampers = Dampers(
-            self.distances,
-            margin=config.margin,
-            self_margin=config.self_margin,
-            buffer=config.buffer,
-            gain=config.gain,
-            influence=config.influence,
-            recovery_speed=config.recovery_speed,
-        )
+        self._dampers = Dampers(self.distances, config)
         self._braking = BrakingCheck(self.distances, self.bounds)
         self._motors = MotorCheck(model, self.bounds) if config.hold == "any" else None
         default = OsqpSolver(self.bounds.velocity, ROWS, rho=0.1, tolerance=1e-6, iterations=4000) if solver is None else solver

@@ -169,8 +169,13 @@ class RobotModel:
     def carry(self, payload: pin.Inertia) -> None:
         """Add an inertia, in the frame of the last joint, to the dynamics of the hand; it replaces what was added before."""
         as_record(payload, pin.Inertia, "payload")
-        self.arm.inertias[self.size] = self._bare_inertia + payload if payload.mass > 0.0 else self._bare_inertia.copy()
+        self.arm.inertias[self.size] = loaded(self._bare_inertia, payload)
         self.data = self.arm.createData()
+
+
+def loaded(bare: pin.Inertia, payload: pin.Inertia) -> pin.Inertia:
+    """Return the inertia of a link together with what it carries, in one frame; a payload without mass counts nothing."""
+    return bare + payload if payload.mass > 0.0 else bare.copy()
 
 
 def _reference(frame: FrameChoice) -> pin.ReferenceFrame:

@@ -26,7 +26,7 @@ acceleration limit wins: the interval shrinks to the hardest braking, then to th
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -39,6 +39,7 @@ from rlbench_pin.values import as_choice, as_flag, as_number, as_record
 HOLDS = ("velocity", "acceleration", "any")
 HeldQuantity = Literal["velocity", "acceleration", "any"]
 """What motors keep constant over a control tick: they reach the next velocity at its begin, at its end, or at any time in it."""
+SpeedT = TypeVar("SpeedT", float, FloatArray)
 
 
 def largest_step(room: float, unit: float) -> float:
@@ -52,9 +53,9 @@ def largest_step(room: float, unit: float) -> float:
     return (room + 0.5 * ticks * (ticks + 1) * unit) / (ticks + 1)
 
 
-def stopping_room(speed: FloatArray) -> FloatArray:
-    """Return f(speed), the inverse of `largest_step` in its units: what it takes to stop from `speed`."""
-    ticks = np.floor(speed)
+def stopping_room(speed: SpeedT) -> SpeedT:
+    """Return f(speed), the inverse of `largest_step` in its units: what it takes to stop from `speed`, a number or an array."""
+    ticks = speed // 1.0
     return (ticks + 1.0) * (speed - 0.5 * ticks)
 
 
@@ -150,8 +151,6 @@ class JointBounds:
         half, hold, ways = 0.5 * self.dt, self.hold, []
         for before, after, (step, change) in zip(v.tolist(), command.tolist(), self._steps):
             speed, before = abs(after), abs(before)
-            share = speed / step
-            ticks = int(share)
-            way = change * ((ticks + 1.0) * (share - 0.5 * ticks))
+            way = change * stopping_room(speed / step)
             ways.append(way if hold == "velocity" else way + half * (before if hold == "acceleration" else max(before, speed)))
         return ways

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rlbench_pin.control.safety_records import SafetyConfig
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.motion_bounds import IndexArray
 from rlbench_pin.spatial import FloatArray
@@ -34,28 +35,11 @@ class Dampers:
 
     Args:
         distances: Of the arm.
-        margin: Minimum distance to the world [m].
-        self_margin: Minimum distance between parts of the arm, and of what it holds [m].
-        buffer: The dampers begin this much before the minimum [m].
-        gain: Of the distance above the minimum, the share that may be lost per second [1/s].
-        influence: Pairs nearer than this always have a row [m].
-        recovery_speed: Speed at which pairs below the minimum are made to separate, at most [m/s].
+        config: Settings of the filter.
     """
 
-    def __init__(
-        self,
-        distances: DistanceModel,
-        *,
-        margin: float,
-        self_margin: float,
-        buffer: float,
-        gain: float,
-        influence: float,
-        recovery_speed: float,
-    ) -> None:
-        self.distances, self.buffer, self.gain = distances, buffer, gain
-        self._margin, self._self_margin = margin, self_margin
-        self._influence, self._recovery_speed = influence, recovery_speed
+    def __init__(self, distances: DistanceModel, config: SafetyConfig) -> None:
+        self.distances, self.config = distances, config
         self._counts: NDArray[np.bool_] | None = None
         self._minimum = self._onset = np.zeros(0)
 
@@ -64,9 +48,9 @@ class Dampers:
         model = self.distances
         if self._counts is not model.counts:
             self._counts = model.counts
-            minimum = np.where(model.crosses, self._margin, self._self_margin)
+            minimum = np.where(model.crosses, self.config.margin, self.config.self_margin)
             self._minimum = np.where(model.counts, minimum, -np.inf)
-            self._onset = self._minimum + self.buffer
+            self._onset = self._minimum + self.config.buffer
         return self._minimum
 
     def lowered(self) -> FloatArray:
@@ -91,13 +75,13 @@ class Dampers:
         """Return rows for pairs that are near, or might break a damper while joints move at up to `speeds` (n,) [rad/s]."""
         model = self.distances
         self.floors()
-        onset = self._onset
-        reach = np.maximum(model.motion.approach(speeds / self.gain), self._influence)
+        config, onset = self.config, self._onset
+        reach = np.maximum(model.motion.approach(speeds / config.gain), config.influence)
         near = (model.bounds - onset < reach).nonzero()[0]
         spare = model.measure(near) - onset[near]
         keep = spare < reach[near]
         near, spare = near[keep], spare[keep]
         if len(near) > ROWS:
-            first = np.argsort(spare - np.minimum(reach[near], 1.0 / self.gain), kind="stable")[:ROWS]
+            first = np.argsort(spare - np.minimum(reach[near], 1.0 / config.gain), kind="stable")[:ROWS]
             near, spare = near[first], spare[first]
-        return DamperRows(near, model.gradients(near), np.minimum(-self.gain * spare, self._recovery_speed))
+        return DamperRows(near, model.gradients(near), np.minimum(-config.gain * spare, config.recovery_speed))

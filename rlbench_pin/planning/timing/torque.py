@@ -8,7 +8,7 @@ import toppra
 import toppra.constraint
 from numpy.typing import NDArray
 
-from rlbench_pin.robot.model import LARGEST, RobotModel
+from rlbench_pin.robot.model import LARGEST, RobotModel, loaded
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_number, as_record, as_vector
@@ -39,10 +39,8 @@ class TorqueLimits:
 
     def carry(self, payload: pin.Inertia | None) -> None:
         """Replace the payload."""
-        if payload is not None:
-            as_record(payload, pin.Inertia, "payload")
-        loaded = payload is not None and payload.mass > 0.0
-        self._arm.inertias[self._last] = self._bare + payload if loaded else self._bare.copy()
+        payload = pin.Inertia.Zero() if payload is None else as_record(payload, pin.Inertia, "payload")
+        self._arm.inertias[self._last] = loaded(self._bare, payload)
         self._data = self._arm.createData()
 
     def torques(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
