@@ -1,4 +1,4 @@
-"""The arm's motors in the physics server, and the torques that carry the arm's own weight."""
+"""The arm's motors in the physics server, and the torques that the arm's own weight and inertia ask for."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stable ids for everything that a mask can show."""
+"""Stable ids for everything that a mask can show, and the segmentation values that PyBullet has for it."""
 
 from __future__ import annotations
 
@@ -9,6 +9,23 @@ from rlbench_pin.sim.bodies.model import LoadedModel
 
 FIRST_OBJECT = 61
 """Robot and room have ids below, task objects from here on."""
+_LINK_SHIFT = 24
+_BODY_BITS = (1 << _LINK_SHIFT) - 1
+
+
+def segment_of(body: int, link: int) -> int:
+    """Return the segmentation value of a link, body + (link + 1) << 24, by PyBullet's numbers of body and link."""
+    return body + ((link + 1) << _LINK_SHIFT)
+
+
+def bodies_of(segments: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Return PyBullet's numbers of the bodies of segmentation values."""
+    return segments & _BODY_BITS
+
+
+def rows_of(segments: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Return PyBullet's numbers of the links of segmentation values, plus one."""
+    return segments >> _LINK_SHIFT
 
 
 class MaskTable:

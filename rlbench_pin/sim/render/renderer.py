@@ -20,9 +20,10 @@ from rlbench_pin.sim.render.backdrop import Painter
 from rlbench_pin.sim.render.camera import CameraView, Pictures
 from rlbench_pin.sim.render.lighting import Light, Lighting
 from rlbench_pin.sim.render.link_texture import LinkTexture
+from rlbench_pin.sim.render.masks import bodies_of, rows_of
 from rlbench_pin.sim.render.shading import KeptBackdrop, as_bytes, brightness, put_textures, shade_room, surfaces_of
 from rlbench_pin.sim.render.shadows import ShadowMap, light_view
-from rlbench_pin.sim.render.shots import BODY_BITS, LINK_SHIFT, BulletCamera, Draughtsman, MixedColors, Photographer, Shot, Sight
+from rlbench_pin.sim.render.shots import BulletRasterizer, MixedColors, NumpyRasterizer, Rasterizer, Shot, Sight
 from rlbench_pin.values import as_flag, as_record
 
 _KEPT = 12
@@ -73,8 +74,9 @@ class Renderer:
     ) -> None:
         self._client, self._room, self._room_ids, self._ids = client, room, room_ids, ids
         numbers = frozenset(body.model.uid for body in room.values())
-        drawn = Draughtsman(client, numbers, mixed_colors)
-        self._photographer: Photographer = BulletCamera(client, numbers) if client.hardware else drawn
+        self._rasterizer: Rasterizer = (
+            BulletRasterizer(client, numbers) if client.hardware else NumpyRasterizer(client, numbers, mixed_colors)
+        )
         self.lighting = Lighting()
         self._light_view: tuple[Light, CameraView] | None = None
         self._link_textures: dict[tuple[int, int], LinkTexture] = {}
@@ -102,7 +104,7 @@ class Renderer:
     def shadow_map(self) -> ShadowMap:
         """Look from the key light, for cameras that look at the present instant."""
         view = self._view_of_light()
-        return _shadow_map(view, self._photographer.shoot([_sight_of_light(view)])[0])
+        return _shadow_map(view, self._rasterizer.shoot([_sight_of_light(view)])[0])
 
     def render(self, view: CameraView, *, rgb: bool, depth: bool, mask: bool, shadows: bool | ShadowMap) -> Pictures:
         """Take the pictures of one camera.
@@ -133,7 +135,7 @@ class Renderer:
         sights = [self._sight(request, backdrop) for request, backdrop in zip(requests, backdrops, strict=True)]
         makes_map = shadows is None and any(request.is_shaded for request in requests)
         view = self._view_of_light()
-        shots = self._photographer.shoot([*sights, _sight_of_light(view)] if makes_map else sights)
+        shots = self._rasterizer.shoot([*sights, _sight_of_light(view)] if makes_map else sights)
         if makes_map:
             shadows = _shadow_map(view, shots.pop())
         return [
@@ -166,7 +168,7 @@ class Renderer:
             distance.ravel()[shot.pixels] = shot.depth
         if request.mask:
             ids = backdrop.picture.mask.copy()
-            ids.ravel()[shot.pixels] = self._ids()[shot.segments & BODY_BITS, shot.segments >> LINK_SHIFT]
+            ids.ravel()[shot.pixels] = self._ids()[bodies_of(shot.segments), rows_of(shot.segments)]
         return Pictures(image, distance, ids)
 
     def _shaded(self, backdrop: KeptBackdrop, shot: Shot, shadows: ShadowMap | None) -> NDArray[np.uint8]:

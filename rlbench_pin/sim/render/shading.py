@@ -13,8 +13,9 @@ from rlbench_pin.sim.render.backdrop import Backdrop
 from rlbench_pin.sim.render.camera import CameraView
 from rlbench_pin.sim.render.lighting import Lighting
 from rlbench_pin.sim.render.link_texture import LinkTexture, colors_of
+from rlbench_pin.sim.render.masks import segment_of
 from rlbench_pin.sim.render.shadows import LightSpots, ShadowMap, spots_in_picture, spots_of
-from rlbench_pin.sim.render.shots import LINK_SHIFT, Shot
+from rlbench_pin.sim.render.shots import Shot
 
 _EDGE = np.float32(1e9)
 LinkFrame = Callable[[int, int], NDArray[np.float32]]
@@ -173,7 +174,7 @@ def put_textures(
     """
     shot, focal = surfaces.shot, np.float32(-surfaces.backdrop.view.intrinsics()[0, 0])
     for (body, link), texture in textures.items():
-        chosen = np.flatnonzero(shot.segments == body + ((link + 1) << LINK_SHIFT))
+        chosen = np.flatnonzero(shot.segments == segment_of(body, link))
         if len(chosen):
             points, normals = surfaces.in_world(chosen)
             colors[chosen] *= colors_of(texture, frame(body, link), points, normals, shot.depth[chosen] / focal)

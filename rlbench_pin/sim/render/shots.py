@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.sim.render.camera import CameraView, projection_matrix
 from rlbench_pin.sim.render.lighting import Light
+from rlbench_pin.sim.render.masks import bodies_of
 from rlbench_pin.sim.render.raster.drawing import Drawn, draw
 from rlbench_pin.sim.render.raster.stage import MixedColors, Parts, Stage
 from rlbench_pin.sim.server.output import captured_output
 
-LINK_SHIFT = 24  # a segmentation value is body + (link + 1) << 24
-BODY_BITS = (1 << LINK_SHIFT) - 1
 _SPECULAR = 0.05
 _HARDWARE_NEAR = 0.03  # its depth has so few bits that a nearer plane would cost millimetres [m]
 _TOUCHING = np.float32(1e-5)  # [m]
@@ -50,10 +49,10 @@ class Shot:
     depth: NDArray[np.float32]
     """(n,) [m]."""
     segments: NDArray[np.int32]
-    """Body + (link + 1) << 24 (n,)."""
+    """Segmentation values (n,)."""
 
 
-class Photographer(Protocol):
+class Rasterizer(Protocol):
     """Takes shots of the present instant."""
 
     def shoot(self, sights: Sequence[Sight]) -> list[Shot]:
@@ -61,7 +60,7 @@ class Photographer(Protocol):
         ...
 
 
-class Draughtsman:
+class NumpyRasterizer:
     """Draws triangles with numpy; what has shapes that it cannot draw is left to TinyRenderer.
 
     Args:
@@ -71,7 +70,7 @@ class Draughtsman:
     """
 
     def __init__(self, client: PhysicsClient, room: frozenset[int], mixed_colors: MixedColors) -> None:
-        self._stage, self._other = Stage(client, room, mixed_colors), BulletCamera(client, room)
+        self._stage, self._other = Stage(client, room, mixed_colors), BulletRasterizer(client, room)
 
     def shoot(self, sights: Sequence[Sight]) -> list[Shot]:
         """Return one shot for each camera."""
@@ -123,7 +122,7 @@ def _brightness(cosine: NDArray[np.float32], up: NDArray[np.float32], light_up: 
     return np.float32(sight.ambient) + key + np.float32(_SPECULAR if sight.light.intensity else 0.0) * mirrored * mirrored
 
 
-class BulletCamera:
+class BulletRasterizer:
     """PyBullet's renderers: TinyRenderer, or OpenGL.
 
     Args:
@@ -147,7 +146,7 @@ class BulletCamera:
         segments = np.reshape(segments, -1)
         moving = segments >= 0
         if self._hardware:
-            moving &= ~np.isin(segments & BODY_BITS, self._room)
+            moving &= ~np.isin(bodies_of(segments), self._room)
         pixels = np.flatnonzero(moving)
         near, far = view.near, view.far
         precise = (far - (far - near) * np.reshape(buffer, -1)[pixels].astype(np.float64)) / (near * far)

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from rlbench_pin.sim.bodies.model import BASE
 from rlbench_pin.sim.client import PhysicsClient, bullet
+from rlbench_pin.sim.render.masks import segment_of
 from rlbench_pin.sim.render.raster.meshes import Triangles, triangles_of
 
 Rgba = tuple[float, float, float, float]
 MixedColors = Callable[[], dict[tuple[int, int], tuple[Rgba, ...]]]
 """Tells the colours of the visuals of some links, by body and link number."""
-_LINK_SHIFT = 24
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Parts:
     shape: NDArray[np.int64]
     """Number of the visual of each triangle (m,), in PyBullet's order."""
     segments: NDArray[np.int32]
-    """Segmentation value of each triangle (m,): body + (link + 1) << 24."""
+    """Segmentation value of each triangle (m,)."""
 
 
 class Stage:
@@ -154,9 +154,7 @@ def _parts(visuals: tuple[_Visual, ...]) -> Parts | None:
     ends = np.cumsum([0, *(sum(len(t.corners) for _, t in shapes) for shapes in placed.values())]).tolist()
     every = [pair for shapes in placed.values() for pair in shapes]
     corners, normals = (np.concatenate([getattr(t, name) for _, t in every]) for name in ("corners", "normals"))
-    segments = [
-        body + ((link + 1) << _LINK_SHIFT) for (body, link), shapes in placed.items() for _, t in shapes for _ in t.corners
-    ]
+    segments = [segment_of(body, link) for (body, link), shapes in placed.items() for _, t in shapes for _ in t.corners]
     return Parts(
         links=tuple(placed),
         slices=tuple(slice(a, b) for a, b in zip(ends, ends[1:])),

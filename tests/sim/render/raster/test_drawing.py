@@ -7,7 +7,7 @@ import pytest
 
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import CameraView, Lighting, World, look_at
-from rlbench_pin.sim.render.shots import BulletCamera, Draughtsman, Shot, Sight
+from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, Shot, Sight
 from tests.sim.support import ABOVE, BodySpec, build, cube, cube_scene
 
 HOME = ABOVE + [0.4, -0.3, 0.2, 0.1, 0.5, 0.2, 0.3]
@@ -22,7 +22,7 @@ def shots(world: World, views: list[CameraView]) -> tuple[list[Shot], list[Shot]
     """What both see without the room."""
     room = frozenset(body.model.uid for body in world.room.values())
     sights = [Sight(v, np.full(v.size[0] * v.size[1], v.far, dtype=np.float32), Lighting().key, 0.5) for v in views]
-    ours, theirs = Draughtsman(world.client, room, dict).shoot(sights), BulletCamera(world.client, room).shoot(sights)
+    ours, theirs = NumpyRasterizer(world.client, room, dict).shoot(sights), BulletRasterizer(world.client, room).shoot(sights)
     return ours, [_nearer(shot, view) for shot, view in zip(theirs, views, strict=True)]
 
 
