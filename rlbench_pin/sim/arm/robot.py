@@ -66,7 +66,8 @@ class SimRobot:
         self._goals: FloatArray | None = None
         self._feed: list[float] = []
         self._control = ArmControl("velocity", np.zeros(len(infos)), np.zeros(len(infos)))
-        self._first = self._later = Effort([0.0] * len(infos), [0.0] * len(infos))
+        self._still = Effort([[0.0] * len(infos)] * substeps, [[0.0] * len(infos)] * substeps)
+        self._effort = self._still
         self._prepare_dynamics()
         self._motors = Motors(model, self._arm, self.effort_limits)
         self.reset_configuration(description.home, [description.gripper_open] * len(fingers))
@@ -82,7 +83,7 @@ class SimRobot:
         if self._states is None:
             states = bullet.getJointStates(self.model.uid, self._joints, physicsClientId=self._client.id)
             self._states = np.array([(s[0], s[1], s[3]) for s in states]).T
-            self._states[2, : len(self._arm)] += self._later.torques
+            self._states[2, : len(self._arm)] += self._effort.torques[-1]
         return self._states
 
     def forget_measurements(self) -> None:
@@ -223,11 +224,15 @@ class SimRobot:
         self._goals, self._watches = None, False
         if self.mode == "torque":
             self._motors.release()
-            self._first = self._later = Effort([0.0] * len(self._arm), [0.0] * len(self._arm))
+            self._effort = self._still
             return
         velocities = self._measured()[1, : len(self._arm)]
-        feed = self._begin_position_tick(velocities) if self.mode == "position" else self._control.target
-        self._first, self._later = self._motors.efforts(velocities, feed, self.timestep)
+        if self.mode == "velocity":
+            wanted = self._control.target.tolist()
+            self._effort = self._motors.turning(velocities.tolist(), wanted, self.timestep, self.substeps)
+            return
+        feed = self._begin_position_tick(velocities)
+        self._effort = self._motors.following(velocities, feed, self.timestep, self.substeps)
         self._feed = feed.tolist()
 
     def _begin_position_tick(self, velocities: FloatArray) -> FloatArray:
@@ -266,9 +271,11 @@ class SimRobot:
         if self.mode == "torque":
             self._motors.push(self._control.target.tolist())
             return
-        effort = self._later if substep else self._first
-        if self._goals is not None and (substep < 2 or self._watches or any(self._feed)):
-            self._motors.follow(self._position_goals(self._goals, substep), self._feed, self.position_gain, effort.spare)
-        elif self._goals is None and substep < 2:
-            self._motors.turn(self._feed, effort.spare)
-        self._motors.push(effort.torques)
+        effort = self._effort
+        if self._goals is not None:
+            if substep < 2 or self._watches or any(self._feed):
+                goals = self._position_goals(self._goals, substep)
+                self._motors.follow(goals, self._feed, self.position_gain, effort.spare[substep])
+        elif substep < len(effort.speeds):
+            self._motors.turn(effort.speeds[substep], effort.spare[substep])
+        self._motors.push(effort.torques[substep])
