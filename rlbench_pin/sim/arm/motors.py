@@ -42,30 +42,34 @@ class Motors:
         model: The loaded robot; it stands where it stays.
         joints: PyBullet's numbers of the n joints.
         efforts: Largest torques (n,) [N m].
+
+    Attributes:
+        movable: PyBullet's numbers of all joints of the robot that can move, fingers among them.
     """
 
     def __init__(self, model: LoadedModel, joints: Sequence[int], efforts: FloatArray) -> None:
         self._model, self._client = model, model.client
         self._joints, self._efforts = list(joints), efforts.tolist()
-        self._movable = sorted(info.index for info in model.joints.values())
-        self._places = [self._movable.index(joint) for joint in joints]
-        self._still = [0.0] * len(self._movable)
+        self.movable = sorted(info.index for info in model.joints.values())
+        self._places = [self.movable.index(joint) for joint in joints]
+        self._still = [0.0] * len(self.movable)
         self._zeros, self._ones = [0.0] * len(joints), [1.0] * len(joints)
         # PyBullet keeps the masses of the first call until its server is built again: those of the robot's file.
         self._client.change(bullet.calculateInverseDynamics, model.uid, self._still, self._still, self._still)
 
-    def following(self, now: FloatArray, wanted: FloatArray, timestep: float, substeps: int) -> Effort:
+    def following(self, positions: list[float], now: FloatArray, wanted: FloatArray, timestep: float, substeps: int) -> Effort:
         """Return what motors that follow positions do: the first physics step changes the joint velocities, the rest keep them.
 
         A change that asks for more than the motors can give is left to the solver.
 
         Args:
+            positions: Those of `movable` joints.
             now: Measured joint velocities (n,) [rad/s].
             wanted: Joint velocities to reach (n,) [rad/s].
             timestep: Physics step [s].
             substeps: Physics steps of the tick.
         """
-        positions, velocities = self._positions(), now.tolist()
+        velocities = now.tolist()
         later = self._within(self._dynamics(positions, velocities, self._zeros))
         first = self._dynamics(positions, velocities, ((wanted - now) / timestep).tolist())
         if any(abs(torque) > most for torque, most in zip(first, self._efforts, strict=True)):
@@ -73,24 +77,26 @@ class Motors:
         torques = [first, *[later] * (substeps - 1)]
         return Effort(torques, [self._left(first), *[self._left(later)] * (substeps - 1)])
 
-    def turning(self, now: list[float], wanted: list[float], timestep: float, substeps: int) -> Effort:
+    def turning(self, positions: list[float], now: list[float], wanted: list[float], timestep: float, substeps: int) -> Effort:
         """Return what motors that follow velocities do: they change them together, as fast as they can, and keep them.
 
         Torques of constant velocities are interpolated between those at the beginning and at the end of the tick. A change
         that takes too long is left to the solver, torques and all: it turns each joint as fast as its motor can.
 
         Args:
+            positions: Those of `movable` joints.
             now: Measured joint velocities (n,) [rad/s].
             wanted: Joint velocities to reach (n,) [rad/s].
             timestep: Physics step [s].
             substeps: Physics steps of the tick.
         """
-        positions, changes = self._positions(), [w - v for w, v in zip(wanted, now, strict=True)]
+        changes = [w - v for w, v in zip(wanted, now, strict=True)]
         changing = self._dynamics(positions, now, [change / timestep for change in changes])
         begin = self._dynamics(positions, wanted, self._zeros)
+        there = positions.copy()
         for place, velocity in zip(self._places, wanted, strict=True):
-            positions[place] += velocity * substeps * timestep
-        end = self._within(self._dynamics(positions, wanted, self._zeros))
+            there[place] += velocity * substeps * timestep
+        end = self._within(self._dynamics(there, wanted, self._zeros))
         extra = [torque - steady for torque, steady in zip(changing, begin, strict=True)]
         count = self._steps(extra, begin, substeps)
         if count == 0:
@@ -110,11 +116,6 @@ class Motors:
         rooms = (_SHARE * (most - abs(torque)) for torque, most in zip(steady, self._efforts, strict=True))
         demand = max(abs(torque) / max(room, _LEAST_ROOM) for torque, room in zip(extra, rooms, strict=True))
         return max(1, math.ceil(demand)) if demand <= _LONGEST_CHANGE * substeps else 0
-
-    def _positions(self) -> list[float]:
-        """Positions of all movable joints of the robot, by their number."""
-        states = bullet.getJointStates(self._model.uid, self._movable, physicsClientId=self._client.id)
-        return [state[0] for state in states]
 
     def _dynamics(self, positions: list[float], velocities: list[float], accelerations: list[float]) -> list[float]:
         """Torques (n,) [N m] that the robot alone asks for."""

@@ -62,6 +62,7 @@ class SimRobot:
         self._finger_limits = np.array([[i.lower for i in fingers], [i.upper for i in fingers]])
         self._tip = model.link_index(description.tip_frame)
         self._states: FloatArray | None = None
+        self._tip_pose: FloatArray | None = None
         self.on_reset: list[Callable[[bool], None]] = []
         self._goals: FloatArray | None = None
         self._feed: list[float] = []
@@ -70,6 +71,8 @@ class SimRobot:
         self._effort = self._still
         self._prepare_dynamics()
         self._motors = Motors(model, self._arm, self.effort_limits)
+        self._measures = [*self._joints, *(joint for joint in self._motors.movable if joint not in self._joints)]
+        self._order = [self._measures.index(joint) for joint in self._motors.movable]
         self.reset_configuration(description.home, [description.gripper_open] * len(fingers))
 
     def _prepare_dynamics(self) -> None:
@@ -79,16 +82,16 @@ class SimRobot:
     # Measuring -------------------------------------------------------------------------------------------------------
 
     def _measured(self) -> FloatArray:
-        """Positions, velocities and motor torques of arm and fingers, shape (3, n + fingers); read once per tick."""
+        """Positions, velocities and motor torques of arm, fingers and what else can move, (3, m); read once per tick."""
         if self._states is None:
-            states = bullet.getJointStates(self.model.uid, self._joints, physicsClientId=self._client.id)
+            states = bullet.getJointStates(self.model.uid, self._measures, physicsClientId=self._client.id)
             self._states = np.array([(s[0], s[1], s[3]) for s in states]).T
             self._states[2, : len(self._arm)] += self._effort.torques[-1]
         return self._states
 
     def forget_measurements(self) -> None:
         """Read the joints again at the next request, because something moved."""
-        self._states = None
+        self._states = self._tip_pose = None
 
     @property
     def joint_positions(self) -> FloatArray:
@@ -111,15 +114,17 @@ class SimRobot:
     @property
     def fingers(self) -> FloatArray:
         """Finger joint positions (2,) [m]."""
-        return self._measured()[0, len(self._arm) :].copy()
+        return self._measured()[0, len(self._arm) : len(self._joints)].copy()
 
     def joint_states(self) -> FloatArray:
         """Positions, velocities and motor torques of arm and fingers, shape (3, n + fingers)."""
-        return self._measured().copy()
+        return self._measured()[:, : len(self._joints)].copy()
 
     def tip_pose(self) -> FloatArray:
         """Pose (7,) of the tip frame in the world."""
-        return self.model.link_pose_at(self._tip)
+        if self._tip_pose is None:
+            self._tip_pose = self.model.link_pose_at(self._tip)
+        return self._tip_pose.copy()
 
     def link_pose(self, link: str) -> FloatArray:
         """Pose (7,) of the URDF frame of a link in the world."""
@@ -226,13 +231,14 @@ class SimRobot:
             self._motors.release()
             self._effort = self._still
             return
-        velocities = self._measured()[1, : len(self._arm)]
+        measured = self._measured()
+        velocities, places = measured[1, : len(self._arm)], measured[0].tolist()
+        positions, course = [places[k] for k in self._order], (self.timestep, self.substeps)
         if self.mode == "velocity":
-            wanted = self._control.target.tolist()
-            self._effort = self._motors.turning(velocities.tolist(), wanted, self.timestep, self.substeps)
+            self._effort = self._motors.turning(positions, velocities.tolist(), self._control.target.tolist(), *course)
             return
         feed = self._begin_position_tick(velocities)
-        self._effort = self._motors.following(velocities, feed, self.timestep, self.substeps)
+        self._effort = self._motors.following(positions, velocities, feed, *course)
         self._feed = feed.tolist()
 
     def _begin_position_tick(self, velocities: FloatArray) -> FloatArray:
@@ -268,6 +274,7 @@ class SimRobot:
 
     def drive(self, substep: int) -> None:
         """Command the motors for physics step `substep` of this tick; what stays as it was is not commanded again."""
+        self._tip_pose = None  # who commands between physics steps may have read it
         if self.mode == "torque":
             self._motors.push(self._control.target.tolist())
             return
