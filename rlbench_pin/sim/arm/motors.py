@@ -2,22 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-
-import numpy as np
+from dataclasses import dataclass
 
 from rlbench_pin.sim.bodies.model import LoadedModel
 from rlbench_pin.sim.client import bullet
 from rlbench_pin.spatial import FloatArray
-
-_SHARE = 0.9
-"""Share of what the arm's weight leaves of a torque that is planned for changing speeds; the rest is for what planning misses."""
-_LONGEST_CHANGE = 0.6
-"""Longest planned change of speeds, as a share of a tick; a longer one is left to the solver, as fast as each motor can."""
-_LEAST_ROOM = 1e-9
-"""Room of a motor that the arm's weight takes altogether [N m]."""
 
 
 @dataclass(frozen=True)
@@ -28,8 +18,6 @@ class Effort:
     """Applied whatever happens (m, n) [N m]."""
     spare: list[list[float]]
     """Most that a motor adds to reach its goal (m, n) [N m]."""
-    speeds: list[list[float]] = field(default_factory=list)
-    """Goals of motors that follow velocities, in each physics step in which goal or spare change (k, n) [rad/s]."""
 
 
 class Motors:
@@ -57,8 +45,8 @@ class Motors:
         # PyBullet keeps the masses of the first call until its server is built again: those of the robot's file.
         self._client.change(bullet.calculateInverseDynamics, model.uid, self._still, self._still, self._still)
 
-    def following(self, positions: list[float], now: FloatArray, wanted: FloatArray, timestep: float, substeps: int) -> Effort:
-        """Return what motors that follow positions do: the first physics step changes the joint velocities, the rest keep them.
+    def efforts(self, positions: list[float], now: FloatArray, wanted: FloatArray, timestep: float, substeps: int) -> Effort:
+        """Return what the motors do: the first physics step changes the joint velocities, the rest keep them.
 
         A change that asks for more than the motors can give is left to the solver.
 
@@ -76,46 +64,6 @@ class Motors:
             first = later
         torques = [first, *[later] * (substeps - 1)]
         return Effort(torques, [self._left(first), *[self._left(later)] * (substeps - 1)])
-
-    def turning(self, positions: list[float], now: list[float], wanted: list[float], timestep: float, substeps: int) -> Effort:
-        """Return what motors that follow velocities do: they change them together, as fast as they can, and keep them.
-
-        Torques of constant velocities are interpolated between those at the beginning and at the end of the tick. A change
-        that takes too long is left to the solver, torques and all: it turns each joint as fast as its motor can.
-
-        Args:
-            positions: Those of `movable` joints.
-            now: Measured joint velocities (n,) [rad/s].
-            wanted: Joint velocities to reach (n,) [rad/s].
-            timestep: Physics step [s].
-            substeps: Physics steps of the tick.
-        """
-        changes = [w - v for w, v in zip(wanted, now, strict=True)]
-        changing = self._dynamics(positions, now, [change / timestep for change in changes])
-        begin = self._dynamics(positions, wanted, self._zeros)
-        there = positions.copy()
-        for place, velocity in zip(self._places, wanted, strict=True):
-            there[place] += velocity * substeps * timestep
-        end = self._within(self._dynamics(there, wanted, self._zeros))
-        extra = [torque - steady for torque, steady in zip(changing, begin, strict=True)]
-        count = self._steps(extra, begin, substeps)
-        if count == 0:
-            return Effort([self._zeros] * substeps, [self._efforts] * substeps, [wanted])
-        begin = self._within(begin)
-        drift = [(last - first) / substeps for first, last in zip(begin, end, strict=True)]
-        torques = (np.array(begin) + np.arange(substeps)[:, None] * np.array(drift)).tolist()
-        left = self._left([max(abs(a), abs(b)) for a, b in zip(begin, end, strict=True)])
-        for k in range(count):
-            torques[k] = self._within([torque + more / count for torque, more in zip(torques[k], extra, strict=True)])
-        spare = [*(self._left(torques[k]) for k in range(count)), *[left] * (substeps - count)]
-        speeds = [[v + k / count * change for v, change in zip(now, changes, strict=True)] for k in range(1, count + 1)]
-        return Effort(torques, spare, [*speeds, wanted][:substeps])
-
-    def _steps(self, extra: list[float], steady: list[float], substeps: int) -> int:
-        """Physics steps in which the motors can do what takes torques `extra` in one; 0 when that is too long to be planned."""
-        rooms = (_SHARE * (most - abs(torque)) for torque, most in zip(steady, self._efforts, strict=True))
-        demand = max(abs(torque) / max(room, _LEAST_ROOM) for torque, room in zip(extra, rooms, strict=True))
-        return max(1, math.ceil(demand)) if demand <= _LONGEST_CHANGE * substeps else 0
 
     def _dynamics(self, positions: list[float], velocities: list[float], accelerations: list[float]) -> list[float]:
         """Torques (n,) [N m] that the robot alone asks for."""

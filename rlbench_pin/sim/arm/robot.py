@@ -234,11 +234,8 @@ class SimRobot:
         measured = self._measured()
         velocities, places = measured[1, : len(self._arm)], measured[0].tolist()
         positions, course = [places[k] for k in self._order], (self.timestep, self.substeps)
-        if self.mode == "velocity":
-            self._effort = self._motors.turning(positions, velocities.tolist(), self._control.target.tolist(), *course)
-            return
-        feed = self._begin_position_tick(velocities)
-        self._effort = self._motors.following(positions, velocities, feed, *course)
+        feed = self._begin_position_tick(velocities) if self.mode == "position" else self._control.target
+        self._effort = self._motors.efforts(positions, velocities, feed, *course)
         self._feed = feed.tolist()
 
     def _begin_position_tick(self, velocities: FloatArray) -> FloatArray:
@@ -283,6 +280,6 @@ class SimRobot:
             if substep < 2 or self._watches or any(self._feed):
                 goals = self._position_goals(self._goals, substep)
                 self._motors.follow(goals, self._feed, self.position_gain, effort.spare[substep])
-        elif substep < len(effort.speeds):
-            self._motors.turn(effort.speeds[substep], effort.spare[substep])
+        elif substep < 2:
+            self._motors.turn(self._feed, effort.spare[substep])
         self._motors.push(effort.torques[substep])

@@ -8,7 +8,6 @@ import pytest
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.spec import SceneSpec
-from rlbench_pin.sim import World
 from rlbench_pin.spatial import rotation_distance
 from tests.sim.support import ABOVE, HOME, PANDA, build, move, steps
 
@@ -82,37 +81,6 @@ def test_velocity_mode(world):
     world.robot.set_velocity_targets(np.zeros(7))
     steps(world, 2)
     assert np.abs(world.robot.joint_velocities).max() < 0.01
-
-
-@pytest.mark.parametrize("speed", [0.05, 0.3])
-def test_velocities_are_reached_within_a_tick(world, speed):
-    """However speeds change from tick to tick, as far as the motors can, the arm ends each tick with those it was told."""
-    rng = np.random.default_rng(0)
-    for _ in range(20):
-        wanted = rng.uniform(-speed, speed, 7)
-        world.robot.set_velocity_targets(wanted)
-        world.step()
-        np.testing.assert_allclose(world.robot.joint_velocities, wanted, atol=2e-3)
-        assert (np.abs(world.robot.joint_torques) <= world.robot.effort_limits + 1e-9).all()
-
-
-def test_a_change_of_speed_beyond_the_motors_is_not_planned(world):
-    """From full speed to full speed the other way: torques stay within their limits, and the arm gets there."""
-    wanted = 0.6 * SIGNS * world.robot.velocity_limits
-    for velocity in (wanted, -wanted, -wanted):
-        world.robot.set_velocity_targets(velocity)
-        world.step()
-        assert (np.abs(world.robot.joint_torques) <= world.robot.effort_limits + 1e-9).all()
-    np.testing.assert_allclose(world.robot.joint_velocities, -wanted, atol=0.05)
-
-
-def test_velocities_with_one_physics_step_a_tick():
-    """A tick of a single physics step plans its changes of speed in that step."""
-    with World(SceneSpec(format=1), PANDA, timestep=0.005, control_dt=0.005) as world:
-        for _ in range(20):
-            world.robot.set_velocity_targets(np.full(7, 0.1))
-            world.step()
-        np.testing.assert_allclose(world.robot.joint_velocities, 0.1, atol=2e-3)
 
 
 def test_torque_mode_is_the_dynamics_of_the_model(world):
