@@ -64,7 +64,7 @@ def move_gripper(
 ) -> None:
     """Drive the fingers to an opening fraction and attach or release bodies. Ends early where the episode is over.
 
-    Closing runs by physics until the fingers stall; then every registered graspable body between them is fixed to the hand.
+    Closing runs by physics until the fingers stall; then every registered graspable body between them that both touch is fixed to the hand.
 
     Args:
         runtime: What moves.
@@ -94,7 +94,7 @@ def move_gripper(
 
 
 def hold_or_release(runtime: Runtime, *, release: bool, attach: bool) -> None:
-    """Let everything go, or fix every graspable body between the fingers to the hand."""
+    """Let everything go, or fix every graspable body that both fingers touch to the hand."""
     if release:
         runtime.gripper.release()
     elif attach:
