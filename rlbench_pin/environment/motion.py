@@ -66,7 +66,8 @@ def move_gripper(
 ) -> None:
     """Drive the fingers to an opening fraction and attach or release bodies. Ends early where the episode is over.
 
-    Closing runs by physics until the fingers stall; then every registered graspable body between them that both touch is fixed to the hand.
+    Closing runs by physics until the fingers stall; then every registered graspable body between them that both touch is fixed to
+    the hand.
 
     Args:
         runtime: What moves.
