@@ -92,6 +92,8 @@ class SolvedDemo:
     """Length [s]."""
     replayed: bool | None
     """Whether the recorded joint-position actions reach the goal again; None when that was not tried."""
+    lasts: bool = False
+    """Whether the goal was still reached 1 s later, the arm at rest, the hand as it was."""
     left_over: tuple[str, ...] = ()
     """What the episode left behind in the next one."""
     legs: tuple[LegReport, ...] = ()

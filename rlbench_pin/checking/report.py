@@ -53,6 +53,8 @@ class TaskReport:
     variations: tuple[int, ...]
     first_try: Rate
     within_tries: Rate
+    lasting: Rate
+    """Goals that demonstrations reached and that were still reached 1 s later."""
     replay: Rate
     per_variation: dict[int, tuple[Rate, Rate]]
     """Variation -> first try, within the tries."""
@@ -103,7 +105,7 @@ class TaskReport:
 
     def as_dict(self) -> dict[str, object]:
         """Plain data for JSON."""
-        rates = ("first_try", "within_tries", "replay", "idle", "random", "repeat", "tidy", "accepted")
+        rates = ("first_try", "within_tries", "lasting", "replay", "idle", "random", "repeat", "tidy", "accepted")
         return {
             "passed": not self.faults,
             "faults": list(self.faults),
@@ -164,6 +166,7 @@ def _of_demos(trials: Sequence[DemoTrial]) -> dict[str, Any]:
         "variations": tuple(sorted({trial.variation for trial in trials})),
         "first_try": _first_try(trials),
         "within_tries": _within_tries(trials),
+        "lasting": _rate([demo.lasts for demo in demos]),
         "replay": _rate([demo.replayed for demo in demos if demo.replayed is not None]),
         "per_variation": _per_variation(trials),
         "tidy": _rate([not demo.left_over for demo in demos]),

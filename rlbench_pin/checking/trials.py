@@ -120,11 +120,13 @@ def demo_trial(task: TaskEnvironment, seed: int, variation: int, max_attempts: i
 def _solved(task: TaskEnvironment, outcome: DemoOutcome, cost: Cost, replay: bool) -> SolvedDemo:
     demo = outcome.demo
     assert demo is not None
+    lasts = task.success_lasts()
     remains = left_over(task, demo)
     return SolvedDemo(
         frames=len(demo),
         simulated=outcome.duration,
         replayed=replay_succeeds(task, demo) if replay else None,
+        lasts=lasts,
         left_over=remains,
         legs=outcome.legs,
         cost=cost,

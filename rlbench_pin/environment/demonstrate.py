@@ -157,7 +157,7 @@ class DemoPlayer:
         self._ignores_collisions = waypoint.ignore_collisions
         if len(self.frames) == 1:
             self._flag(self.frames[0])
-        follow(self.runtime, plan.trajectory, until=self._check, on_tick=self._arm_tick)
+        follow(self.runtime, plan.trajectory, on_tick=self._arm_tick)
         if waypoint.gripper is not None and (waypoint.releases or not self.omit.grasps):
             self._operate_gripper(waypoint)
         waypoint.run_end_hook()
@@ -185,19 +185,19 @@ class DemoPlayer:
     def _arm_tick(self, target: FloatArray) -> None:
         self._target = target
         self._frame()
+        self._check()
 
     def _gripper_tick(self) -> None:
         self._check()
         if self.record_gripper:
             self._frame()
 
-    def _check(self) -> bool:
-        """Note success; raise when the fail list ends the episode. Never cuts a motion short."""
+    def _check(self) -> None:
+        """Note success; raise when the fail list ends the episode."""
         success, terminate = self.runtime.task.success()
         if terminate and not success:
             raise DemoError("The fail list of the task was met.", self.runtime.task)
         self._succeeded = self._succeeded or success
-        return False
 
     def _wait_for_success(self) -> None:
         """Hold until the goal is reached, but never for two ticks alone: the last frame is a key frame, as is the one before."""

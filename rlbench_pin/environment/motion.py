@@ -22,36 +22,36 @@ _GRIPPER_TICKS = 60
 """Control ticks that the fingers move at most."""
 _SETTLE_TICKS_AFTER_OPENING = 10
 """Control ticks for what was let go to come to rest."""
+_LASTING = 1.0
+"""For how long a success has to last to be a lasting one [s]."""
 
 
 def follow(
     runtime: Runtime,
     trajectory: Trajectory,
     *,
-    until: Callable[[], bool] = lambda: False,
     on_tick: Callable[[FloatArray], None] = lambda target: None,
+    whole: bool = False,
 ) -> None:
-    """Track `trajectory` to its end and come to rest there.
+    """Track `trajectory` to its end and come to rest there, or until the episode is over.
 
     Args:
         runtime: What moves.
         trajectory: Timed joint motion that starts where the arm is.
-        until: Asked after every tick; True ends the motion early.
         on_tick: Called after every tick with the commanded joint positions (n,) [rad].
+        whole: Go on when the episode is over.
     """
     target = runtime.robot.joint_positions
     for target in TrajectoryTracker(trajectory, runtime.world.control_dt, LEAST_SPEED):
         runtime.drive_to(target)
         on_tick(target)
-        if until():
+        if runtime.over and not whole:
             return
     for _ in range(_REST_TICKS):
-        if np.abs(runtime.robot.joint_velocities).max() < REST_SPEED:
+        if (runtime.over and not whole) or np.abs(runtime.robot.joint_velocities).max() < REST_SPEED:
             return
         runtime.drive_to(target)
         on_tick(target)
-        if until():
-            return
 
 
 def move_gripper(
@@ -64,9 +64,10 @@ def move_gripper(
     detach_before_open: bool = True,
     on_tick: Callable[[], None] = lambda: None,
 ) -> None:
-    """Drive the fingers to an opening fraction and attach or release bodies.
+    """Drive the fingers to an opening fraction and attach or release bodies. Ends early where the episode is over.
 
-    Closing runs by physics until the fingers stall; then every registered graspable body between them is fixed to the hand.
+    Closing runs by physics until the fingers stall; then every registered graspable body between them that both touch is fixed to
+    the hand.
 
     Args:
         runtime: What moves.
@@ -85,18 +86,38 @@ def move_gripper(
     for tick in range(_GRIPPER_TICKS):
         runtime.step()
         on_tick()
-        if tick > 0 and not runtime.gripper.moving:
+        if runtime.over or (tick > 0 and not runtime.gripper.moving):
             break
     hold_or_release(runtime, release=release, attach=attach)
     for _ in range(_SETTLE_TICKS_AFTER_OPENING if release else 0):
+        if runtime.over:
+            return
         runtime.step()
         on_tick()
 
 
 def hold_or_release(runtime: Runtime, *, release: bool, attach: bool) -> None:
-    """Let everything go, or fix every graspable body between the fingers to the hand."""
+    """Let everything go, or fix every graspable body that both fingers touch to the hand."""
     if release:
         runtime.gripper.release()
     elif attach:
         for name in runtime.gripper.between_fingers():
             runtime.gripper.grasp(name)
+
+
+def success_lasts(runtime: Runtime) -> bool:
+    """Whether the goal is reached now and still is 1 s later, the arm at rest, the hand as it is.
+
+    Afterwards everything is as it was (measured torques from the next tick on); observers and callbacks notice nothing.
+    """
+    before, task = runtime.save(), runtime.task
+    reached = bool(task.success()[0])
+    if reached:
+        runtime.hold()
+        runtime.gripper.hold()
+        for _ in range(round(_LASTING / runtime.world.control_dt)):
+            runtime.world.step()
+            task.step()
+        reached = bool(task.success()[0])
+    runtime.restore(before)
+    return reached

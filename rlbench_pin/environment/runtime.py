@@ -23,6 +23,7 @@ from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import RendererName, World
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray
 from rlbench_pin.tasks import Task, task_scene
+from rlbench_pin.tasks.verdict import Verdict
 
 TIP_WORKSPACE = np.array([[-0.274, -0.655, TABLE_HEIGHT], [0.774, 0.655, TABLE_HEIGHT + 1.0]])
 """Lowest and highest corner of the box that tip targets must lie in [m]."""
@@ -92,6 +93,7 @@ class Runtime:
         self._parts: list[Callable[[], None]] = []
         self._callbacks: list[Callable[[], None]] = []
         self._command_filter: Callable[[Runtime], None] | None = None
+        self._verdict: Verdict | None = None
         self._bound: dict[int, tuple[object, Any]] = {}
 
     def begin(self, variation: int, planning: np.random.Generator, noise: np.random.Generator) -> None:
@@ -159,13 +161,30 @@ class Runtime:
             self._callbacks.remove(callback)
 
     def step(self) -> None:
-        """Advance one control tick: physics, then the task's own step, then the callbacks."""
+        """Advance one control tick: physics, then the task's own step, the callbacks, and the verdict on an action."""
         if self._command_filter is not None:
             self._command_filter(self)
         self.world.step()
         self.task.step()
         for callback in (*self._parts, *self._callbacks):
             callback()
+        if self._verdict is not None:
+            self._verdict.ask()
+
+    @property
+    def over(self) -> bool:
+        """Whether a tick of the present action has ended the episode; then the rest of the action is left out."""
+        return self._verdict is not None and self._verdict.over
+
+    @contextmanager
+    def judging(self) -> Iterator[Verdict]:
+        """Ask the task after every tick of a block, one action, whether the goal is reached and whether the episode is over."""
+        before, self._verdict = self._verdict, Verdict(self.task)
+        try:
+            yield self._verdict
+            self._verdict.ask_at_least_once()
+        finally:
+            self._verdict = before
 
     @contextmanager
     def filtering(self, command_filter: Callable[[Runtime], None]) -> Iterator[None]:
@@ -223,14 +242,8 @@ class Runtime:
 
     def save(self, *, portable: bool = False) -> RuntimeState:
         """Return the present state; only a `portable` one can be pickled."""
-        return RuntimeState(
-            self.world.save(portable),
-            self.task.state(),
-            self.variation,
-            self.instructions,
-            self.noise_rng.bit_generator.state,
-            self._planning_seed,
-        )
+        world, task, noise = self.world.save(portable), self.task.state(), self.noise_rng.bit_generator.state
+        return RuntimeState(world, task, self.variation, self.instructions, noise, self._planning_seed)
 
     def restore(self, state: RuntimeState) -> None:
         """Go back to `state`, exactly."""

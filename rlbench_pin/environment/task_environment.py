@@ -11,12 +11,13 @@ from rlbench_pin.environment import demos
 from rlbench_pin.environment.actions.action_mode import ActionMode
 from rlbench_pin.environment.demonstrate import DemoOutcome
 from rlbench_pin.environment.episode import MOST_DEMOS, EnvironmentState, EpisodeOrigin, EpisodeRandom, checked_seed, demo_seeds
+from rlbench_pin.environment.motion import success_lasts
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.randomization.randomizer import Randomizer
 from rlbench_pin.environment.reset import start_episode
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.stored import StoredSelection, read_stored_demos
-from rlbench_pin.errors import InvalidArgument, NoShapedReward, NotReset, TaskEnvironmentError
+from rlbench_pin.errors import InvalidArgument, NotReset, TaskEnvironmentError
 from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.sim import World
 from rlbench_pin.tasks import Task
@@ -163,10 +164,11 @@ class TaskEnvironment:
         return self._episode
 
     def step(self, action: object) -> tuple[Observation, float, bool]:
-        """Run one action.
+        """Run one action, to its end or until a control tick of it ends the episode.
 
         Returns:
-            Observation, reward, and whether the episode has ended. Nothing resets by itself.
+            Observation, reward, and whether the episode has ended: after the first tick at which the goal was reached, or the
+            fail list met. Nothing resets by itself.
 
         Raises:
             NotReset: Before the first reset.
@@ -174,18 +176,15 @@ class TaskEnvironment:
             NoShapedReward: Shaped rewards are on and the task gives none (also a RuntimeError).
         """
         self._started("step")
-        self._action_mode.action(self._runtime, action)
-        success, terminate = self.task.success()
-        self._succeeded = bool(success)
-        return self.get_observation(), self._reward(success), bool(terminate)
+        with self._runtime.judging() as verdict:
+            self._action_mode.action(self._runtime, action)
+        self._succeeded = verdict.success
+        return self.get_observation(), verdict.reward(self._shaped_rewards), verdict.over
 
-    def _reward(self, success: bool) -> float:
-        if not self._shaped_rewards:
-            return float(success)
-        reward = self.task.reward()
-        if reward is None:
-            raise NoShapedReward(self.get_name())
-        return float(reward)
+    def success_lasts(self) -> bool:
+        """Whether the goal, reached now, lasts 1 s with the arm at rest, the hand as it is. Afterwards all is as it was."""
+        self._started("success_lasts")
+        return success_lasts(self._runtime)
 
     def action_bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Return lowest and highest values of an action, each of shape (n,)."""

@@ -187,6 +187,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         return {
             "success": success,
             "is_success": success,
+            "held": success and self._task.success_lasts(),
             "text_descriptions": self._task.get_task_descriptions(),
             "variation": self._task.runtime.variation,
         }

@@ -74,3 +74,9 @@ class ContactReader:
         return Contact(
             name, links[point[3]], other, other_links[point[4]], np.array(point[6]), np.array(point[7]), point[8], point[9]
         )
+
+
+def touched_links(model: LoadedModel, link: int, other: LoadedModel) -> set[int]:
+    """Return the indices of the links of `other` that a link of `model` touched in the last physics step."""
+    where = {"bodyA": model.uid, "bodyB": other.uid, "linkIndexA": link, "physicsClientId": model.client.id}
+    return {point[4] for point in bullet.getContactPoints(**where) or () if point[8] < TOUCH_DISTANCE}

@@ -1,4 +1,4 @@
-"""Where a hand that points down can grip one of several bodies in a tray, and how it can approach one on the table."""
+"""Where a hand can hold a body: by which part; from above, one of several in a tray; and how it can approach one on the table."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rlbench_pin.errors import BoundaryError
+from rlbench_pin.errors import BoundaryError, UnknownName
 from rlbench_pin.spatial import FloatArray, PoseLike
 
 if TYPE_CHECKING:
-    from rlbench_pin.sim import Body
+    from rlbench_pin.sim import Body, World
 
 SIDES = (0.0, -1.0, 1.0)
 """Where a body may be between the fingers: in the middle, or nearly at one of them."""
@@ -23,6 +23,19 @@ PAD = np.array([0.014, 0.016])
 CORNERS = np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]])
 ANGLES = 24
 """Turns of the hand that are judged."""
+
+
+def graspable_part(world: World, name: str) -> tuple[Body, str]:
+    """Return the body that `body` or `body/link` names, and the link by which alone it may be held, empty for all.
+
+    Raises:
+        UnknownName: There is no such body, or it has no such link.
+    """
+    whole, _, link = name.partition("/") if isinstance(name, str) else (name, "", "")
+    body = world.body(whole)
+    if link and link not in body.model.links:
+        raise UnknownName(f"link of body '{whole}'", link, body.model.links)
+    return body, link
 
 
 @dataclass(frozen=True, eq=False)

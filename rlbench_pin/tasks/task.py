@@ -13,6 +13,7 @@ import numpy as np
 from rlbench_pin.errors import TaskError
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks.conditions import Condition
+from rlbench_pin.tasks.grasps import graspable_part
 from rlbench_pin.tasks.low_dim import LowDimState
 from rlbench_pin.tasks.placement import place_task
 from rlbench_pin.tasks.saved.portable_state import PortableTaskState, TaskState, take_over
@@ -130,13 +131,17 @@ class Task:
         self._fail = tuple(conditions)
 
     def register_graspable_objects(self, names: Iterable[str]) -> None:
-        """Allow the hand to hold these bodies. Replaces what was registered before."""
+        """Allow the hand to hold these bodies, where both fingers touch them. Replaces what was registered before.
+
+        Args:
+            names: `body`, or `body/link` for a body that may be held by that link alone.
+        """
         wanted = tuple(names)
-        bodies = [self.world.body(name) for name in wanted]
+        parts = [graspable_part(self.world, name) for name in wanted]
         for name in self._graspable:
-            self.world.body(name).graspable = False
-        for body in bodies:
-            body.graspable = True
+            graspable_part(self.world, name)[0].graspable = False
+        for body, _ in parts:
+            body.graspable, body.grasp_links = True, tuple(link for other, link in parts if other is body and link)
         self._graspable = wanted
 
     def register_waypoint_ability_start(self, index: int, hook: WaypointHook) -> None:
@@ -235,7 +240,7 @@ class Task:
 
     def get_graspable_objects(self) -> tuple[str, ...]:
         """Return the names of the bodies that the hand may hold."""
-        return self._graspable
+        return tuple(dict.fromkeys(name.partition("/")[0] for name in self._graspable))
 
     def get_waypoints(self) -> list[Waypoint]:
         """Return the waypoints in order, up to the stop index."""

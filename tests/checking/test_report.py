@@ -28,7 +28,8 @@ from rlbench_pin.environment.episode import drawn_variations
 
 LEGS = (LegReport(0, "straight", 0.06, 2.0), LegReport(1, "search", 0.04, 3.0))
 DEMO = SolvedDemo(
-    frames=100, simulated=5.0, replayed=True, legs=LEGS, cost=Cost(0.5, process=0.25, planning=0.1, physics=0.125, ticks=50)
+    frames=100, simulated=5.0, replayed=True, lasts=True, legs=LEGS,
+    cost=Cost(0.5, process=0.25, planning=0.1, physics=0.125, ticks=50),
 )  # fmt: skip
 GOOD = DemoTrial(task="push_button", seed=0, variation=0, demo=DEMO)
 REST = Rest(penetration=0.0004, held=(), arm_speed=0.0, drift=0.0002, drifter="button/cap", success=False)
@@ -58,7 +59,7 @@ def test_a_good_task_passes() -> None:
     assert report.variations == (0, 1, 2)
     assert (report.frames, report.simulated, report.speed.times_real_time) == (100.0, 5.0, 20.0)
     line = " ".join(table([report]).splitlines()[1].split())
-    figures = "20/20 84%..100% 20/20 20/20 0/1 0/0 1/1 0/0 0.20 mm 0.40 mm 5.0 s 100 ms 20.0 x"
+    figures = "20/20 84%..100% 20/20 20/20 20/20 0/1 0/0 1/1 0/0 0.20 mm 0.40 mm 5.0 s 100 ms 20.0 x"
     assert line == f"push_button 3 {figures} ok"
 
 

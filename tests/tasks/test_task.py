@@ -174,6 +174,13 @@ def test_graspable_bodies_are_marked_and_replaced(task: Chore) -> None:
     task.register_graspable_objects(["chest"])
     assert not task.world.body("cube").graspable
     assert task.world.body("chest").graspable
+    task.register_graspable_objects(["chest/drawer_top_link", "chest/drawer_middle_link"])
+    assert task.get_graspable_objects() == ("chest",)
+    assert task.world.body("chest").grasp_links == ("drawer_top_link", "drawer_middle_link")
+    with pytest.raises(UnknownName, match="No link of body 'chest' is called 'drawer_tip_link'. Did you mean 'drawer_top_link'"):
+        task.register_graspable_objects(["chest/drawer_tip_link"])
+    task.register_graspable_objects(["chest"])
+    assert task.world.body("chest").grasp_links == ()
 
 
 def test_waypoints_come_in_order_and_stop_where_registered(task: Chore) -> None:

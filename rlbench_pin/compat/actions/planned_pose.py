@@ -55,7 +55,7 @@ def plan_motion(scene: SceneLike, target: FloatArray, ignore_collisions: bool, s
 
 
 def run(scene: SceneLike, path: Followed, on_step: OnStep | None) -> None:
-    """Follow a path to its end, or until the task is done; with a callback always to its end.
+    """Follow a path to its end, or until the episode is over; with a callback always to its end.
 
     Args:
         scene: What moves.
@@ -64,18 +64,17 @@ def run(scene: SceneLike, path: Followed, on_step: OnStep | None) -> None:
     """
     runtime = runtime_of(scene)
 
-    def ends() -> bool:
-        """Hand over what is seen after a step, and say whether the motion ends here."""
-        if on_step is None:
-            return bool(runtime.task.success()[0])
-        on_step(scene.get_observation())
-        return False
+    def show() -> None:
+        """Hand over what is seen after a step."""
+        if on_step is not None:
+            on_step(scene.get_observation())
 
     if isinstance(path, ArmConfigurationPath):
-        follow(runtime, path.trajectory, until=ends)
+        follow(runtime, path.trajectory, on_tick=lambda target: show(), whole=on_step is not None)
         return
     done = False
     while not done:
         done = bool(path.step())
         scene.step()
-        done = ends() or done
+        show()
+        done = done or (runtime.over and on_step is None)

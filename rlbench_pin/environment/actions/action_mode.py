@@ -65,7 +65,7 @@ class ActionMode(SpecifiedMode):
 
 
 class MoveArmThenGripper(ActionMode):
-    """The arm action runs to its end, then the gripper action.
+    """The arm action runs to its end, then the gripper action. What ends the episode ends the action.
 
     With `EndEffectorPoseViaPlanning` a ninth number may follow the gripper's: 1 plans without collision checks, 0 with them.
     """
@@ -74,7 +74,8 @@ class MoveArmThenGripper(ActionMode):
         """Move the arm, then the gripper."""
         arm, gripper = self.split(runtime, action)
         execute(self.arm_action_mode, runtime, arm)
-        execute(self.gripper_action_mode, runtime, gripper)
+        if not runtime.over:
+            execute(self.gripper_action_mode, runtime, gripper)
 
 
 class JointPositionActionMode(ActionMode):

@@ -67,7 +67,7 @@ class PoseMode(PartMode):
 
 
 class EndEffectorPoseViaPlanning(PoseMode):
-    """Plan a timed, smooth motion to the pose and run it to its end, or until the task is done.
+    """Plan a timed, smooth motion to the pose and run it to its end, or until the episode is over.
 
     A position outside the workspace box, or a pose that no motion is found to, is refused.
 
@@ -131,7 +131,7 @@ class EndEffectorPoseViaPlanning(PoseMode):
             plan = self._plan(runtime, target, ignore)
         except PlanningError as error:
             raise InvalidActionError(f"No motion to the target pose: {error}") from error
-        follow(runtime, plan.trajectory, until=lambda: runtime.task.success()[0])
+        follow(runtime, plan.trajectory)
 
     def _plan(self, runtime: Runtime, target: FloatArray, ignore_collisions: bool) -> Plan:
         q, allowed, rng = runtime.measured_start, runtime.touching(), runtime.planning_rng
@@ -223,11 +223,11 @@ class ERJointViaIK(PoseMode):
 
 
 def drive_until_there(runtime: Runtime, goal: FloatArray, tolerance: float, ticks: int) -> None:
-    """Drive the joints to `goal` (n,) [rad] until they are within `tolerance`, stall, or `ticks` have passed."""
+    """Drive the joints to `goal` (n,) [rad] until they are within `tolerance`, stall, or `ticks` or the episode are over."""
     before = runtime.robot.joint_positions
     for _ in range(ticks):
         runtime.drive_to(goal)
         now = runtime.robot.joint_positions
-        if np.abs(now - goal).max() < tolerance or np.abs(now - before).max() < IK_STALLED:
+        if runtime.over or np.abs(now - goal).max() < tolerance or np.abs(now - before).max() < IK_STALLED:
             return
         before = now

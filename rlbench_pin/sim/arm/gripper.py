@@ -14,6 +14,7 @@ from rlbench_pin.sim.arm.grasp import Attachment, Attachments
 from rlbench_pin.sim.arm.robot import SimRobot
 from rlbench_pin.sim.bodies.body import Body
 from rlbench_pin.sim.client import bullet
+from rlbench_pin.sim.contacts import touched_links
 from rlbench_pin.sim.sensor import volume_meets
 from rlbench_pin.spatial import FloatArray, pose_to_se3
 from rlbench_pin.values import as_number
@@ -62,8 +63,8 @@ class SimGripper:
         self._attachments = Attachments(self._model, description)
         self._attachments.restore_order(bodies())
         self._couple()
-        for link in description.finger_links:  # anchors keep a friction grip from creeping
-            index = self._model.link_index(link)
+        self._fingers = [self._model.link_index(link) for link in description.finger_links]
+        for index in self._fingers:  # anchors keep a friction grip from creeping
             self._client.change(bullet.changeDynamics, self._model.uid, index, lateralFriction=_PAD_FRICTION, frictionAnchor=1)
         self.hold()
         robot.on_reset.append(lambda fingers_too: self.hold() if fingers_too else None)
@@ -126,8 +127,13 @@ class SimGripper:
         return self._attachments.names
 
     def between_fingers(self) -> tuple[str, ...]:
-        """Names of graspable bodies that reach into the thin box between the pads."""
-        return tuple(body.name for body in self._bodies() if body.graspable and self._in_gap(body))
+        """Names of graspable bodies that both fingers touch and that reach into the thin box between the pads."""
+        return tuple(body.name for body in self._bodies() if body.graspable and self._is_gripped(body) and self._in_gap(body))
+
+    def _is_gripped(self, body: Body) -> bool:
+        """Whether each finger touches a link by which the body may be held."""
+        links = {body.model.links[name] for name in body.grasp_links or body.model.links}
+        return all(links & touched_links(self._model, finger, body.model) for finger in self._fingers)
 
     def reaches_between_fingers(self, name: str) -> bool:
         """Whether a body, graspable or not, reaches into the thin box between the pads."""

@@ -37,6 +37,8 @@ class Body:
         self.name, self.model, self.fixed, self.loaded_fixed = name, model, fixed, fixed
         self.graspable = False
         """Whether closing the hand may attach this body; set by tasks."""
+        self.grasp_links: tuple[str, ...] = ()
+        """Links by which the hand may hold it; empty: by all."""
         self.obstacle = True
         """Whether plans avoid this body; physics does not care."""
         self.joints: dict[str, ObjectJoint] = {n: ObjectJoint(f"{name}/{n}", model, info) for n, info in model.joints.items()}

@@ -13,7 +13,7 @@ class TakeLidOffSaucepan(Task):
     def init_task(self) -> None:
         """The lid may be grasped; success is that it is held above the pan."""
         self.lid, self.above = self.world.body("lid"), self.world.sensor("above")
-        self.register_graspable_objects(["lid"])
+        self.register_graspable_objects(["lid/knob"])
         self.register_success_conditions([Grasped(self.gripper, self.lid), Detected(self.lid, self.above)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:

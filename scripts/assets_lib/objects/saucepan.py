@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, lathe, merge, rod
-from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
 
 RADIUS, HEIGHT, WALL, FLOOR = 0.09, 0.09, 0.005, 0.006
 SEGMENTS = 16
@@ -70,13 +70,8 @@ def _lid() -> Model:
     plate = lathe([(0.0, top - LID - 0.004), *z, (RADIUS - 0.02, top - 0.003), (0.03, top), (0.0, top)], 28)
     knob = cylinder(KNOB_RADIUS, KNOB_LENGTH, 18, bevel=0.004)
     neck = cylinder(0.008, NECK, 12).moved((0.0, 0.0, top + NECK / 2.0))
-    visuals = (
-        Visual(mesh_shape("lid", plate), (0.70, 0.72, 0.75)),
-        Visual(mesh_shape("knob", merge([knob, neck])), DARK),
-    )
-    collisions = (
-        cylinder_shape(KNOB_RADIUS, KNOB_LENGTH),
-        cylinder_shape(0.008, NECK + 0.002, (0.0, 0.0, top + NECK / 2.0)),
+    grip = (cylinder_shape(KNOB_RADIUS, KNOB_LENGTH), cylinder_shape(0.008, NECK + 0.002, (0.0, 0.0, top + NECK / 2.0)))
+    cover = (
         cylinder_shape(RADIUS, LID, (0.0, 0.0, top - LID / 2.0)),
         cylinder_shape(RADIUS - 0.012, 0.004, (0.0, 0.0, top - LID - 0.002)),
     )
@@ -84,8 +79,12 @@ def _lid() -> Model:
         f"knob diameter {2 * KNOB_RADIUS}, height {KNOB_LENGTH}; its centre is {-top:.4f} above the plate's upper side",
         "a 4 mm step below the plate keeps the lid on the pan",
     )
-    link = Link("knob", 0.25, visuals, collisions, friction=1.0)
-    return Model("saucepan_lid", "objects/saucepan_lid", "centre of the knob", (link,), notes=notes)
+    links = (
+        Link("knob", 0.02, (Visual(mesh_shape("knob", merge([knob, neck])), DARK),), grip, friction=1.0),
+        Link("cover", 0.23, (Visual(mesh_shape("lid", plate), (0.70, 0.72, 0.75)),), cover, friction=1.0),
+    )
+    joint = Joint("weld", "fixed", "knob", "cover", (0.0, 0.0, 0.0))
+    return Model("saucepan_lid", "objects/saucepan_lid", "centre of the knob", links, (joint,), notes=notes)
 
 
 def models() -> tuple[Model, ...]:

@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 
 from rlbench_pin.errors import InvalidActionError
+from rlbench_pin.scene.spec import BodySpec
 from rlbench_pin.spatial import above_table, relative, rotation_distance
-from tests.sim.support import ABOVE, AROUND, build, close_on_cube, cube, cube_scene, fingers, move, steps
+from tests.sim.support import ABOVE, AROUND, UPRIGHT, build, close_on_cube, cube, cube_scene, fingers, move, steps
+
+RAISED = np.array([0.0, 0.534744, 0.0, -2.118635, 0.0, 2.65338, 0.785398])
+"""As `AROUND`, 0.052 m above the table: around the glass of a bulb that stands there."""
 
 
 @pytest.fixture
@@ -52,17 +56,40 @@ def test_an_off_centre_object_is_moved_to_the_middle():
         assert abs(np.diff(world.robot.fingers)[0]) < 1.5e-3
 
 
-def test_only_graspable_bodies_between_the_pads_count(world):
-    """A body that is not declared graspable, or not between the pads, is not proposed."""
+def test_only_graspable_bodies_that_both_fingers_touch_count(world):
+    """Not one that is not declared graspable, not one that is elsewhere, and not one that no finger or one alone touches."""
     world.robot.reset_configuration(ABOVE)
     assert world.gripper.between_fingers() == ()
-    world.robot.reset_configuration(AROUND)
+    move(world, AROUND)
+    fingers(world, 0.75)  # 10 mm wider than the cube
+    assert world.gripper.reaches_between_fingers("cube")
+    assert world.gripper.between_fingers() == ()
+    beside = world.body("cube").pose
+    beside[1] += world.robot.fingers[0] - 0.025
+    world.body("cube").set_pose(beside)
+    world.step()
+    assert world.robot.touching() == ("cube",)
+    assert world.gripper.between_fingers() == ()
+    close_on_cube(world)
     assert world.gripper.between_fingers() == ("cube",)
     world.body("cube").graspable = False
     assert world.gripper.between_fingers() == ()
     assert world.gripper.reaches_between_fingers("cube")
     world.robot.reset_configuration(ABOVE)
     assert not world.gripper.reaches_between_fingers("cube")
+
+
+@pytest.mark.parametrize(("links", "held"), [((), True), (("glass",), True), (("thread",), False)])
+def test_a_body_may_be_held_by_some_links_alone(links, held):
+    """Fingers on the glass of a bulb hold it, unless it may be held by its thread alone."""
+    place = (0.3, 0.0, above_table(0.052), *UPRIGHT)
+    asset = "objects/light_bulb/light_bulb.urdf"
+    with build(cube_scene(BodySpec(name="bulb", asset=asset, parent="world", pose=place))) as world:
+        world.robot.reset_configuration(RAISED)
+        bulb = world.body("bulb")
+        bulb.graspable, bulb.grasp_links = True, links
+        fingers(world, 0.0)
+        assert world.gripper.between_fingers() == (("bulb",) if held else ())
 
 
 def test_an_attached_body_neither_sags_nor_shakes(world):

@@ -21,9 +21,10 @@ from rlbench.observation_config import ObservationConfig
 from rlbench.utils import get_stored_demos
 from rlbench_pin.compat.scenes.errors import DemosFailed, NotPlaced
 from rlbench_pin.compat.scenes.runtime import SceneRuntime
+from rlbench_pin.compat.unwrap import runtime_of
 from rlbench_pin.environment.reset import MAX_RESET_ATTEMPTS
 from rlbench_pin.environment.task_environment import MAX_DEMO_ATTEMPTS
-from rlbench_pin.errors import DatasetError, NoShapedReward, NotReset, RlbenchPinError
+from rlbench_pin.errors import DatasetError, NotReset, RlbenchPinError
 
 _DT = 0.05
 _MAX_RESET_ATTEMPTS = MAX_RESET_ATTEMPTS
@@ -158,10 +159,10 @@ class TaskEnvironment:
         return self._scene.get_observation()
 
     def step(self, action: Any) -> tuple[Observation, float, bool]:
-        """Run one action.
+        """Run one action, to its end or until a step of it ends the episode.
 
         Returns:
-            Observation, reward, and whether the episode has ended. Nothing resets by itself.
+            Observation, reward, and whether the episode has ended: by the goal, or by the fail list. Nothing resets by itself.
 
         Raises:
             NotReset: Before the first reset (also a RuntimeError).
@@ -171,15 +172,11 @@ class TaskEnvironment:
         if not self._reset_called:
             raise NotReset("step")
         self._pyrep.activate()
-        self._action_mode.action(self._scene, action)
-        success, terminate = self._task.success()
-        self._succeeded = bool(success)
-        reward: float | None = float(success)
-        if self._shaped_rewards:
-            reward = self._task.reward()
-            if reward is None:
-                raise NoShapedReward(self.get_name())
-        return self._scene.get_observation(), float(reward or 0.0), bool(terminate)
+        with runtime_of(self._scene).judging() as verdict:
+            self._action_mode.action(self._scene, action)
+        self._succeeded = verdict.success
+        reward = verdict.reward(self._shaped_rewards)
+        return self._scene.get_observation(), reward, verdict.over
 
     # Demonstrations -------------------------------------------------------------------------------------------------
 
