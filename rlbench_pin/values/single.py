@@ -21,6 +21,11 @@ LONGEST_NAME, LONGEST_PATH = 255, 4095
 """Bytes of file names and paths of Linux."""
 _NO_NUMBERS = (bool, np.bool_, np.timedelta64)
 """What numpy and Python count among their whole numbers, and we do not."""
+_MADE_BY = {
+    "Generator": "`np.random.default_rng(seed)` makes one.",
+    "Demo": "`task.get_demos(1)` and `read_demo(path)` return some.",
+}
+"""Class -> what makes one, where users have to know."""
 
 
 def as_number(
@@ -184,7 +189,7 @@ def as_several(value: object, what: str, error: type[InvalidValue] = InvalidValu
 def as_record(value: object, kind: type[KindT], what: str, error: type[InvalidValue] = InvalidValue) -> KindT:
     """Return `value`, or raise InvalidValue when it is no `kind`."""
     if not isinstance(value, kind):
-        raise error(what, value, f"has to be a {kind.__name__}")
+        raise error(what, value, f"has to be a {kind.__name__}", _MADE_BY.get(kind.__name__, ""))
     return value
 
 
