@@ -189,8 +189,15 @@ def as_several(value: object, what: str, error: type[InvalidValue] = InvalidValu
 def as_record(value: object, kind: type[KindT], what: str, error: type[InvalidValue] = InvalidValue) -> KindT:
     """Return `value`, or raise InvalidValue when it is no `kind`."""
     if not isinstance(value, kind):
-        raise error(what, value, f"has to be a {kind.__name__}", _MADE_BY.get(kind.__name__, ""))
+        raise error(what, value, f"has to be {_one(kind)}", _MADE_BY.get(kind.__name__, ""))
     return value
+
+
+def _one(kind: type) -> str:
+    """Return what one of a class is called, with its article."""
+    if kind in (bytes, dict):
+        return kind.__name__
+    return f"{'an' if kind.__name__[0] in 'AEIO' else 'a'} {kind.__name__}"
 
 
 def _range_text(least: float, most: float, above: float = -math.inf) -> str:
