@@ -205,7 +205,8 @@ class SimRobot:
 
     def set_joint_states(self, positions: FloatArray, velocities: FloatArray) -> None:
         """Put arm and fingers at positions and velocities (n + fingers,); motor commands stay."""
-        both = (finite_vector(x, len(self._joints), what) for x, what in ((positions, "positions"), (velocities, "velocities")))
+        given = ((positions, "vector of positions"), (velocities, "vector of velocities"))
+        both = (finite_vector(x, len(self._joints), what) for x, what in given)
         for index, q, v in zip(self._joints, *(x.tolist() for x in both), strict=True):
             self._client.change(bullet.resetJointState, self.model.uid, index, q, v)
         self.forget_measurements()
