@@ -19,7 +19,7 @@ with captured_output():  # pybullet prints a line when it is imported
 
 __all__ = ["PhysicsClient", "bullet", "open_client"]
 
-_SOLVER_ITERATIONS = 60
+_SOLVER_ITERATIONS = 30
 """Most passes over contacts, motors and constraints in one physics step."""
 _RESIDUAL = 3e-7
 """Square of the largest change of speed in a pass below which a group of things that touch counts as solved [m^2/s^2]."""
