@@ -5,6 +5,7 @@ Meshes become their convex hulls, as PyBullet treats them. Mesh paths are relati
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -22,8 +23,12 @@ from rlbench_pin.urdf import UrdfOrigin, UrdfShape, read_urdf
 
 Part = tuple[coal.CollisionGeometry, pin.SE3]
 """A shape and its placement T_link_shape."""
+Ball = tuple[FloatArray, float]
+"""Middle (3,) and radius [m]."""
 VolumeShape = Literal["box", "cylinder", "sphere"]
 _FLAT, _THICKNESS = 1e-6, 1e-4  # [m]
+_SPARE = 1e-6
+"""By how much balls that are compared first are too large, so that nothing that touches is passed over [m]."""
 
 
 @cache
@@ -50,6 +55,40 @@ def bounds(parts: Iterable[Part]) -> FloatArray:
     if not boxes:
         return np.zeros((2, 3))
     return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
+
+
+@cache
+def rigid_bounds(urdf: Path, scale: float = 1.0) -> FloatArray:
+    """Return the box (2, 3) around the shapes of a body of a single link, in its own frame [m]; nobody may write to it."""
+    box = bounds(part for parts in solid_geometry(urdf, scale).values() for part in parts)
+    box.setflags(write=False)
+    return box
+
+
+@cache
+def solid_balls(urdf: Path, scale: float = 1.0) -> Mapping[str, Ball]:
+    """Return a ball around the solid geometry of every link: its middle in the link frame (3,) and its radius [m]."""
+    balls = {}
+    for link, parts in solid_geometry(urdf, scale).items():
+        low, high = bounds(parts)
+        balls[link] = (0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low)))
+    return MappingProxyType(balls)
+
+
+def extent_along(parts: Iterable[Part], T_world_link: pin.SE3, directions: FloatArray) -> FloatArray:
+    """Return how far the shapes of a link reach along unit vectors (n, 3) of the world, [[least], [most]] (2, n) [m]."""
+    least, most = np.full(len(directions), np.inf), np.full(len(directions), -np.inf)
+    for shape, T_link_shape in parts:
+        placed = T_world_link * T_link_shape
+        middle, turned = directions @ placed.translation, directions @ placed.rotation
+        if isinstance(shape, coal.Convex):
+            heights = turned @ np.array(shape.points()).T
+            low, high = heights.min(axis=1), heights.max(axis=1)
+        else:
+            high = _half_extent(shape, turned)
+            low = -high
+        least, most = np.minimum(least, middle + low), np.maximum(most, middle + high)
+    return np.stack([least, most])
 
 
 def visual_bounds(urdf: Path, link: str | None = None, scale: float = 1.0) -> FloatArray:
@@ -108,6 +147,15 @@ def volume_contains(shape: VolumeShape, size: Sequence[float], T_world_volume: p
     if shape == "cylinder":
         return bool(np.hypot(x[0], x[1]) <= 0.5 * size[0] and abs(x[2]) <= 0.5 * size[1])
     return bool(np.linalg.norm(x) <= 0.5 * size[0])
+
+
+def may_overlap(shape: coal.CollisionGeometry, T_world_shape: pin.SE3, ball: Ball, T_world_link: pin.SE3) -> bool:
+    """Say whether a shape whose origin is in its middle comes near enough to the ball around a link to touch what is in it."""
+    if shape.aabb_radius < 0.0:
+        shape.computeLocalAABB()
+    middle, radius = ball
+    between = math.dist(T_world_link.act(middle).tolist(), T_world_shape.translation.tolist())
+    return between <= shape.aabb_radius + radius + _SPARE
 
 
 def overlaps(shape: coal.CollisionGeometry, T_world_shape: pin.SE3, parts: Iterable[Part], T_world_link: pin.SE3) -> bool:
@@ -208,9 +256,9 @@ def _part_bounds(shape: coal.CollisionGeometry, placement: pin.SE3) -> FloatArra
 
 
 def _half_extent(shape: coal.CollisionGeometry, rotation: FloatArray) -> FloatArray:
-    """Return the half size (3,) of a primitive's box along the axes of its parent frame."""
+    """Return the half size (n,) of a primitive along directions, the rows of `rotation` (n, 3) in its own frame."""
     if isinstance(shape, coal.Sphere):
-        return np.full(3, shape.radius)
+        return np.full(len(rotation), shape.radius)
     if isinstance(shape, coal.Box):
         return np.abs(rotation) @ shape.halfSide
     along = np.abs(rotation[:, 2])

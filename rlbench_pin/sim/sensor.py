@@ -59,7 +59,10 @@ class Sensor(Frame):
 def volume_meets(volume: object, T_world_volume: object, body: Body) -> bool:
     """Say whether a Coal shape at a placement touches any solid part of a body."""
     model = body.model
-    parts = geometry.solid_geometry(model.urdf, model.scale)
-    return any(
-        geometry.overlaps(volume, T_world_volume, parts[link], model.placement(model.links[link])) for link in model.solid_links()
-    )
+    parts, balls = geometry.solid_geometry(model.urdf, model.scale), geometry.solid_balls(model.urdf, model.scale)
+    for link in model.solid_links():
+        T_world_link = model.placement(model.links[link])
+        near = geometry.may_overlap(volume, T_world_volume, balls[link], T_world_link)
+        if near and geometry.overlaps(volume, T_world_volume, parts[link], T_world_link):
+            return True
+    return False

@@ -33,7 +33,7 @@ SKIPPED = frozenset({
     "record_legs", "make_env", "GymnasiumEnv", "LeRobotEnv", "LazyAsyncVectorEnv", "Runtime", "TaskEnvironment", "Cameras",
     "Camera", "AllOf", "AnyOf", "Detected", "DetectedSeveral", "FollowPath", "Grasped", "HasColor", "InOrder", "JointMoved",
     "ListEmpty", "NothingGrasped", "TipInside",  # have cases elsewhere: doors_work, doors_world, test_actions
-    "SpawnBoundary", "clearance", "easiest_top_grasp", "free_direction", "place_task", "settle",
+    "SpawnBoundary", "clearance", "easiest_top_grasp", "free_direction", "place_task", "settle", "at_rest",
     "swap_places",  # called by tasks, with bodies of a world
 })  # fmt: skip
 LONG = ("close", "get_task", "step", "set_state", "get_demos", "reset_to_demo", "remove_camera", "put", "try_demo")

@@ -68,9 +68,9 @@ class LoadedModel:
         """T_world_link of the URDF frame of the link with number `index`."""
         if index != BASE:
             state = bullet.getLinkState(self.uid, index, computeForwardKinematics=1, physicsClientId=self.client.id)
-            return pose_to_se3(state[4] + state[5])
+            return pin.XYZQUATToSE3(np.array(state[4] + state[5]))
         position, quaternion = bullet.getBasePositionAndOrientation(self.uid, physicsClientId=self.client.id)
-        T_world_com = pose_to_se3(position + quaternion)
+        T_world_com = pin.XYZQUATToSE3(np.array(position + quaternion))
         return T_world_com if self.com_at_base else T_world_com * self.T_base_com.inverse()
 
     def base_pose(self) -> FloatArray:
