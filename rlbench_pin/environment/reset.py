@@ -11,11 +11,12 @@ from rlbench_pin.environment.episode import EpisodeRandom
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.turns import check_feasible
 from rlbench_pin.errors import BoundaryError, PlanningError, ResetError, WaypointError
+from rlbench_pin.tasks import at_rest
 
 MAX_RESET_ATTEMPTS = 40
 """Placements that a reset tries."""
-SETTLE_TICKS = 10
-"""Control ticks that a placed task comes to rest in."""
+SETTLE_TICKS, REST_TICKS = 10, 2
+"""Control ticks that a placed task comes to rest in at most, and how many of them in a row it has to rest to be left at that."""
 
 
 @dataclass(frozen=True)
@@ -97,24 +98,32 @@ def _try_start(runtime: Runtime, variation: int, random: EpisodeRandom, static: 
     instructions = lay_out(runtime, variation, random, static=static)
     check_arm_is_free(runtime)
     waypoints = runtime.task.get_waypoints()
-    if waypoints:
+    if waypoints and runtime.task.repeats_waypoints:
+        _check_rounds(runtime, random)
+    elif waypoints:
         check_feasible(runtime.planner, waypoints, np.array(runtime.description.home), random.planning)
-        _check_later_rounds(runtime, random)
-    for _ in range(SETTLE_TICKS):
-        runtime.world.step()
+    _come_to_rest(runtime)
     runtime.task.reset_conditions()
     return instructions
 
 
-def _check_later_rounds(runtime: Runtime, random: EpisodeRandom) -> None:
+def _come_to_rest(runtime: Runtime) -> None:
+    """Step the world until nothing moves that is not held by the arm, `SETTLE_TICKS` at most."""
+    resting = 0
+    for _ in range(SETTLE_TICKS):
+        runtime.world.step()
+        resting = resting + 1 if at_rest(runtime.world.bodies.values()) else 0
+        if resting == REST_TICKS:
+            return
+
+
+def _check_rounds(runtime: Runtime, random: EpisodeRandom) -> None:
     """Raise WaypointError unless the waypoints of every round can be reached, as far as the rounds are known beforehand.
 
     The start hooks aim as in a demonstration. A round that asks for the same poses as the one before waits for something to
     happen, and is the last one that is looked at.
     """
     task = runtime.task
-    if not task.repeats_waypoints:
-        return
     state, poses = runtime.save(), b""
     try:
         for _ in range(MAX_ROUNDS):

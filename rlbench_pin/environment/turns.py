@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from heapq import heappop, heappush
 
 import numpy as np
 
@@ -62,19 +63,25 @@ def _try_turn(
 ) -> RunChoice:
     cost = 0.0
     for waypoint in run:
-        poses = poses_of(waypoint, turn, previous)
-        previous = poses[-1]
-        line = _line_end(planner, waypoint, poses, q)
-        if line is not None:
-            cost += float(np.abs(line - q).max())
-            q = line
-            continue
-        cost += 0.0 if waypoint.path == "plan" else _BROKEN_LINE
-        for pose in poses[:: max(1, len(poses) // 4)] if len(poses) > 1 else poses:
-            q_next = planner.reachable(q, pose, rng)
-            cost += float(np.abs(q_next - q).max())
-            q = q_next
+        more, q, previous = _visit(planner, waypoint, turn, q, previous, rng)
+        cost += more
     return RunChoice(turn, cost, q)
+
+
+def _visit(
+    planner: MotionPlanner, waypoint: Waypoint, turn: float, q: FloatArray, previous: FloatArray, rng: np.random.Generator
+) -> tuple[float, FloatArray, FloatArray]:
+    """Return what it costs to go on to a waypoint with the hand turned, the configuration there and the last tip pose."""
+    poses = poses_of(waypoint, turn, previous)
+    line = _line_end(planner, waypoint, poses, q)
+    if line is not None:
+        return float(np.abs(line - q).max()), line, poses[-1]
+    cost = 0.0 if waypoint.path == "plan" else _BROKEN_LINE
+    for pose in poses[:: max(1, len(poses) // 4)] if len(poses) > 1 else poses:
+        q_next = planner.reachable(q, pose, rng)
+        cost += float(np.abs(q_next - q).max())
+        q = q_next
+    return cost, q, poses[-1]
 
 
 def _line_end(planner: MotionPlanner, waypoint: Waypoint, poses: Sequence[FloatArray], q: FloatArray) -> FloatArray | None:
@@ -102,24 +109,57 @@ def rank_turns(
     Raises:
         WaypointError: No turn reaches every waypoint of the run.
     """
-    symmetry = run[0].symmetry
     choices: list[RunChoice] = []
     cause: NoIkSolution | None = None
-    for k in range(symmetry):
-        turn = 2.0 * np.pi * k / symmetry
+    for turn in _turns(run):
         try:
-            choices.append(_try_turn(planner, run, turn if turn <= np.pi else turn - 2.0 * np.pi, q, previous, rng))
+            choices.append(_try_turn(planner, run, turn, q, previous, rng))
         except NoIkSolution as error:
             cause = error
     if not choices:
-        span = f"{run[0].index} to {run[-1].index}"
-        raise WaypointError(f"Waypoints {span} cannot be reached one after the other: {cause}") from cause
+        raise _out_of_reach(run, cause) from cause
     return sorted(choices, key=lambda choice: choice.cost)
+
+
+def _turns(run: Sequence[Waypoint]) -> list[float]:
+    """Turns of the hand that are alike for a run, from -pi to pi [rad]."""
+    angles = (2.0 * np.pi * k / run[0].symmetry for k in range(run[0].symmetry))
+    return [angle if angle <= np.pi else angle - 2.0 * np.pi for angle in angles]
+
+
+def _out_of_reach(run: Sequence[Waypoint], cause: NoIkSolution | None) -> WaypointError:
+    span = f"{run[0].index} to {run[-1].index}"
+    return WaypointError(f"Waypoints {span} cannot be reached one after the other: {cause}")
+
+
+def _some_turn(
+    planner: MotionPlanner, run: Sequence[Waypoint], q: FloatArray, previous: FloatArray, rng: np.random.Generator
+) -> RunChoice:
+    """Return a turn that reaches every waypoint of a run: of those that break no line the one that begins nearest, if it can.
+
+    Raises:
+        WaypointError: There is none.
+    """
+    turns = _turns(run)
+    # Broken lines, whether it has begun, how far it is, cost: all turns begin, then the foremost goes on.
+    queue: list[tuple] = [(0, False, 0, 0.0, number, q, previous) for number in range(len(turns))]
+    cause: NoIkSolution | None = None
+    while queue:
+        broken, _, ahead, cost, number, q, previous = heappop(queue)
+        if -ahead == len(run):
+            return RunChoice(turns[number], cost, q)
+        try:
+            more, q, previous = _visit(planner, run[-ahead], turns[number], q, previous, rng)
+        except NoIkSolution as error:
+            cause = error
+        else:
+            heappush(queue, (broken + (more >= _BROKEN_LINE), True, ahead - 1, cost + more, number, q, previous))
+    raise _out_of_reach(run, cause) from cause
 
 
 def check_feasible(planner: MotionPlanner, waypoints: Sequence[Waypoint], q: FloatArray, rng: np.random.Generator) -> None:
     """Raise WaypointError unless every waypoint can be reached in sequence, collisions ignored."""
     previous = planner.model.tip_pose(q)
     for run in runs([w for w in waypoints if not w.skip]):
-        best = rank_turns(planner, run, q, previous, rng)[0]
-        q, previous = best.q_end, planner.model.tip_pose(best.q_end)
+        q = _some_turn(planner, run, q, previous, rng).q_end
+        previous = planner.model.tip_pose(q)

@@ -74,6 +74,30 @@ def bounds(parts: Iterable[Part]) -> FloatArray:
     return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
 
 
+@cache
+def rigid_bounds(urdf: Path, scale: float = 1.0) -> FloatArray:
+    """Return the box (2, 3) around the shapes of a body of a single link, in its own frame [m]; nobody may write to it."""
+    box = bounds(part for parts in solid_geometry(urdf, scale).values() for part in parts)
+    box.setflags(write=False)
+    return box
+
+
+def extent_along(parts: Iterable[Part], T_world_link: pin.SE3, directions: FloatArray) -> FloatArray:
+    """Return how far the shapes of a link reach along unit vectors (n, 3) of the world, [[least], [most]] (2, n) [m]."""
+    least, most = np.full(len(directions), np.inf), np.full(len(directions), -np.inf)
+    for shape, T_link_shape in parts:
+        placed = T_world_link * T_link_shape
+        middle, turned = directions @ placed.translation, directions @ placed.rotation
+        if isinstance(shape, coal.Convex):
+            heights = turned @ np.array(shape.points()).T
+            low, high = heights.min(axis=1), heights.max(axis=1)
+        else:
+            high = _half_extent(shape, turned)
+            low = -high
+        least, most = np.minimum(least, middle + low), np.maximum(most, middle + high)
+    return np.stack([least, most])
+
+
 def visual_bounds(urdf: Path, link: str | None = None, scale: float = 1.0) -> FloatArray:
     """Return the box (2, 3) of a link's visuals in the link frame [m]; None is the base link."""
     name = read_urdf(urdf).base_link if link is None else link
@@ -241,9 +265,9 @@ def _part_bounds(shape: coal.CollisionGeometry, placement: pin.SE3) -> FloatArra
 
 
 def _half_extent(shape: coal.CollisionGeometry, rotation: FloatArray) -> FloatArray:
-    """Return the half size (3,) of a primitive's box along the axes of its parent frame."""
+    """Return the half size (n,) of a primitive along directions, the rows of `rotation` (n, 3) in its own frame."""
     if isinstance(shape, coal.Sphere):
-        return np.full(3, shape.radius)
+        return np.full(len(rotation), shape.radius)
     if isinstance(shape, coal.Box):
         return np.abs(rotation) @ shape.halfSide
     along = np.abs(rotation[:, 2])

@@ -17,9 +17,9 @@ from rlbench_pin.spatial import FloatArray
 with captured_output():  # pybullet prints a line when it is imported
     import pybullet as bullet
 
-__all__ = ["PhysicsClient", "bullet", "open_client"]
+__all__ = ["PASSES", "PhysicsClient", "bullet", "open_client"]
 
-_SOLVER_ITERATIONS = 60
+PASSES = 30
 """Most passes over contacts, motors and constraints in one physics step."""
 _RESIDUAL = 3e-7
 """Square of the largest change of speed in a pass below which a group of things that touch counts as solved [m^2/s^2]."""
@@ -49,10 +49,10 @@ class PhysicsClient:
         if hardware:
             self._plugin = self._load_egl()
         self.journal = Journal()
-        self._printed = False
+        self._printed, self._passes = False, PASSES
         self.change(bullet.setTimeStep, timestep)
         self.change(bullet.setGravity, *_GRAVITY)
-        solver = {"numSolverIterations": _SOLVER_ITERATIONS, "solverResidualThreshold": _RESIDUAL}
+        solver = {"numSolverIterations": PASSES, "solverResidualThreshold": _RESIDUAL}
         self.change(bullet.setPhysicsEngineParameter, **solver, deterministicOverlappingPairs=1)
         for caching in (0, 1):  # forget what files said when an earlier world was built, then read each of them once
             bullet.setPhysicsEngineParameter(enableFileCaching=caching, physicsClientId=self.id)
@@ -81,12 +81,19 @@ class PhysicsClient:
             RlbenchPinError: A call returned something else than the first time; the server is closed then.
         """
         bullet.resetSimulation(physicsClientId=self.id)
+        self._passes = PASSES
         try:
             with captured_output() if self._printed else nullcontext():
                 self.journal.repeat()
         except BaseException:
             self.close()
             raise
+
+    def allow_passes(self, passes: int) -> None:
+        """Let the solver make so many passes at most in the physics steps to come."""
+        if passes != self._passes:
+            bullet.setPhysicsEngineParameter(numSolverIterations=passes, physicsClientId=self.id)
+            self._passes = passes
 
     def _load_egl(self) -> int:
         try:

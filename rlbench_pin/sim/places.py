@@ -99,7 +99,7 @@ class PlaceTree:
         if np.array_equal(old, new):
             return
         for body_name in self._bodies:
-            if name in self._ancestors(body_name):
+            if self._is_below(body_name, name):
                 body = self._find(body_name)
                 body.place(carried(body.pose, old, new))
 
@@ -133,6 +133,13 @@ class PlaceTree:
             raise UnknownName("body of this scene", name, tuple(self._bodies))
         self.check_parent(name, parent)
         self._bodies[name] = self._bodies[name].model_copy(update={"parent": parent})
+
+    def _is_below(self, name: str, other: str) -> bool:
+        """Whether `other` is the parent of `name`, or its parent, and so on."""
+        above = self._parent(name)
+        while above is not None and above != other:
+            above = self._parent(above)
+        return above is not None
 
     def _ancestors(self, name: str) -> tuple[str, ...]:
         """Names of the parent of `name`, of its parent, and so on."""

@@ -39,7 +39,7 @@ from rlbench_pin.tasks.registry import (
     task_scene,
     usable_task_names,
 )
-from rlbench_pin.tasks.settling import settle
+from rlbench_pin.tasks.settling import at_rest, settle
 from rlbench_pin.tasks.spawn_boundary import NO_ROTATION, SpawnBoundary, clearance
 from rlbench_pin.tasks.task import Task, TaskState
 from rlbench_pin.tasks.task_file import (
@@ -85,6 +85,7 @@ __all__ = [
     "TipInside",
     "Tray",
     "Waypoint",
+    "at_rest",
     "camel_case",
     "checked_class",
     "chosen_tasks_of",

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rlbench_pin.errors import BoundaryError, InvalidValue, UnknownName
-from rlbench_pin.spatial import FloatArray, PoseLike
+from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks.things import BODY, Bulky, as_things
 from rlbench_pin.values import as_number, as_pose, as_record, as_several, as_vector
 
@@ -96,9 +96,12 @@ def easiest_top_grasp(wanted: Sequence[Body], bodies: Sequence[Body], tray: Tray
     names = [body.name for body in bodies]
     if missing := [body.name for body in wanted if body.name not in names]:
         raise InvalidValue("wanted", missing, f"has to be some of the bodies, {', '.join(names) or 'of which there are none'}")
-    grasps = [grasp for n in range(ANGLES) for grasp in _top_grasps(n * np.pi / ANGLES, wanted, bodies, tray)]
-    if not grasps:
+    if not wanted:
         raise BoundaryError("There is no body to grip. Ask for a grasp while something is left.")
+    angles = np.arange(ANGLES) * np.pi / ANGLES
+    turns = np.moveaxis(_turn_by(angles), -1, 0)
+    boxes = {body.name: _flat_boxes(body, turns) for body in bodies}
+    grasps = [_best_grasp(body, side, angles, turns, boxes, tray) for body in wanted for side in SIDES]
     return min(grasps, key=lambda grasp: grasp.cost)
 
 
@@ -137,43 +140,52 @@ def _entries(values: object, what: str) -> tuple[Any, ...]:
     return tuple(values) if isinstance(values, np.ndarray) and values.ndim else as_several(values, what)
 
 
-def _top_grasps(angle: float, wanted: Sequence[Body], bodies: Sequence[Body], tray: Tray) -> list[TopGrasp]:
-    """Judge grasps with the hand turned by `angle`, every wanted body in its middle or nearly at one of the fingers."""
-    turn = _turn_by(angle)
-    tray_turn = _turn_by(2.0 * np.arctan2(tray.pose[5], tray.pose[6]))
-    boxes = {body.name: body.bounds_from(_about_z(angle))[:, :2] for body in bodies}
-    grasps = []
-    for body in wanted:
-        position = body.position
-        along = (position[:2] @ turn)[0]
-        low, high = boxes[body.name][:, 1]
-        others = np.array([box for name, box in boxes.items() if name != body.name]).reshape(-1, 2, 2)
-        for side in SIDES:
-            shift = side * max(OPEN - 0.5 * (high - low), 0.0)
-            fingers = np.array([[along, 0.5 * (low + high) + shift + finger] for finger in (-FINGER, FINGER)])
-            corners = (fingers[:, None] + CORNERS * PAD) @ turn.T - tray.pose[:2]
-            crossed = _depth_in_walls(corners @ tray_turn, tray.half) + _depth_in_boxes(fingers, others)
-            cost = float(high - low) + 0.5 * abs(shift) + 10.0 * crossed
-            grasps.append(TopGrasp(cost, np.append(turn @ fingers.mean(axis=0), position[2]), angle))
-    return grasps
+def _flat_boxes(body: Body, turns: FloatArray) -> FloatArray:
+    """Return the boxes (n, 2, 2), [[min], [max]] each, around a body seen from above along the axes of turned hands [m]."""
+    directions = np.zeros((len(turns), 2, 3))
+    directions[:, :, :2] = turns.transpose(0, 2, 1)
+    return body.extent_along(directions.reshape(-1, 3)).reshape(2, len(turns), 2).transpose(1, 0, 2)
 
 
-def _about_z(angle: float) -> PoseLike:
-    return [0.0, 0.0, 0.0, 0.0, 0.0, np.sin(angle / 2.0), np.cos(angle / 2.0)]
+def _best_grasp(
+    body: Body, side: float, angles: FloatArray, turns: FloatArray, boxes: Mapping[str, FloatArray], tray: Tray
+) -> TopGrasp:
+    """Return the easiest grasp of a body that is in the middle of the hand or nearly at one of the fingers.
+
+    Args:
+        body: What is gripped.
+        side: One of `SIDES`.
+        angles: Turns of the hand to judge (n,) [rad].
+        turns: The same as rotations (n, 2, 2).
+        boxes: Box around each body in the axes of each turned hand (n, 2, 2) [m].
+        tray: Where they lie.
+    """
+    position = body.position
+    low, high = boxes[body.name][:, :, 1].T
+    shift = side * np.maximum(OPEN - 0.5 * (high - low), 0.0)
+    across = (0.5 * (low + high) + shift)[:, None] + np.array([-FINGER, FINGER])
+    fingers = np.stack([np.broadcast_to((position[:2] @ turns)[:, :1], across.shape), across], axis=-1)
+    corners = (fingers[:, :, None] + CORNERS * PAD) @ turns.transpose(0, 2, 1)[:, None] - tray.pose[:2]
+    others = [box for name, box in boxes.items() if name != body.name]
+    crossed = _depth_in_walls(corners @ _turn_by(2.0 * np.arctan2(tray.pose[5], tray.pose[6])), tray.half)
+    for box in others:
+        crossed = crossed + _depth_in_box(fingers, box)
+    cost = high - low + 0.5 * np.abs(shift) + 10.0 * crossed
+    best = int(cost.argmin())
+    return TopGrasp(float(cost[best]), np.append(turns[best] @ fingers[best].mean(axis=0), position[2]), float(angles[best]))
 
 
-def _turn_by(angle: float) -> FloatArray:
-    """Return the rotation of a plane (2, 2) by an angle [rad]."""
+def _turn_by(angle: float | FloatArray) -> FloatArray:
+    """Return the rotation of a plane (2, 2) by an angle [rad], or (2, 2, n) by n angles."""
     return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
-def _depth_in_walls(corners: FloatArray, half: FloatArray) -> float:
-    """Return how far two fingers, their corners (2, 4, 2) given in the axes of the tray, stand in its walls [m]."""
-    return float(np.maximum(np.abs(corners) - half, 0.0).max(axis=(1, 2)).sum())
+def _depth_in_walls(corners: FloatArray, half: FloatArray) -> FloatArray:
+    """Return how far two fingers, their corners (n, 2, 4, 2) given in the axes of the tray, stand in its walls (n,) [m]."""
+    return np.maximum(np.abs(corners) - half, 0.0).max(axis=(2, 3)).sum(axis=1)
 
 
-def _depth_in_boxes(fingers: FloatArray, boxes: FloatArray) -> float:
-    """Return how far two fingers (2, 2) stand in boxes (n, 2, 2) [[min], [max]], all in the axes of the hand [m]."""
-    middles = fingers[:, None]
-    depth = np.minimum(boxes[:, 1] - middles, middles - boxes[:, 0]) + PAD
-    return float(np.maximum(depth.min(axis=-1), 0.0).sum())
+def _depth_in_box(fingers: FloatArray, box: FloatArray) -> FloatArray:
+    """Return how far two fingers (n, 2, 2) stand in a box (n, 2, 2) [[min], [max]], all in the axes of the hand (n,) [m]."""
+    depth = np.minimum(box[:, 1:] - fingers, fingers - box[:, :1]) + PAD
+    return np.maximum(depth.min(axis=-1), 0.0).sum(axis=1)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,13 +18,31 @@ if TYPE_CHECKING:
     from rlbench_pin.sim import Body, World
 
 FALL_TICKS = 20
-"""Control ticks, a second, until bodies have fallen or moved on."""
+"""Control ticks, a second, that bodies have at most to fall or to move on."""
+STILL_TICKS = 4
+"""After so many control ticks in a row without a move they are not waited for any longer."""
+WATCH_TICKS = 10
+"""Control ticks over which it is measured whether bodies rest."""
 KNOCK_SPEED, KNOCKS = 3.0, 2
 """Speed of turning with which what stands on an edge is knocked over [rad/s], and how often."""
 PUSH_SPEED, MAX_PUSHES = 0.4, 8
 """Speed with which bodies are pushed apart that do not come to rest [m/s], and how often at most."""
 MAX_DRIFT = 2e-4
 """What a body at rest may move [m] or turn (part of a quaternion) within a second."""
+REST_SPEED, REST_TURN = 5e-4, 1e-2
+"""Speed [m/s] and speed of turning [rad/s] below which a body counts as resting; its joints, in either unit, below the first."""
+
+
+def at_rest(bodies: Iterable[Body]) -> bool:
+    """Say whether bodies rest at this instant, with their joints; those that are fixed rest but for their joints."""
+    for body in bodies:
+        if not body.fixed:
+            velocity = body.velocity.tolist()
+            if math.hypot(*velocity[:3]) > REST_SPEED or math.hypot(*velocity[3:]) > REST_TURN:
+                return False
+        if any(abs(joint.velocity) > REST_SPEED for joint in body.joints.values()):
+            return False
+    return True
 
 
 def settle(world: World, bodies: Sequence[Body], rng: np.random.Generator) -> None:
@@ -46,12 +65,12 @@ def settle(world: World, bodies: Sequence[Body], rng: np.random.Generator) -> No
     _wait(world, bodies)
     for _ in range(KNOCKS):
         _knock(world, bodies, rng)
-    drift = _wait(world, bodies)
+    drift = _drift(world, bodies)
     for _ in range(MAX_PUSHES):
         if drift < MAX_DRIFT:
             return
         _knock(world, bodies, rng, PUSH_SPEED)
-        drift = _wait(world, bodies)
+        drift = _drift(world, bodies)
     if drift >= MAX_DRIFT:
         names = ", ".join(body.name for body in bodies)
         raise BoundaryError(
@@ -74,9 +93,19 @@ def _away(body: Body, bodies: Sequence[Body]) -> FloatArray:
     return away / max(float(np.linalg.norm(away)), 1e-6)
 
 
-def _wait(world: World, bodies: Sequence[Body]) -> float:
-    """Wait a second, and return how much any body has moved or turned, the largest change of a number of its pose."""
-    before = [body.pose for body in bodies]
+def _wait(world: World, bodies: Sequence[Body]) -> None:
+    """Wait until the bodies have not moved for `STILL_TICKS`, a second at most."""
+    still = 0
     for _ in range(FALL_TICKS):
+        still = still + 1 if _drift(world, bodies, 1) < MAX_DRIFT else 0
+        if still == STILL_TICKS:
+            return
+
+
+def _drift(world: World, bodies: Sequence[Body], ticks: int = WATCH_TICKS) -> float:
+    """Watch bodies, and return how much any has moved or turned a second, the largest change of a number of its pose."""
+    before = [body.pose for body in bodies]
+    for _ in range(ticks):
         world.step()
-    return max(float(np.abs(body.pose - pose).max()) for body, pose in zip(bodies, before, strict=True))
+    moved = max(float(np.abs(body.pose - pose).max()) for body, pose in zip(bodies, before, strict=True))
+    return moved / (ticks * world.control_dt)

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from rlbench_pin.errors import BoundaryError, TaskError
-from rlbench_pin.spatial import FloatArray, compose, relative
-from rlbench_pin.tasks.boxes import OrientedBox, rotated
+from rlbench_pin.spatial import FloatArray, pose_at, pose_to_se3, se3_to_pose
+from rlbench_pin.tasks.boxes import OrientedBox
 from rlbench_pin.tasks.conditions.parts import as_part
-from rlbench_pin.tasks.things import REGION, THING, Area, Rotation, Solid, Thing, as_rotations, as_things
+from rlbench_pin.tasks.things import REGION, THING, Area, Rotation, Solid, Thing, as_rotations, as_things, is_solid
 from rlbench_pin.values import as_flag, as_function, as_number, as_record
 
 if TYPE_CHECKING:
@@ -62,6 +63,7 @@ class SpawnBoundary:
         min_rotation: Rotation = ANY_YAW[0],
         max_rotation: Rotation = ANY_YAW[1],
         min_distance: float = 0.01,
+        apart: Mapping[str, float] | None = None,
         ignore_collisions: bool = False,
     ) -> None:
         """Move a body or a frame to a random place.
@@ -75,6 +77,7 @@ class SpawnBoundary:
             min_rotation: Lowest roll, pitch, yaw in the axes of the region [rad].
             max_rotation: Highest roll, pitch, yaw [rad].
             min_distance: Least distance between origins of things placed by this boundary [m].
+            apart: Larger distances from some of them, by name [m].
             ignore_collisions: Do not look at what this boundary has placed already.
 
         Raises:
@@ -85,7 +88,9 @@ class SpawnBoundary:
         as_record(rng, np.random.Generator, "rng")
         rotations = as_rotations(min_rotation, max_rotation, "min_rotation", "max_rotation")
         min_distance = as_number(min_distance, "min_distance", least=0.0)
-        self._place(thing, rng, rotations, min_distance, as_flag(ignore_collisions, "ignore_collisions"))
+        apart = as_record({} if apart is None else apart, Mapping, "apart")  # type: ignore[type-abstract]
+        gaps = {name: as_number(gap, f"apart[{name!r}]", least=0.0) for name, gap in apart.items()}
+        self._place(thing, rng, rotations, min_distance, gaps, as_flag(ignore_collisions, "ignore_collisions"))
 
     def _place(
         self,
@@ -93,19 +98,18 @@ class SpawnBoundary:
         rng: np.random.Generator,
         rotations: tuple[FloatArray, FloatArray],
         min_distance: float,
+        apart: Mapping[str, float],
         ignore_collisions: bool = False,
     ) -> None:
         """Do what `sample` does, when all has been checked."""
-        too_big = 0
-        start, bounds = np.array(thing.pose), _bounds(thing)
+        start, bounds, too_big = np.array(thing.pose), _bounds(thing), 0
         for _ in range(MAX_SAMPLES):
-            region = self._regions[int(rng.choice(len(self._regions), p=self._weights))]
-            pose = _draw_pose(region, bounds, start, rng.uniform(*rotations), rng)
+            pose = _draw_pose(self._draw_region(rng), bounds, start, rng.uniform(*rotations), rng)
             if pose is None:
                 too_big += 1
                 continue
             box = OrientedBox.of(bounds, pose)
-            if ignore_collisions or self._is_free(box, pose[:3], min_distance):
+            if ignore_collisions or self._is_free(box, pose[:3], min_distance, apart):
                 thing.set_pose(pose)
                 self._placed.append((thing.name, box, pose[:3]))
                 return
@@ -139,14 +143,20 @@ class SpawnBoundary:
         for _ in range(MAX_LAYOUTS):
             self.clear()
             for thing in things:
-                self._place(thing, rng, rotations, min_distance)
+                self._place(thing, rng, rotations, min_distance, {})
             if accept is None or accept():
                 return
         names = ", ".join(thing.name for thing in things)
         raise BoundaryError(f"None of {MAX_LAYOUTS} layouts of {names} was accepted. Enlarge the regions or ask for less space.")
 
-    def _is_free(self, box: OrientedBox, origin: FloatArray, min_distance: float) -> bool:
-        return not any(_are_near(origin, place, min_distance) or box.overlaps(other) for _, other, place in self._placed)
+    def _draw_region(self, rng: np.random.Generator) -> Region:
+        return self._regions[int(rng.choice(len(self._regions), p=self._weights)) if len(self._regions) > 1 else 0]
+
+    def _is_free(self, box: OrientedBox, origin: FloatArray, least: float, apart: Mapping[str, float]) -> bool:
+        return not any(
+            _are_near(origin, place, max(least, apart.get(name, 0.0))) or box.overlaps(other)
+            for name, other, place in self._placed
+        )
 
     def _failure(self, thing: Body | Frame, too_big: int, min_distance: float) -> str:
         names = ", ".join(region.name for region in self._regions)
@@ -171,8 +181,7 @@ def clearance(thing: Body | Frame, others: Iterable[Body | Frame]) -> float:
 
 
 def _are_near(a: FloatArray, b: FloatArray, distance: float) -> bool:
-    way = a - b
-    return bool(way @ way < distance * distance)
+    return distance > 0.0 and math.dist(a, b) < distance
 
 
 def _measure(region: Region) -> float:
@@ -182,21 +191,27 @@ def _measure(region: Region) -> float:
 
 def _bounds(thing: Body | Frame) -> FloatArray:
     """Local bounding box (2, 3) [m]; a frame is a point."""
-    return np.asarray(thing.bounds(), dtype=float) if isinstance(thing, Solid) else np.zeros((2, 3))
+    if not is_solid(thing):
+        return np.zeros((2, 3))
+    return np.asarray(cast(Solid, thing).bounds(), dtype=float)
 
 
 def _draw_pose(
     region: Region, bounds: FloatArray, start: FloatArray, rotation: FloatArray, rng: np.random.Generator
 ) -> FloatArray | None:
     """Draw a world pose at which the turned bounding box lies in the region; None when it cannot."""
-    frame = np.array(region.pose)
-    local = relative(start, frame)
-    local[3:] = rotated(rotation, local[3:])
-    corners = OrientedBox.of(bounds, np.concatenate([np.zeros(3), local[3:]])).corners()
+    T_world_region = pose_to_se3(region.pose)
+    T_region_thing = T_world_region.actInv(pose_to_se3(start))
+    place = np.array(T_region_thing.translation)
+    T_region_thing = pose_to_se3(pose_at((0.0, 0.0, 0.0), *rotation)) * T_region_thing
+    low, high = bounds
+    turn = T_region_thing.rotation
+    middle, reach = turn @ (0.5 * (low + high)), np.abs(turn) @ (0.5 * (high - low))
     half = np.asarray(region.size, dtype=float) / 2.0
-    first, last = -half - corners.min(axis=0), half - corners.max(axis=0)
+    first, last = reach - half - middle, half - reach - middle
     axes = 3 if half[2] > 0.0 else 2
-    if np.any(first[:axes] > last[:axes]):
+    if (first[:axes] > last[:axes]).any():
         return None
-    local[:axes] = rng.uniform(first[:axes], last[:axes])
-    return compose(frame, local)
+    place[:axes] = rng.uniform(first[:axes], last[:axes])
+    T_region_thing.translation = place
+    return se3_to_pose(T_world_region * T_region_thing)

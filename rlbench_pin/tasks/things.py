@@ -89,7 +89,7 @@ class Loose(Protocol):
 
 @runtime_checkable
 class Bulky(Protocol):
-    """A body that says its extent along any axes."""
+    """A body that says how far it reaches in any direction."""
 
     @property
     def name(self) -> str:
@@ -101,8 +101,8 @@ class Bulky(Protocol):
         """Where it is, shape (3,), world frame [m]."""
         ...
 
-    def bounds_from(self, frame: PoseLike) -> FloatArray:
-        """Return the lowest and highest corner (2, 3) of the box around it along the axes of a frame [m]."""
+    def extent_along(self, directions: FloatArray) -> FloatArray:
+        """Return how far it reaches along unit vectors (n, 3) of the world, [[least], [most]] (2, n), from its origin [m]."""
         ...
 
 

@@ -90,6 +90,8 @@ class Link:
     friction: float = 0.8
     rolling: float = 0.0
     """Rolling friction [m]; spinning friction is the same."""
+    anchored: bool = False
+    """Whether it holds on to the points where it touches, so that friction alone does not creep."""
     center: Vec3 | None = None
     """Centre of mass [m], where it is not that of the parts."""
 
@@ -165,7 +167,8 @@ def _link_lines(link: Link) -> list[str]:
     moments = " ".join(f'{n}="{significant(clean[i, j])}"' for n, i, j in names)
     lines = [f'  <link name="{link.name}">']
     rolling = f'<rolling_friction value="{number(link.rolling)}"/><spinning_friction value="{number(link.rolling)}"/>'
-    lines.append(f'    <contact><lateral_friction value="{number(link.friction)}"/>{rolling if link.rolling else ""}</contact>')
+    more = (rolling if link.rolling else "") + ("<friction_anchor/>" if link.anchored else "")
+    lines.append(f'    <contact><lateral_friction value="{number(link.friction)}"/>{more}</contact>')
     lines += ["    <inertial>", f"      {_origin(center, ZERO)}"]
     lines += [f'      <mass value="{significant(link.mass)}"/>', f"      <inertia {moments}/>", "    </inertial>"]
     for i, visual in enumerate(link.visuals):

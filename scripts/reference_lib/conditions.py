@@ -15,8 +15,8 @@ _HEADING = re.compile(r"^    # (.+?) -{3,}$", re.MULTILINE)
 _METHOD = re.compile(r"^    (?:@\w+\n    )?def ([a-z]\w*)\(", re.MULTILINE)
 OVERRIDDEN, CALLED, BY_ENVIRONMENT = "What a task file overrides", "What a task file calls", "What the environment calls"
 TOOLS = (
-    "SpawnBoundary", "clearance", "settle", "easiest_top_grasp", "Tray", "free_direction", "swap_places", "distractor_colors",
-    "fill_up_colors",
+    "SpawnBoundary", "clearance", "settle", "at_rest", "easiest_top_grasp", "Tray", "free_direction", "swap_places",
+    "distractor_colors", "fill_up_colors",
 )  # fmt: skip
 """What several tasks need, from `rlbench_pin.tasks`."""
 

@@ -21,10 +21,10 @@ class Block(FakeBody):
 
     box: tuple[float, float, float] = field(default=(0.05, 0.03, 0.04))
 
-    def bounds_from(self, frame: np.ndarray) -> np.ndarray:
-        """Corners along the axes of a frame at the origin of the world."""
-        corners = OrientedBox.of(self.bounds(), self.pose).corners() @ OrientedBox.of(np.zeros((2, 3)), np.array(frame)).axes
-        return np.stack([corners.min(axis=0), corners.max(axis=0)])
+    def extent_along(self, directions: np.ndarray) -> np.ndarray:
+        """How far it reaches along directions of the world, from its origin."""
+        heights = OrientedBox.of(self.bounds(), self.pose).corners() @ directions.T
+        return np.stack([heights.min(axis=0), heights.max(axis=0)])
 
 
 def at(x: float, y: float, **more: object) -> Block:

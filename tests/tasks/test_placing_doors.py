@@ -71,7 +71,7 @@ def test_a_wanted_body_is_one_of_the_bodies() -> None:
     """A body that is not named among those in the tray cannot be judged."""
 
     class Bulky(FakeBody):
-        def bounds_from(self, frame: object) -> np.ndarray:
+        def extent_along(self, directions: object) -> np.ndarray:
             return self.bounds()
 
     with pytest.raises(InvalidValue, match=r"wanted has to be some of the bodies, one. Got \['other'\]"):

@@ -9,7 +9,7 @@ from rlbench_pin.errors import BoundaryError
 from rlbench_pin.robot.catalogue import robot_description
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
 from rlbench_pin.sim import World
-from rlbench_pin.tasks import settle, settling
+from rlbench_pin.tasks import at_rest, settle, settling
 
 SCENE = SceneSpec(
     format=2,
@@ -34,6 +34,25 @@ def test_bodies_lie_flat_and_still_afterwards() -> None:
                 np.testing.assert_allclose(body.pose, pose, atol=settling.MAX_DRIFT)
             places.append(np.concatenate(before))
     np.testing.assert_array_equal(*places)
+
+
+def test_what_falls_turns_or_swings_does_not_rest() -> None:
+    """Bodies rest by their speeds, fixed ones by those of their joints alone."""
+    door = SceneSpec(format=2, body=(BodySpec(name="door", asset="objects/lever_door/lever_door.urdf", fixed=True),))
+    with World(door, robot_description("panda")) as world:
+        joint = world.joint("door/leaf_hinge")
+        assert at_rest([world.body("door")])
+        joint.set_state(joint.position, 0.1)
+        assert not at_rest([world.body("door")])
+    with World(SCENE, robot_description("panda")) as world:
+        bodies = list(world.bodies.values())
+        assert at_rest(bodies), "nothing has moved yet"
+        world.step()
+        assert not at_rest(bodies)
+        settle(world, bodies, np.random.default_rng(0))
+        assert at_rest(bodies)
+        bodies[0].set_velocity([0.0, 0.0, 0.0, 0.0, 0.0, 0.5])
+        assert not at_rest(bodies)
 
 
 def test_bodies_that_never_rest_are_an_error() -> None:
@@ -61,6 +80,8 @@ def test_bodies_that_never_rest_are_an_error() -> None:
 
     class Still:
         """A world that does nothing."""
+
+        control_dt = 0.05
 
         def step(self) -> None:
             """Do nothing."""

@@ -53,3 +53,18 @@ def test_clearance_is_horizontal_and_leaves_the_thing_itself_out() -> None:
     low, high = FakeBody("low"), FakeBody("high", pose=pose_at((0.3, 0.4, 2.0)))
     assert clearance(low, [low, high]) == pytest.approx(0.5)
     assert clearance(low, [low]) == np.inf
+
+
+def test_a_place_may_be_farther_from_some_things_than_from_others() -> None:
+    """The larger of two distances counts; things that are not named keep the usual one."""
+    near, far, boundary = FakeBody("near"), FakeBody("far"), SpawnBoundary([REGION])
+    bodies = cubes(6)
+    for seed in range(5):
+        boundary.clear()
+        rng = np.random.default_rng(seed)
+        for body in (near, far):
+            boundary.sample(body, rng, min_distance=0.05)
+        for body in bodies:
+            boundary.sample(body, rng, min_distance=0.05, apart={"far": 0.2, "near": 0.01})
+        assert clearance(far, bodies) >= 0.2
+        assert clearance(near, bodies) >= 0.05

@@ -12,12 +12,15 @@ from rlbench_pin.sim.arm.control import ArmControl, DriveMode
 from rlbench_pin.sim.arm.motors import Effort, Motors
 from rlbench_pin.sim.bodies.model import LoadedModel
 from rlbench_pin.sim.checks import action_vector, finite_vector
-from rlbench_pin.sim.client import bullet
+from rlbench_pin.sim.client import PASSES, bullet
 from rlbench_pin.sim.contacts import ContactReader
 from rlbench_pin.spatial import FloatArray, pose_to_se3
 
 POSITION_GAIN = 0.2
 """Share of the position error that a motor removes in one physics step."""
+_PASSES_WITHOUT_PATH = 2 * PASSES
+"""Most passes of the solver while the arm follows velocities or torques: their changes are not planned, and joints that drag each
+other need more to get there."""
 _CATCH_UP = 0.1
 """Share of the velocity limits that a lagging joint may add to full speed."""
 _FAST_CHANGE = 0.5
@@ -228,6 +231,7 @@ class SimRobot:
         if self._control.torques is not None:  # the motors report those of this tick
             self._control = replace(self._control, torques=None)
         self._goals, self._watches = None, False
+        self._client.allow_passes(PASSES if self.mode == "position" else _PASSES_WITHOUT_PATH)
         if self.mode == "torque":
             self._motors.release()
             self._effort = self._still

@@ -114,7 +114,9 @@ class Body:
         """Corners [[min], [max]] (2, 3) of the box around the body in its own frame, with its joints where they are [m]."""
         if not self.joints:
             if self._rigid_bounds is None:
-                self._rigid_bounds = self.bounds_from(self.pose)
+                alone = len(self.model.links) == 1
+                model = self.model
+                self._rigid_bounds = geometry.rigid_bounds(model.urdf, model.scale) if alone else self.bounds_from(self.pose)
             return self._rigid_bounds.copy()
         return self.bounds_from(self.pose)
 
@@ -128,6 +130,15 @@ class Body:
         if not boxes:
             return np.zeros((2, 3))
         return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
+
+    def extent_along(self, directions: FloatArray) -> FloatArray:
+        """How far the body reaches along unit vectors (n, 3) of the world, [[least], [most]] (2, n), from its origin [m]."""
+        parts = geometry.solid_geometry(self.model.urdf, self.model.scale)
+        placed = ((parts[link], self.model.placement(self.model.links[link])) for link in self.model.solid_links())
+        reaches = [geometry.extent_along(shapes, placement, directions) for shapes, placement in placed]
+        if not reaches:
+            return np.zeros((2, len(directions)))
+        return np.stack([np.min([r[0] for r in reaches], axis=0), np.max([r[1] for r in reaches], axis=0)])
 
     def aabb_size(self) -> FloatArray:
         """Size (3,) of the box around the body in its own frame [m]."""

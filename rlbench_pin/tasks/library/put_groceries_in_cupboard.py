@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task, clearance
+from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task
 
 FREE = 0.15
 """Distance of the asked item from the others, so that the hand fits in [m]."""
@@ -30,8 +30,12 @@ class PutGroceriesInCupboard(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Scatter the items, with space for the hand around the asked one; success is that it is on the shelf, let go."""
         item = self.items[variation]
-        asked, bodies = self.world.body(item), [self.world.body(name) for name in self.items]
-        self.boundary.scatter(bodies, rng, min_distance=0.1, accept=lambda: clearance(asked, bodies) > FREE)
+        asked = self.world.body(item)
+        self.boundary.clear()
+        self.boundary.sample(asked, rng)
+        for name in self.items:
+            if name != item:
+                self.boundary.sample(self.world.body(name), rng, min_distance=0.1, apart={item: FREE})
         self.world.frame("waypoint1").set_parent(f"grasp_{item}")
         self.world.frame("waypoint4").set_parent(f"stow_{item}")
         stowed = Detected(asked, self.world.sensor("low_shelf"))

@@ -26,8 +26,8 @@ class WipeDesk(Task):
         self.boundary.clear()
         self.stains[:] = [f"stain{i}" for i in range(STAINS)]
         place = tuple(self.world.region("patch").local)
+        spec = BodySpec(name="stain", asset="objects/stain/stain.urdf", pose=place, fixed=True, collides=False)
         for name in self.stains:
-            spec = BodySpec(name=name, asset="objects/stain/stain.urdf", pose=place, fixed=True, collides=False)
             stain = self.world.add_body(name, spec)
             self.boundary.sample(stain, rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION, min_distance=0.0)
         return [

@@ -13,6 +13,8 @@ INLAY = 0.0004
 RADIUS, THICKNESS = 0.0175, 0.012
 BAR = (2.0 * RADIUS, 0.8 * RADIUS)
 """Sides of the two crossed boxes that stand for a disc: a cylinder on a board rocks forever in the physics, boxes rest [m]."""
+LIFT = 0.0002
+"""How far the second box is off the board, so that a disc rests on four corners, not on eight [m]."""
 FRAME, DARK, LIGHT = (0.33, 0.19, 0.10), (0.36, 0.24, 0.16), (0.93, 0.85, 0.68)
 COLORS = {"light": ((0.95, 0.91, 0.80), (0.78, 0.70, 0.54)), "dark": ((0.10, 0.09, 0.09), (0.30, 0.27, 0.25))}
 
@@ -58,7 +60,7 @@ def _piece(color: str) -> Model:
     body, ring = _disc()
     plain, accent = COLORS[color]
     visuals = (Visual(mesh_shape("disc", body), plain, crease=0.5), Visual(mesh_shape("ring", ring), accent, crease=0.5))
-    solids = (box_shape((*BAR, THICKNESS)), box_shape((BAR[1], BAR[0], THICKNESS)))
+    solids = (box_shape((*BAR, THICKNESS)), box_shape((BAR[1], BAR[0], THICKNESS - 2.0 * LIFT)))
     link = Link(f"draught_{color}", 0.02, visuals, solids, friction=0.9)
     notes = (
         f"diameter {2 * RADIUS}, {THICKNESS} thick; rests with its origin at {THICKNESS / 2.0} m",

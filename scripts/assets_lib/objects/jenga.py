@@ -10,8 +10,8 @@ from assets_lib.mesh import Mesh, box, hull_of, merge
 from assets_lib.urdf import Link, Model, Visual, box_shape, mesh_shape
 
 LENGTH, WIDTH, HEIGHT = 0.075, 0.025, 0.015
-LOOSE = 0.0145
-"""Height of the brick that carries no load [m]."""
+THIN = 0.014
+"""Height of a brick without load: the loose one, and those in the middle of a layer, whose outer two carry the next [m]."""
 BEVEL = 0.001
 
 
@@ -43,11 +43,16 @@ def _model(name: str, height: float, color: tuple[float, float, float]) -> Model
         Visual(mesh_shape(name, _brick(height)), color),
         Visual(mesh_shape(f"{name}_rings", _end_rings(height)), (0.55, 0.38, 0.22)),
     )
-    link = Link("brick", 0.02, visuals, (box_shape((LENGTH, WIDTH, height)),), friction=0.4)
+    link = Link("brick", 0.02, visuals, (box_shape((LENGTH, WIDTH, height)),), friction=0.4, anchored=True)
     notes = (f"{LENGTH} x {WIDTH} x {height} along x, y, z",)
     return Model(name, f"objects/{name}", "centre", (link,), notes=notes)
 
 
 def models() -> tuple[Model, ...]:
     """Return the models of this family."""
-    return _model("jenga_brick", HEIGHT, (0.86, 0.70, 0.48)), _model("jenga_loose_brick", LOOSE, (0.78, 0.58, 0.36))
+    plain, dark = (0.86, 0.70, 0.48), (0.78, 0.58, 0.36)
+    return (
+        _model("jenga_brick", HEIGHT, plain),
+        _model("jenga_inner_brick", THIN, plain),
+        _model("jenga_loose_brick", THIN, dark),
+    )
