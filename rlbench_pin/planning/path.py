@@ -171,8 +171,15 @@ def edge_is_free(a: FloatArray, b: FloatArray, is_free: IsFree, step: float) -> 
     """Say whether the straight joint-space line from `a` to `b` is free, ends excluded, looking every `step` [rad]."""
     way = b - a
     count = int(np.ceil(np.abs(way).max() / step)) + 1
-    inner = np.array(coarse_to_fine(count)[2:]) / max(1, count - 1)
-    return all(map(is_free, a + inner[:, None] * way))
+    return all(map(is_free, a + _shares(count) * way))
+
+
+@lru_cache(maxsize=1024)
+def _shares(count: int) -> FloatArray:
+    """Return where the inner ones of `count` even samples of an edge are (count - 2, 1), widely spaced ones first, 0..1."""
+    shares = np.array(coarse_to_fine(count)[2:])[:, None] / max(1, count - 1)
+    shares.flags.writeable = False
+    return shares
 
 
 @lru_cache(maxsize=1024)
