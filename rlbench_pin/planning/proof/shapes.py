@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from rlbench_pin.planning.proof.chain import ArmChain
 from rlbench_pin.robot.collision import CollisionModel
+from rlbench_pin.robot.collision_geometry import CollisionGeometry
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
 
@@ -45,7 +46,9 @@ class ArmShapes:
         self.chain = ArmChain(model)
         self._model = model
         self._joints = [model.full.getJointId(name) for name in model.description.arm_joints]
-        self._data = model.full.createData()
+        self._data, self._still = model.full.createData(), np.zeros(model.size)
+        self._geometry: CollisionGeometry | None = None
+        self._solids: list[tuple[FloatArray, FloatArray, float]] = []
         self._fingers: bytes | None = None
         self._own: list[_Shape] = []
 
@@ -54,21 +57,28 @@ class ArmShapes:
         q, objects = collision.configuration(np.zeros(self._model.size)), collision.geometry.model.geometryObjects
         pin.forwardKinematics(self._model.full, self._data, q)
         own = collision.geometry.first_body
+        if collision.geometry is not self._geometry:
+            self._geometry, self._solids = collision.geometry, [_extent(item) for item in objects]
         if q.tobytes() != self._fingers:
-            self._fingers, self._own = q.tobytes(), [self._shape(objects[k]) for k in range(own)]
-        return [*self._own, *(self._shape(objects[k]) for k in range(own, len(objects)))]
+            self._fingers, self._own = q.tobytes(), [self._shape(objects[k], *self._solids[k]) for k in range(own)]
+        return [*self._own, *(self._shape(objects[k], *self._solids[k]) for k in range(own, len(objects)))]
 
-    def _shape(self, item: pin.GeometryObject) -> _Shape:
-        solid, T, joint, size = item.geometry, item.placement, item.parentJoint, self._model.size
-        solid.computeLocalAABB()
-        radius, depth, reach = solid.aabb_radius, 0, np.zeros(size)
+    def _shape(self, item: pin.GeometryObject, center: FloatArray, half: FloatArray, radius: float) -> _Shape:
+        """Return a shape; `center` (3,) of its box in its own frame, `half` its edges (3,), `radius` of its ball [m]."""
+        T, joint, depth, reach = item.placement, item.parentJoint, 0, self._still
         if joint > 0:
-            reach = self._model.chain_reach.of(joint, T.act(np.asarray(solid.aabb_center)), radius)
+            reach = self._model.chain_reach.of(joint, T.act(center), radius)
             depth = sum(carrier in self._joints for carrier in self._model.full.supports[joint])
             T = self._data.oMi[self._joints[depth - 1]].actInv(self._data.oMi[joint] * T)
-        box = solid.aabb_local
-        half = 0.5 * np.array([box.width(), box.height(), box.depth()])
-        return _Shape(depth, T.act(np.asarray(solid.aabb_center)), T.rotation, half, radius, reach)
+        return _Shape(depth, T.act(center), T.rotation, half, radius, reach)
+
+
+def _extent(item: pin.GeometryObject) -> tuple[FloatArray, FloatArray, float]:
+    """Return of a solid, in its own frame, the centre of box and ball (3,), half the box's edges (3,), the ball's radius [m]."""
+    solid = item.geometry
+    solid.computeLocalAABB()
+    box = solid.aabb_local
+    return np.array(solid.aabb_center), 0.5 * np.array([box.width(), box.height(), box.depth()]), solid.aabb_radius
 
 
 class Shapes:
