@@ -68,13 +68,21 @@ class JointPath:
                 return float(s[i])
         return None
 
-    def bezier(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the path as cubic Bezier pieces: control points (m, 4, n), parameters of their beginnings and ends (m,)."""
-        knots = self._knots
-        q, slope = self(knots), self(knots, 1)
-        third = np.diff(knots)[:, None] / 3.0
-        control = np.stack([q[:-1], q[:-1] + third * slope[:-1], q[1:] - third * slope[1:], q[1:]], axis=1)
-        return control, knots[:-1], knots[1:]
+    @property
+    def knots(self) -> FloatArray:
+        """Parameters where the cubic pieces begin, and 1, shape (m,)."""
+        return self._knots
+
+    def bezier(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Return the path between parameters `low` and `high` (m,), with no knot between them, as cubic Bezier pieces.
+
+        Returns:
+            Control points (m, 4, n), [rad].
+        """
+        q, slope = self(low), self(low, 1)
+        ends, slope_there = self(high), self(high, 1)
+        third = (high - low)[:, None] / 3.0
+        return np.stack([q, q + third * slope, ends - third * slope_there, ends], axis=1)
 
     def length(self) -> float:
         """Return the length in joint space [rad]."""
@@ -163,8 +171,15 @@ def edge_is_free(a: FloatArray, b: FloatArray, is_free: IsFree, step: float) -> 
     """Say whether the straight joint-space line from `a` to `b` is free, ends excluded, looking every `step` [rad]."""
     way = b - a
     count = int(np.ceil(np.abs(way).max() / step)) + 1
-    inner = np.array(coarse_to_fine(count)[2:]) / max(1, count - 1)
-    return all(map(is_free, a + inner[:, None] * way))
+    return all(map(is_free, a + _shares(count) * way))
+
+
+@lru_cache(maxsize=1024)
+def _shares(count: int) -> FloatArray:
+    """Return where the inner ones of `count` even samples of an edge are (count - 2, 1), widely spaced ones first, 0..1."""
+    shares = np.array(coarse_to_fine(count)[2:])[:, None] / max(1, count - 1)
+    shares.flags.writeable = False
+    return shares
 
 
 @lru_cache(maxsize=1024)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from rlbench_pin.planning.kinematics.ik import cost, solve_ik
 from rlbench_pin.planning.listener import PlanningListeners, PlanRequest
 from rlbench_pin.planning.path import JointPath, along, edge_is_free, through
 from rlbench_pin.planning.plan import Method, Plan, PlannerConfig, PlanReport
+from rlbench_pin.planning.proof import ArmShapes, Prover
 from rlbench_pin.planning.requests import as_configuration, as_goal_poses, check_options, check_switches
 from rlbench_pin.planning.rules import Rules
 from rlbench_pin.planning.search.around import path_around
@@ -45,6 +46,7 @@ class MotionPlanner:
         self.model = as_record(model, RobotModel, "model", InvalidRequest)
         self.config = as_record(PlannerConfig() if config is None else config, PlannerConfig, "config", InvalidRequest)
         self.collision = CollisionModel(model)
+        self._arm_shapes = ArmShapes(model)
         self.torque = TorqueLimits(model) if self.config.torque_limits else None
         self.limits = model.limits.capped(self.config.max_velocity, self.config.max_acceleration)
         self.listeners = PlanningListeners()
@@ -176,7 +178,7 @@ class MotionPlanner:
             return None
         with stages.stage("rules"):
             self.collision.begin(q, margin=self.config.margin, own=self.config.own_margin, allowed=allowed)
-        return Rules(self.collision, self.config)
+        return Rules(self.collision, self.config, Prover(self._arm_shapes, self.collision))
 
     def _straight(
         self, stages: Stages, q: FloatArray, poses: list[FloatArray], rules: Rules | None, limit: int, must: bool
@@ -271,11 +273,8 @@ class MotionPlanner:
         """Search with the preferred clearance, and where that fails with the smallest that is allowed."""
         config, collision = self.config, self.collision
         if config.clearance > config.margin:
-            try:
-                with collision.wider(config.clearance - config.margin, [q, *goals]):
-                    return path_around(q, goals, rules, self.limits, rng, stages)
-            except NoPath:
-                pass
+            with suppress(NoPath), collision.wider(config.clearance - config.margin, [q, *goals]):
+                return path_around(q, goals, rules, self.limits, rng, stages)
         return path_around(q, goals, rules, self.limits, rng, stages)
 
     def _close(self, stages: Stages, found: _Found, rules: Rules | None) -> Plan:
@@ -286,7 +285,7 @@ class MotionPlanner:
             method=found.method,
             goal=found.goal,
             length=found.path.length(),
-            checks=self.collision.checks - stages.checks,
+            checks=self.collision.checks - stages.checks + (0 if rules is None else rules.measured),
             clearance=self._clearance(found.path) if self.config.measure_clearance else None,
             seconds=stages.seconds,
             certified=rules is not None and self.config.certify,

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 
-from rlbench_pin.planning.certify import certify
 from rlbench_pin.planning.path import JointPath, edge_is_free
 from rlbench_pin.planning.plan import PlannerConfig
+from rlbench_pin.planning.proof import Prover
 from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.spatial import FloatArray
 
@@ -20,19 +20,25 @@ class Rules:
     """Checks configurations."""
     config: PlannerConfig
     """Resolution and budget of the checks."""
+    prover: Prover
+    """Proves paths of this motion."""
     doubts: int = 0
     """Paths that passed every sample and could not be certified."""
+    measured: int = 0
+    """Configurations in which proofs measured distances."""
 
     def is_free(self, q: FloatArray) -> bool:
         """Say whether a configuration (n,) keeps the rules."""
-        return not self.collision.in_collision(q)
+        return not self.collision.collides(q)
 
     def first_violation(self, path: JointPath) -> float | None:
         """Return where on a path (0..1) the rules are broken, or not proven to be kept; None when the path is good."""
         hit = path.first_collision(self.is_free, self.config.check_step)
         if hit is None and self.config.certify:
-            hit = certify(path, self.collision, self.config.certify_checks).doubt
+            proof = self.prover.prove(path, self.config.certify_checks)
+            hit = proof.doubt
             self.doubts += hit is not None
+            self.measured += proof.checks
         return hit
 
     def blocked_edges(self, path: FloatArray, step: float) -> list[int]:

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from rlbench_pin.errors import StartInCollision
 from rlbench_pin.robot.collision_geometry import CollisionGeometry, Distance, Owner, body_distance
@@ -184,18 +185,37 @@ class CollisionModel:
         else:
             self._margins[i, j] = self._margins[j, i] = min(self._margins[i, j], margin)
 
+    @property
+    def geometry(self) -> CollisionGeometry:
+        """All shapes, where they were at the last update, and their pairs."""
+        return self._geometry
+
+    def configuration(self, q: FloatArray) -> FloatArray:
+        """Return Pinocchio's configuration of arm `q` (n,), [rad], and fingers; the array is used again."""
+        self._q[self._arm_index] = q
+        return self._q
+
+    def least_distances(self) -> tuple[NDArray[np.bool_], FloatArray]:
+        """Return for each pair of shapes whether it counts, and the distance that no motion goes below, shapes (pairs,), [m]."""
+        first, second = self._geometry.ends
+        return self._active[first, second], self._floors()[first, second]
+
     # Questions ----------------------------------------------------------------------------------------------------
 
     def in_collision(self, q: FloatArray) -> bool:
         """Say whether arm configuration `q` breaks the rules: touches something, or is nearer than its margin."""
+        return self.collides(as_vector(q, self.model.size, "configuration"))
+
+    def collides(self, q: FloatArray) -> bool:
+        """Say the same of `q` (n,), which is not checked itself: for searches, which ask thousands of times."""
         self.checks += 1
-        self._q[self._arm_index] = as_vector(q, self.model.size, "configuration")
+        self._q[self._arm_index] = q
         return bool(pin.computeCollisions(self.model.full, self._data, self._manager, self._q, True))
 
     def keeps_away(self, q: FloatArray, distance: float) -> bool:
         """Say whether configuration `q` is at least `distance` [m] away from every forbidden contact.
 
-        Together with `reaches` this proves whole neighbourhoods of `q` free. Pairs that begin or end in contact, or nearer to it
+        Pairs that begin or end in contact, or nearer to it
         than `SURE`, count from `SLACK / 2` deeper than their margin. Asking with the same distance again is cheapest.
         """
         self.checks += 1
@@ -218,11 +238,6 @@ class CollisionModel:
         """Return the distance that no motion goes below, for each pair of shapes (m, m), [m]."""
         sure = (self._margins >= SURE) | (self._margins == 0.0)
         return np.where(sure, 0.0, self._margins - 0.5 * SLACK)
-
-    @property
-    def reaches(self) -> FloatArray:
-        """How far any shape that the arm carries can get from the axis of each joint, shape (n,), [m]."""
-        return self._geometry.reaches
 
     def goal_in_collision(self, q: FloatArray) -> bool:
         """Like `in_collision`, but without the clearance: a goal may be near things, and a held body may be set down."""

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal
 
 import coal
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from rlbench_pin.robot.geometry import Part, bounds, link_geometry, primitive
 from rlbench_pin.robot.model import RobotModel
@@ -77,34 +77,25 @@ class CollisionGeometry:
         self.owners: list[Owner] = []
         self._excluded = disabled_pairs(model.description.srdf)
         self._add_robot()
-        self._first_body = len(self.owners)
+        self.first_body = len(self.owners)
+        """Index of the first shape that is not the arm's own."""
         for body in bodies:
             self._add_body(body)
         self._add_pairs()
         self.pairs: list[tuple[int, int]] = [(pair.first, pair.second) for pair in self.model.collisionPairs]
+        self.ends: NDArray[np.intp] = np.array(self.pairs, dtype=np.intp).reshape(-1, 2).T
+        """The first and the second shapes of all pairs, shape (2, pairs)."""
         self.data = self.model.createData()
         moves = np.array([owner.moves for owner in self.owners])
         self.crosses = moves[:, None] != moves[None, :]
         """Which pairs are of the arm or a held body with the world, shape (m, m)."""
         self._poses: dict[int, FloatArray] = {}
 
-    @cached_property
-    def reaches(self) -> FloatArray:
-        """How far any moving shape can get from the axis of each arm joint, in any configuration, shape (n,), [m]."""
-        reach, moving = self._model.chain_reach, [shape for shape in self.model.geometryObjects if shape.parentJoint > 0]
-        for shape in moving:
-            shape.geometry.computeLocalAABB()
-        balls = [
-            reach.of(shape.parentJoint, shape.placement.act(np.asarray(shape.geometry.aabb_center)), shape.geometry.aabb_radius)
-            for shape in moving
-        ]
-        return np.max(balls, axis=0)
-
     def place(self, bodies: Sequence[BodySnapshot], T_world_hand_joint: pin.SE3) -> None:
         """Write the placements of all bodies; those held relative to the hand as it is now."""
         T_hand_world = T_world_hand_joint.inverse()
         objects = self.model.geometryObjects
-        index = self._first_body
+        index = self.first_body
         for body in bodies:
             held = body.name in self._held
             geometry = body_geometry(body)

@@ -41,8 +41,8 @@ LOOSE = {
     "MotionPlanner.plan_to_pose": "pose",
 }
 """Limits may be infinite; some arguments stand for several or for one."""
-FAST = ("place", "visit", "distance", "measure", "probe", "gradients", "names", "wider", "update")
-"""Of `DistanceModel` and `CollisionModel`: the inner loop of the safety filter, which checks what enters itself."""
+FAST = ("place", "visit", "distance", "measure", "probe", "gradients", "names", "wider", "update", "collides", "configuration")
+"""Of `DistanceModel` and `CollisionModel`: inner loops of searches and of the safety filter, which check what they get."""
 
 
 def samples(model: RobotModel) -> dict[str, object]:

@@ -31,11 +31,12 @@ def shorten(path: FloatArray, is_free: IsFree, rng: np.random.Generator, *, step
     """
     counted = _Counted(is_free, checks)
     path = leave_out(path, counted, step)
-    misses = 0
+    misses, along = 0, _along(path)
     while counted.left > 0 and misses < 12 and len(path) > 2:
-        shorter = _cut(path, counted, rng, step)
+        shorter = _cut(path, along, counted, rng, step)
         misses = misses + 1 if shorter is None else 0
-        path = path if shorter is None else shorter
+        if shorter is not None:
+            path, along = shorter, _along(shorter)
     return leave_out(path, counted, step)
 
 
@@ -51,10 +52,17 @@ def leave_out(path: FloatArray, is_free: IsFree, step: float) -> FloatArray:
     return path[kept]
 
 
-def _cut(path: FloatArray, is_free: IsFree, rng: np.random.Generator, step: float) -> FloatArray | None:
-    """Try to replace the part between two random points of the polyline by one edge; None when nothing is gained."""
+def _along(path: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the length of each edge of a polyline (m, n), (m - 1,), and the way to each of its vertices (m,), [rad]."""
     lengths = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    total = np.concatenate([[0.0], np.cumsum(lengths)])
+    return lengths, np.concatenate([[0.0], np.cumsum(lengths)])
+
+
+def _cut(
+    path: FloatArray, along: tuple[FloatArray, FloatArray], is_free: IsFree, rng: np.random.Generator, step: float
+) -> FloatArray | None:
+    """Try to replace the part between two random points of the polyline by one edge; None when nothing is gained."""
+    lengths, total = along
     low, high = np.sort(rng.uniform(0.0, total[-1], size=2))
     i, j = np.searchsorted(total, [low, high], side="right") - 1
     if i == j:

@@ -6,13 +6,13 @@ import logging
 
 import numpy as np
 import toppra
-import toppra.algorithm
 import toppra.constraint
 
 from rlbench_pin.errors import InvalidRequest, RetimingError
 from rlbench_pin.planning.path import JointPath, through
 from rlbench_pin.planning.timing.arc import ArcLimits
 from rlbench_pin.planning.timing.constraint import MotionConstraint
+from rlbench_pin.planning.timing.passes import fastest_speeds
 from rlbench_pin.planning.timing.torque import TorqueLimits
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.robot.trajectory import Trajectory
@@ -136,8 +136,9 @@ def _timed(
     """Solve and sample."""
     grid, speeds = _solve_without_halt(path, constraints)
     profile = _sample(grid, speeds) if jerk_time <= 0.0 else _eased(grid, speeds, jerk_time)
-    samples = _along(path, profile)
-    excess = 0.0 if arc is None else arc.excess(path(profile[1], 1), *samples[2:])
+    tangents = path(profile[1], 1)
+    samples = _along(path, profile, tangents)
+    excess = 0.0 if arc is None else arc.excess(tangents, *samples[2:])
     return _slowed(samples, limits, excess)
 
 
@@ -178,13 +179,12 @@ def _grid(path: JointPath, finer: int = 1) -> FloatArray:
 
 def _solve(path: JointPath, grid: FloatArray, constraints: list[toppra.constraint.Constraint]) -> FloatArray:
     """Return ds/dt (m,) at the grid points."""
-    problem = toppra.algorithm.TOPPRA(constraints, _ToppraPath(path), gridpoints=grid, solver_wrapper="seidel")
-    _, speeds, _ = problem.compute_parameterization(0.0, 0.0)
+    speeds = fastest_speeds(constraints, _ToppraPath(path), grid)
     if speeds is None or not np.all(np.isfinite(speeds)):
-        raise RetimingError(f"TOPPRA ended with {problem.problem_data.return_code.name}")
+        raise RetimingError("the end cannot be reached at rest within the limits")
     if np.any(speeds[:-1] + speeds[1:] <= 0.0):
         raise RetimingError("the path comes to a halt on its way")
-    return np.asarray(speeds)
+    return speeds
 
 
 def _sample(grid: FloatArray, speeds: FloatArray) -> tuple[FloatArray, ...]:
@@ -231,11 +231,11 @@ def _eased(grid: FloatArray, speeds: FloatArray, width: float) -> tuple[FloatArr
     return times, np.clip(s, 0.0, 1.0), s_dot, s_ddot, s_ddot
 
 
-def _along(path: JointPath, profile: tuple[FloatArray, ...]) -> tuple[FloatArray, ...]:
-    """Return times, q, v, a (before and after each sample) of a profile along the path."""
+def _along(path: JointPath, profile: tuple[FloatArray, ...], tangents: FloatArray) -> tuple[FloatArray, ...]:
+    """Return times, q, v, a (before and after each sample) of a profile along the path, with dq/ds at its samples."""
     times, s, s_dot, before, after = profile
-    tangent, bend = path(s, 1), path(s, 2) * (s_dot**2)[:, None]
-    return times, path(s), tangent * s_dot[:, None], bend + tangent * before[:, None], bend + tangent * after[:, None]
+    bend = path(s, 2) * (s_dot**2)[:, None]
+    return times, path(s), tangents * s_dot[:, None], bend + tangents * before[:, None], bend + tangents * after[:, None]
 
 
 def _slowed(samples: tuple[FloatArray, ...], limits: JointLimits, excess: float) -> Trajectory:
