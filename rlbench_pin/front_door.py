@@ -121,7 +121,7 @@ def public_names() -> tuple[tuple[str, str], ...]:
     """Return (package, name) of everything public, as the files of the packages say; outer packages come last."""
     files = [f for f in (*ROOT.rglob("__init__.py"), *ROOT.glob("*.py")) if f.relative_to(ROOT).parts[0] not in NOT_LISTED]
     doors = {".".join((ROOT.name, *_module(file))): _listed(file) for file in files}
-    doors[f"{ROOT.name}.tasks"] += [_camel_case(file.stem) for file in (ROOT / "tasks" / "library").glob("*.toml")]
+    doors[f"{ROOT.name}.tasks"] += [class_name(file.stem) for file in (ROOT / "tasks" / "library").glob("*.toml")]
     order = sorted(doors, key=lambda door: (-door.count("."), door))
     return tuple((door, name) for door in order for name in doors[door])
 
@@ -138,5 +138,6 @@ def _listed(file: Path) -> list[str]:
     return []
 
 
-def _camel_case(stem: str) -> str:
+def class_name(stem: str) -> str:
+    """Return what the class in a file is called: `ReachTarget` for `reach_target`."""
     return "".join(word.capitalize() for word in stem.split("_"))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, get_args
 
 from rlbench_pin.control.qp.constraints import HOLDS, HeldQuantity
+from rlbench_pin.errors import InvalidValue
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, check_settings, one_of, ruled
+from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, as_record, check_settings, counted, one_of, ruled
 
 Reason = Literal["limits", "distance", "braking", "torque", "infeasible"]
 """Why a command was changed: joint limits; velocity dampers; the way to standstill was not clear, or took more torque than the
@@ -18,6 +19,19 @@ _RULES = ruled(
     (NOT_NEGATIVE, "margin self_margin buffer influence recovery_speed limit_margin"),
     (one_of(*HOLDS), "hold"),
 )
+
+
+def _reasons(value: object, what: str) -> object:
+    """Check reason -> count."""
+    if not isinstance(value, dict) or not set(value) <= set(get_args(Reason)):
+        problem = f"has to map reasons ({', '.join(get_args(Reason))}) to counts"
+        raise InvalidValue(what, value, problem, "Leave it out to begin with none.")
+    for reason, count in value.items():
+        counted(0)(count, f"{what}['{reason}']")
+    return value
+
+
+_COUNT_RULES = ruled((counted(0), "ticks interventions solves stops"), (_reasons, "reasons"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,8 +103,13 @@ class FilterCounts:
     reasons: dict[str, int] = field(default_factory=dict)
     """Reason -> number of commands that were changed for it."""
 
+    def __post_init__(self) -> None:
+        """Raise InvalidValue for a count that is no whole number, or a reason that there is not (also a ValueError)."""
+        check_settings(self, _COUNT_RULES)
+
     def add(self, command: SafeCommand) -> None:
         """Count one command."""
+        as_record(command, SafeCommand, "command")
         self.ticks += 1
         self.interventions += command.intervened
         self.stops += command.stopped

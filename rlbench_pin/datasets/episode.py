@@ -19,9 +19,9 @@ from rlbench_pin.datasets.trust.head import Head, read_head
 from rlbench_pin.datasets.trust.inspection_child import is_oversized
 from rlbench_pin.datasets.trust.listing import altered, check_file
 from rlbench_pin.datasets.writer import DESCRIPTIONS, FORMAT, VERSION
-from rlbench_pin.errors import DatasetError, EpisodeFileError
+from rlbench_pin.errors import DatasetError, EpisodeFileError, InvalidValue
 from rlbench_pin.observation import Demo, Observation
-from rlbench_pin.values import as_path, as_text
+from rlbench_pin.values import as_names, as_path, as_record, as_text
 
 _GROUPS = ("observations", "misc")
 _JSON = ("instructions", "versions", "random_state")
@@ -104,7 +104,8 @@ class Episode:
             return tuple(sorted(name for name in self._file["observations"] if "@" not in name))
 
     def shape(self, field: str) -> tuple[int, ...]:
-        """Return the shape that a field of arrays has in one frame."""
+        """Return the shape that a field of arrays has in one frame; DatasetError when it is not stored."""
+        self._check_held(field)
         with self._named():
             return tuple(self._file["observations"][field].shape[1:])
 
@@ -113,14 +114,21 @@ class Episode:
     def __getitem__(self, index: int) -> Observation:
         """Read one frame; pictures are stored by four frames, so this reads at most three others."""
         if not -self._length <= index < self._length:
-            raise IndexError(f"frame {index} of {self._length}")
+            raise IndexError(f"There is no frame {index}: the episode has {self._length}.")
         return self.observations(range(index % self._length, index % self._length + 1))[0]
 
     def __iter__(self) -> Iterator[Observation]:
         return (self[i] for i in range(self._length))
 
     def series(self, field: str, frames: range | None = None) -> list[Any]:
-        """Read one field of some frames, all when None; a frame without it has None."""
+        """Read one field of some frames that follow each other, all when None; a frame without it has None.
+
+        Raises:
+            DatasetError: The field is not stored.
+            InvalidValue: There are no such frames.
+        """
+        self._check_held(field)
+        frames = self._checked_frames(frames)
         with self._named():
             return read_series(self._file["observations"], field, self._length, frames)
 
@@ -130,14 +138,14 @@ class Episode:
         Raises:
             DatasetError: The field is not stored for every frame.
         """
-        values = self.series(field) if field in self.fields else [None]
+        values = self.series(field)
         if any(v is None for v in values):
-            held = f"It holds {', '.join(self.fields)}." if self.fields else "It holds no fields at all."
-            raise DatasetError(f"'{self.path}' does not hold '{field}' for every frame. {held}")
+            raise self._not_held(field, " for every frame")
         return np.stack([np.asarray(v) for v in values])
 
     def misc(self, key: str) -> list[Any]:
         """Read one key of `misc` for all frames; None where a frame has none, or all when no frame has it."""
+        as_text(key, "key")
         with self._named():
             if key == DESCRIPTIONS and self._head.describes:
                 return [list(self.instructions) for _ in range(self._length)]
@@ -146,7 +154,8 @@ class Episode:
 
     def observations(self, frames: range | None = None, fields: Collection[str] | None = None) -> list[Observation]:
         """Read frames, all when None, with some fields, all when None; `misc` always comes along."""
-        frames = range(self._length) if frames is None else frames
+        frames = self._checked_frames(frames)
+        fields = None if fields is None else as_names(fields, "fields")
         with self._named():
             group, misc = self._file["observations"], self._file["misc"]
             wanted = [name for name in self.fields if fields is None or name in fields]
@@ -158,10 +167,10 @@ class Episode:
 
     def demo(self, fields: Collection[str] | None = None) -> Demo:
         """Read everything, or everything but some fields."""
-        head = self._head
+        head, observations = self._head, self.observations(fields=fields)
         with self._named():
             return Demo(
-                self.observations(fields=fields),
+                observations,
                 random_seed=head.random_seed,
                 num_reset_attempts=head.num_reset_attempts,
                 variation_number=head.variation,
@@ -171,6 +180,25 @@ class Episode:
                 attempt=head.attempt,
                 task_name=head.task,
             )
+
+    # What is asked for ------------------------------------------------------------------------------------------
+
+    def _check_held(self, field: str) -> None:
+        """Refuse a field that is not stored, which is no damage of the file."""
+        if as_text(field, "field") not in self.fields:
+            raise self._not_held(field)
+
+    def _not_held(self, field: str, where: str = "") -> DatasetError:
+        held = f"It holds {', '.join(self.fields)}." if self.fields else "It holds no fields at all."
+        return DatasetError(f"'{self.path}' does not hold '{field}'{where}. {held}")
+
+    def _checked_frames(self, frames: range | None) -> range:
+        """Return the frames to be read, all for None; or raise InvalidValue."""
+        if frames is None:
+            return range(self._length)
+        if as_record(frames, range, "frames").step != 1 or not 0 <= frames.start <= frames.stop <= self._length:
+            raise InvalidValue("frames", frames, f"has to be a range of step 1 within the {self._length} frames of the episode")
+        return frames
 
     # Trust ------------------------------------------------------------------------------------------------------
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from rlbench_pin.datasets.info import stored_pictures
 from rlbench_pin.datasets.layout import episode_file, manifest_path, stored_tasks
-from rlbench_pin.datasets.manifest import EpisodeEntry, digest, fold_journal, read_manifest
-from rlbench_pin.datasets.storage import hold
+from rlbench_pin.datasets.manifest import EpisodeEntry, digest, fold_journal, journal_path, read_manifest
+from rlbench_pin.datasets.storage import hold, remove_leftovers
 from rlbench_pin.datasets.task_copy import check_alike, copy_kept
 from rlbench_pin.datasets.trust import check_inside
 from rlbench_pin.datasets.writer import DatasetWriter
@@ -32,7 +32,8 @@ class Move:
 def merge_datasets(roots: Sequence[Path], out: Path, on_episode: Callable[[Move], None] | None = None) -> tuple[Move, ...]:
     """Copy the episodes of several datasets into one; it may exist, its own episodes keep their numbers.
 
-    An episode that is there already, byte for byte, is not copied again.
+    An episode that is there already, byte for byte, is not copied again. A merge that was killed is completed by the next one,
+    which deletes what was left of a file.
 
     Raises:
         DatasetConflict: The same seed shows something else, or pictures differ in kind or size, or the result is being written
@@ -42,9 +43,10 @@ def merge_datasets(roots: Sequence[Path], out: Path, on_episode: Callable[[Move]
     """
     out = as_path(out, "out")
     as_function(on_episode, "on_episode")
-    if not plan_merge(roots, out):
+    if not plan_merge(roots, out) and not _is_unfinished(out):
         return ()
     with hold(out):
+        remove_leftovers(out)
         moves = plan_merge(roots, out)  # again: a recording may have ended in between
         writer = DatasetWriter(out)
         for task, root in {move.task: move.root for move in reversed(moves)}.items():
@@ -53,9 +55,16 @@ def merge_datasets(roots: Sequence[Path], out: Path, on_episode: Callable[[Move]
             writer.put(move.task, _checked_bytes(move), move.entry)
             if on_episode is not None:
                 on_episode(move)
-        for task in dict.fromkeys(move.task for move in moves):
+        for task in stored_tasks(out):
             fold_journal(out, task)
     return moves
+
+
+def _is_unfinished(out: Path) -> bool:
+    """Whether something was killed while it wrote into a dataset: a journal or a part of a file is left."""
+    if not out.is_dir():
+        return False
+    return any(journal_path(manifest_path(out, task)).exists() for task in stored_tasks(out)) or any(out.rglob(".*.part"))
 
 
 def plan_merge(roots: Sequence[Path], out: Path) -> tuple[Move, ...]:

@@ -26,6 +26,7 @@ Value = Any
 """What `Observation.misc` may hold: arrays, numbers, texts, and lists and dicts of them."""
 
 _ARRAY, _TUPLE, _PAIRS, _SCALAR = "__array__", "__tuple__", "__pairs__", "__scalar__"
+_EXACT = (str, int, bool, type(None))
 _SMALL = 256
 _WIDEST = 1 << 20
 """Bytes of the longest text in an array."""
@@ -129,10 +130,29 @@ def _stackable(values: Sequence[Value]) -> bool:
 
 def _pack(kind: str, values: Sequence[Value]) -> np.ndarray:
     if kind == "json":
-        return np.array([to_json(v) for v in values], dtype=object)
+        return np.array(_texts(values), dtype=object)
     if kind == "arrays":
         return np.stack([np.stack(v) for v in values])
     return np.array(values, dtype=np.float64) if kind == "float" else np.stack(values)
+
+
+def _texts(values: Sequence[Value]) -> list[str]:
+    """Write values as JSON; one like the last is not written again."""
+    texts = [to_json(values[0])]
+    for last, value in zip(values, values[1:]):
+        texts.append(texts[-1] if _is_same(last, value) else to_json(value))
+    return texts
+
+
+def _is_same(a: Value, b: Value) -> bool:
+    """Whether two values surely give the same text: the same texts, whole numbers and None, and lists and dicts of them."""
+    if type(a) is not type(b):
+        return False
+    if isinstance(a, list | tuple):
+        return len(a) == len(b) and all(map(_is_same, a, b))
+    if isinstance(a, dict):
+        return len(a) == len(b) and all(map(_is_same, a, b)) and all(map(_is_same, a.values(), b.values()))
+    return type(a) in _EXACT and bool(a == b)
 
 
 def _unpack(kind: str, data: np.ndarray) -> list[Value]:

@@ -72,9 +72,11 @@ def write_whole(path: Path, data: bytes) -> Path:
 
 def remove_leftovers(folder: Path) -> int:
     """Delete the temporary files that killed writers left below a folder; return how many there were."""
-    parts = list(as_path(folder, "folder").rglob(".*.part"))
-    for part in parts:
-        part.unlink(missing_ok=True)
+    folder = as_path(folder, "folder")
+    with storing(folder):
+        parts = [part for part in folder.rglob(".*.part") if part.is_symlink() or not part.is_dir()]
+        for part in parts:
+            part.unlink(missing_ok=True)
     return len(parts)
 
 

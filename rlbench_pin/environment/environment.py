@@ -32,7 +32,7 @@ from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import RENDERERS, RendererName, World, give_back_memory
 from rlbench_pin.tasks import Task, find_task
-from rlbench_pin.values import as_choice, as_flag, as_number, as_record, as_seed
+from rlbench_pin.values import as_choice, as_flag, as_number, as_path, as_record, as_seed
 
 _SCENE_DATA = {"intrinsics": "intrinsics", "extrinsics": "extrinsics", "near_plane": "near", "far_plane": "far"}
 """Name in the data of a scene -> name in `misc`."""
@@ -263,7 +263,7 @@ def _check_given(mode: object, root: object) -> None:
         raise InvalidArgument("action_mode", mode, "has to be an ActionMode", hint)
     if not isinstance(root, str | Path):
         raise InvalidArgument("dataset_root", root, "has to be the path of a folder, or ''")
-    if root and not Path(root).is_dir():
+    if root and not as_path(root, "dataset_root", InvalidArgument).is_dir():
         raise DatasetError(f"The dataset root '{root}' does not exist. Create it, or pass dataset_root=''.")
 
 

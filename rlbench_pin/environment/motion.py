@@ -31,6 +31,7 @@ def follow(
     trajectory: Trajectory,
     *,
     on_tick: Callable[[FloatArray], None] = lambda target: None,
+    whole: bool = False,
 ) -> None:
     """Track `trajectory` to its end and come to rest there, or until the episode is over.
 
@@ -38,15 +39,16 @@ def follow(
         runtime: What moves.
         trajectory: Timed joint motion that starts where the arm is.
         on_tick: Called after every tick with the commanded joint positions (n,) [rad].
+        whole: Go on when the episode is over.
     """
     target = runtime.robot.joint_positions
     for target in TrajectoryTracker(trajectory, runtime.world.control_dt, LEAST_SPEED):
         runtime.drive_to(target)
         on_tick(target)
-        if runtime.over:
+        if runtime.over and not whole:
             return
     for _ in range(_REST_TICKS):
-        if runtime.over or np.abs(runtime.robot.joint_velocities).max() < REST_SPEED:
+        if (runtime.over and not whole) or np.abs(runtime.robot.joint_velocities).max() < REST_SPEED:
             return
         runtime.drive_to(target)
         on_tick(target)
@@ -64,7 +66,8 @@ def move_gripper(
 ) -> None:
     """Drive the fingers to an opening fraction and attach or release bodies. Ends early where the episode is over.
 
-    Closing runs by physics until the fingers stall; then every registered graspable body between them that both touch is fixed to the hand.
+    Closing runs by physics until the fingers stall; then every registered graspable body between them that both touch is fixed to
+    the hand.
 
     Args:
         runtime: What moves.

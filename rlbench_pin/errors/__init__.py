@@ -56,6 +56,7 @@ from rlbench_pin.errors.planning import (
 from rlbench_pin.errors.scenes import (
     AssetInvalid,
     AssetNotFound,
+    InvalidRecord,
     RobotModelError,
     SceneFileError,
 )
@@ -84,6 +85,7 @@ __all__ = [
     "InvalidActionError",
     "InvalidArgument",
     "InvalidCamera",
+    "InvalidRecord",
     "InvalidRequest",
     "InvalidTarget",
     "InvalidValue",

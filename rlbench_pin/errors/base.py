@@ -97,7 +97,8 @@ class InvalidValue(RlbenchPinError, ValueError):
 def shown(value: object, most: int = 120) -> str:
     """Return a value as text of about `most` letters on one line, whatever it is."""
     try:
-        text = " ".join(repr(_beginning(value, most)).split())
+        begins = _beginning(value, most)
+        text = " ".join((str(begins) if isinstance(begins, _Words) else repr(begins)).split())
     except Exception:  # objects of users may refuse to be shown
         text = f"a {type(value).__name__}"
     return text if len(text) <= most else f"{text[:most]}..."
@@ -109,8 +110,12 @@ def _beginning(value: object, most: int) -> object:
         return value[: most + 1]
     shape = getattr(value, "shape", ())
     if isinstance(shape, tuple) and len(shape) > 2 and hasattr(value, "ravel"):
-        return f"array of shape {shape}"
+        return _Words(f"an array of shape {shape}")
     return value
+
+
+class _Words(str):
+    """Words about a value that stand in its place."""
 
 
 class MissingExtra(RlbenchPinError, ImportError):

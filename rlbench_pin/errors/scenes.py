@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rlbench_pin.errors.base import RlbenchPinError
+from rlbench_pin.errors.base import InvalidValue, RlbenchPinError
 
 
 class SceneFileError(RlbenchPinError):
@@ -13,6 +13,15 @@ class SceneFileError(RlbenchPinError):
     def __init__(self, file: Path | str, where: str, problem: str, hint: str = "") -> None:
         self.file, self.where, self.problem, self.hint = Path(file), where, problem, hint
         super().__init__(f"{self.file.name}: {where}: {problem}" + (f" {hint}" if hint else ""))
+
+
+class InvalidRecord(InvalidValue):
+    """A record of a scene, such as `FrameSpec`, was made by hand of something it cannot hold; says which key."""
+
+    def __init__(self, record: str, key: str, value: object, problem: str, hint: str = "") -> None:
+        super().__init__(record, value, problem, hint)
+        self.record, self.key = record, key
+        self.args = (f"{record}{f', key {key!r}' if key else ''}: {problem}{f' {hint}' if hint else ''}",)
 
 
 class AssetNotFound(RlbenchPinError):

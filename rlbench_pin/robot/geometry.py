@@ -5,7 +5,9 @@ Meshes become their convex hulls, as PyBullet treats them. Mesh paths are relati
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
@@ -24,6 +26,18 @@ Part = tuple[coal.CollisionGeometry, pin.SE3]
 """A shape and its placement T_link_shape."""
 VolumeShape = Literal["box", "cylinder", "sphere"]
 _FLAT, _THICKNESS = 1e-6, 1e-4  # [m]
+_CAUTION = 1e-5
+"""Balls that are apart by more cannot hold shapes that touch, whatever was rounded [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ball:
+    """A ball around the shapes of a link."""
+
+    center: FloatArray
+    """In the link frame (3,) [m]."""
+    radius: float
+    """[m]"""
 
 
 @cache
@@ -42,6 +56,14 @@ def visual_geometry(urdf: Path, scale: float = 1.0) -> Mapping[str, tuple[Part, 
 def solid_geometry(urdf: Path, scale: float = 1.0) -> Mapping[str, tuple[Part, ...]]:
     """Return the collision shapes of a URDF file, or the visual ones when it has none (markers)."""
     return link_geometry(urdf, scale) or visual_geometry(urdf, scale)
+
+
+@cache
+def solid_balls(urdf: Path, scale: float = 1.0) -> Mapping[str, Ball]:
+    """Return a ball around the solid shapes of every link that has some."""
+    boxes = {link: bounds(parts) for link, parts in solid_geometry(urdf, scale).items()}
+    balls = {link: Ball(0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))) for link, (low, high) in boxes.items()}
+    return MappingProxyType(balls)
 
 
 def bounds(parts: Iterable[Part]) -> FloatArray:
@@ -108,6 +130,17 @@ def volume_contains(shape: VolumeShape, size: Sequence[float], T_world_volume: p
     if shape == "cylinder":
         return bool(np.hypot(x[0], x[1]) <= 0.5 * size[0] and abs(x[2]) <= 0.5 * size[1])
     return bool(np.linalg.norm(x) <= 0.5 * size[0])
+
+
+def radius(shape: coal.ShapeBase) -> float:
+    """Return the radius of a ball around the origin of a box, cylinder, capsule or sphere that holds it [m]."""
+    return float(np.linalg.norm(_half_extent(shape, np.eye(3))))
+
+
+def is_near(ball: Ball, T_world_link: pin.SE3, T_world_volume: pin.SE3, reach: float) -> bool:
+    """Say whether a link's ball meets, or nearly so, a ball of radius `reach` [m] around the origin of a volume."""
+    apart = T_world_link.act(ball.center) - T_world_volume.translation
+    return not math.hypot(*apart.tolist()) > ball.radius + reach + _CAUTION
 
 
 def overlaps(shape: coal.CollisionGeometry, T_world_shape: pin.SE3, parts: Iterable[Part], T_world_link: pin.SE3) -> bool:

@@ -8,8 +8,9 @@ from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from rlbench_pin.errors import SceneFileError, nearest_name, shown
+from rlbench_pin.errors import SceneFileError, nearest_name
 from rlbench_pin.scene.checks import check_scene
+from rlbench_pin.scene.findings import dotted, first_finding, key_hint
 from rlbench_pin.scene.short_forms import POSED_TABLES, ShortFormError, placement_from_file, short_keys, write_out
 from rlbench_pin.scene.spec import FORMAT, SceneSpec
 from rlbench_pin.values import as_path
@@ -84,19 +85,10 @@ def _entries(path: Path, table: str, content: Any) -> Any:
 
 
 def _scene_file_error(path: Path, raw: Raw, error: ValidationError) -> SceneFileError:
-    """Turn one validation error of pydantic into ours; a misspelt key explains a missing one, so it comes first."""
-    findings = error.errors(include_url=False)
-    first = next((f for f in findings if f["type"] == "extra_forbidden"), findings[0])
-    location = tuple(part for part in first["loc"] if part not in ("float", "int", "str", "literal"))
-    where = _where(raw, location)
-    if first["type"] == "extra_forbidden":
-        return SceneFileError(path, where, f"'{location[-1]}' is not known here.", _known_keys(raw, location))
-    if first["type"] == "missing":
-        return SceneFileError(path, where, f"the key '{location[-1]}' is missing.")
-    message = first["msg"].removeprefix("Value error, ")
-    given = first["input"]
-    value = "" if isinstance(given, dict) else f" (given: {shown(given)})"
-    return SceneFileError(path, where, f"{message}{value}.")
+    """Turn one validation error of pydantic into ours."""
+    found = first_finding(error)
+    hint = _known_keys(raw, found.location) if found.kind == "unknown" else ""
+    return SceneFileError(path, _where(raw, found.location), found.problem, hint)
 
 
 def _known_keys(raw: Raw, location: tuple[int | str, ...]) -> str:
@@ -105,9 +97,7 @@ def _known_keys(raw: Raw, location: tuple[int | str, ...]) -> str:
     short = short_keys(str(location[0])) if len(location) == 3 else frozenset()
     if raw["format"] < FORMAT and location[-1] in short:
         return f"It is known from `format = {FORMAT}` on."
-    names = sorted(known | short if raw["format"] == FORMAT else known)
-    near = nearest_name(str(location[-1]), names)
-    return f"Did you mean '{near}'?" if near else f"Known keys: {', '.join(names)}."
+    return key_hint(str(location[-1]), known | short if raw["format"] == FORMAT else known)
 
 
 def _where(raw: Raw, location: tuple[int | str, ...]) -> str:
@@ -118,18 +108,14 @@ def _where(raw: Raw, location: tuple[int | str, ...]) -> str:
     if not rest:
         return f"key '{table}'"
     if not isinstance(rest[0], int):
-        return f"[{table}], key '{_dotted(rest)}'"
-    key = f", key '{_dotted(rest[1:])}'" if rest[1:] else ""
+        return f"[{table}], key '{dotted(rest)}'"
+    key = f", key '{dotted(rest[1:])}'" if rest[1:] else ""
     return f"{_entry_name(str(table), rest[0], raw[str(table)][rest[0]])}{key}"
 
 
 def _entry_name(table: str, number: int, entry: Any) -> str:
     name = entry.get("name", f"number {number}") if isinstance(entry, dict) else f"number {number}"
     return f"[[{table}]] '{name}'"
-
-
-def _dotted(parts: tuple[int | str, ...]) -> str:
-    return ".".join(str(part) for part in parts)
 
 
 def _fields_at(location: tuple[int | str, ...]) -> set[str]:

@@ -9,11 +9,14 @@ and `rpy` and `poses` may stand for a rotation and for an array (`short_forms`);
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, Strict, field_validator
+from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationError, field_validator
 
+from rlbench_pin.errors import InvalidRecord
+from rlbench_pin.scene.findings import dotted, first_finding, key_hint
 from rlbench_pin.scene.kinds import (
     IDENTITY_POSE,
     MOST_THINGS,
@@ -43,10 +46,40 @@ ROOT = "root"
 WORLD = "world"
 
 
-class Spec(BaseModel):
-    """Base of all records: frozen, unknown keys refused, numbers finite."""
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
+
+
+class _RecordType(ModelMetaclass):
+    """Makes records, and says in our words what is wrong with what they are made of."""
+
+    model_fields: Mapping[str, object]
+
+    def __call__(cls, *values: Any, **keys: Any) -> Any:
+        """Make a record by hand; records within a file are checked as parts of it, where `read_scene` words the error."""
+        if values:
+            problem = "it is made with keys, not with bare values."
+            raise InvalidRecord(cls.__name__, "", values[0], problem, key_hint("", cls.model_fields))
+        try:
+            return super().__call__(**keys)
+        except ValidationError as error:
+            found = first_finding(error)
+            hint = key_hint(str(found.location[-1]), cls.model_fields) if found.kind == "unknown" else ""
+            raise InvalidRecord(cls.__name__, dotted(found.location), found.value, found.problem, hint) from error
+
+
+class Spec(BaseModel, metaclass=_RecordType):
+    """Base of all records: frozen, unknown keys refused, numbers finite; made wrongly, they raise InvalidRecord."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _plain(cls, value: object) -> object:
+        """Take arrays and numbers of numpy where lists and numbers are; dates and the like are neither."""
+        return value.tolist() if isinstance(value, np.ndarray | np.generic) and value.dtype.kind in "biuf" else value
 
 
 class PosedSpec(Spec):

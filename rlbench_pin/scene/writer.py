@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import PydanticUndefined
 from tomlkit.items import AoT, InlineTable, Table
 
+from rlbench_pin.errors import SceneFileError, StorageError
 from rlbench_pin.scene.short_forms import ShortFormError, placement_for_file, write_out
 from rlbench_pin.scene.spec import (
     FORMAT,
@@ -56,15 +59,41 @@ def write_scene(spec: SceneSpec, path: Path | str) -> None:
     Args:
         spec: The scene.
         path: The `.toml` file; its folder must exist.
+
+    Raises:
+        SceneFileError: There is a file that is no TOML; it is left as it is.
+        StorageError: The file cannot be written, or the one that is there cannot be read. Nothing is left behind.
     """
     path, spec = as_path(path, "path"), as_record(spec, SceneSpec, "spec")
-    document = tomlkit.parse(path.read_text(encoding="utf-8")) if path.is_file() else _new_document()
+    document = _document(path) if path.is_file() else _new_document()
     _write_placement(document, spec.placement)
     for table, model in _TABLES.items():
         _write_table(document, table, model, getattr(spec, table))
-    part = path.with_name(path.name + ".part")
-    part.write_text(_HEADING.sub(r"\1\n\n\2", tomlkit.dumps(document)), encoding="utf-8")
-    part.replace(path)
+    _replace(path, _HEADING.sub(r"\1\n\n\2", tomlkit.dumps(document)))
+
+
+def _document(path: Path) -> tomlkit.TOMLDocument:
+    """Return what a file holds, with its comments."""
+    try:
+        return tomlkit.parse(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise StorageError(path, error) from error
+    except (ValueError, RecursionError) as error:
+        hint = "Mend it, delete it, or choose another file."
+        raise SceneFileError(path, "file", f"it is not valid TOML: {error}.", hint) from error
+
+
+def _replace(path: Path, text: str) -> None:
+    """Write a file that appears whole or not at all."""
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        part.write_text(text, encoding="utf-8")
+        part.replace(path)
+    except OSError as error:
+        raise StorageError(path, error) from error
+    finally:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
 
 
 def _new_document() -> tomlkit.TOMLDocument:

@@ -140,6 +140,7 @@ def _continue_from(world: World, arrays: Mapping[str, np.ndarray]) -> None:
         raise RlbenchPinError("The array 'physics' is damaged: it was cut off, or is too large.")
     write_logical_state(world, logical)
     _restore_physics(world, physics)
+    world.robot.forget_measurements()
 
 
 def _set_measured(world: World, arrays: Mapping[str, np.ndarray], names: list[str]) -> None:

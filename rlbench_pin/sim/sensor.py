@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Literal
 
 import numpy as np
+import pinocchio as pin
 
 from rlbench_pin.robot import geometry
 from rlbench_pin.sim.bodies.body import Body
@@ -40,6 +41,7 @@ class Sensor(Frame):
         self.shape: Shape = shape
         self.size = tuple(float(s) for s in size)
         self._volume = geometry.volume(shape, self.size)
+        self._reach = geometry.radius(self._volume)
         self._find = find
 
     def detects(self, body: str) -> bool:
@@ -48,7 +50,7 @@ class Sensor(Frame):
         Args:
             body: Name of the body.
         """
-        return volume_meets(self._volume, self.placement(), self._find(body))
+        return volume_meets(self._volume, self._reach, self.placement(), self._find(body))
 
     def contains(self, point: Sequence[float] | FloatArray) -> bool:
         """Say whether a world point (3,) [m] lies in the volume."""
@@ -56,10 +58,21 @@ class Sensor(Frame):
         return geometry.volume_contains(self.shape, self.size, self.placement(), np.asarray(x))
 
 
-def volume_meets(volume: object, T_world_volume: object, body: Body) -> bool:
-    """Say whether a Coal shape at a placement touches any solid part of a body."""
+def volume_meets(volume: object, reach: float, T_world_volume: pin.SE3, body: Body) -> bool:
+    """Say whether a Coal shape at a placement touches any solid part of a body.
+
+    Args:
+        volume: The shape.
+        reach: Radius of a ball around its origin that holds it [m].
+        T_world_volume: Its placement.
+        body: What may touch it.
+    """
     model = body.model
-    parts = geometry.solid_geometry(model.urdf, model.scale)
-    return any(
-        geometry.overlaps(volume, T_world_volume, parts[link], model.placement(model.links[link])) for link in model.solid_links()
-    )
+    balls = geometry.solid_balls(model.urdf, model.scale)
+    for link, parts in geometry.solid_geometry(model.urdf, model.scale).items():
+        T_world_link = model.placement(model.links[link])
+        if geometry.is_near(balls[link], T_world_link, T_world_volume, reach) and geometry.overlaps(
+            volume, T_world_volume, parts, T_world_link
+        ):
+            return True
+    return False

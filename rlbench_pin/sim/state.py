@@ -164,6 +164,7 @@ def restore(world: World, saved: WorldState) -> None:
         raise RlbenchPinError("This state was saved by another world. Use arrays() and set_arrays() between worlds.")
     write_logical_state(world, saved.logical)
     _restore_physics(world, saved)
+    world.robot.forget_measurements()  # a keeper may have asked before
 
 
 def check_same_scene(world: World, logical: LogicalState) -> None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rlbench_pin.errors import BoundaryError, UnknownName
+from rlbench_pin.errors import BoundaryError, InvalidValue, UnknownName
 from rlbench_pin.spatial import FloatArray, PoseLike
+from rlbench_pin.tasks.things import BODY, Bulky, as_things
+from rlbench_pin.values import as_number, as_pose, as_record, as_several, as_vector
 
 if TYPE_CHECKING:
     from rlbench_pin.sim import Body, World
@@ -21,6 +23,8 @@ OPEN, FINGER = 0.028, 0.053
 PAD = np.array([0.014, 0.016])
 """Half size of the place that a finger needs, along its breadth and its thickness [m]."""
 CORNERS = np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]])
+FARTHEST = 1e3
+"""Coordinates and turns are at most so large [m], [rad]."""
 ANGLES = 24
 """Turns of the hand that are judged."""
 
@@ -66,6 +70,14 @@ class Tray:
     half: FloatArray
     """Half size (2,) of its inside [m]."""
 
+    def __post_init__(self) -> None:
+        """Keep arrays, or raise InvalidValue for what is no pose and no size."""
+        as_pose(self.pose, "Tray.pose")
+        object.__setattr__(self, "pose", as_vector(self.pose, 7, "Tray.pose"))
+        object.__setattr__(self, "half", as_vector(self.half, 2, "Tray.half"))
+        if not (self.half > 0.0).all():
+            raise InvalidValue("Tray.half", self.half, "has to be two lengths above 0")
+
 
 def easiest_top_grasp(wanted: Sequence[Body], bodies: Sequence[Body], tray: Tray) -> TopGrasp:
     """Return the grasp that is easiest: across a narrow side, with space for the fingers.
@@ -77,7 +89,13 @@ def easiest_top_grasp(wanted: Sequence[Body], bodies: Sequence[Body], tray: Tray
 
     Raises:
         BoundaryError: Nothing is wanted.
+        InvalidValue: Something is no body or tray, or a wanted body is not among the bodies.
     """
+    wanted, bodies = as_things(wanted, Bulky, "wanted", BODY), as_things(bodies, Bulky, "bodies", BODY)
+    as_record(tray, Tray, "tray")
+    names = [body.name for body in bodies]
+    if missing := [body.name for body in wanted if body.name not in names]:
+        raise InvalidValue("wanted", missing, f"has to be some of the bodies, {', '.join(names) or 'of which there are none'}")
     grasps = [grasp for n in range(ANGLES) for grasp in _top_grasps(n * np.pi / ANGLES, wanted, bodies, tray)]
     if not grasps:
         raise BoundaryError("There is no body to grip. Ask for a grasp while something is left.")
@@ -98,13 +116,25 @@ def free_direction(
 
     Returns:
         The direction [rad], or None when every lane is taken.
+
+    Raises:
+        InvalidValue: Something is no place, direction or length.
     """
-    distances = [other - place for other in others]
+    place = as_vector(place, 2, "place", most=FARTHEST)
+    half_width, length = as_number(half_width, "half_width", least=0.0), as_number(length, "length", least=0.0)
+    headings = _entries(directions, "directions")
+    directions = [as_number(heading, "each of directions", least=-FARTHEST, most=FARTHEST) for heading in headings]
+    distances = [as_vector(other, 2, "each of others", most=FARTHEST) - place for other in _entries(others, "others")]
     for direction in directions:
         ahead, side = np.array([np.cos(direction), np.sin(direction)]), np.array([-np.sin(direction), np.cos(direction)])
         if not any(0.0 < -(d @ ahead) < length and abs(d @ side) < half_width for d in distances):
-            return float(direction)
+            return direction
     return None
+
+
+def _entries(values: object, what: str) -> tuple[Any, ...]:
+    """Return what a list holds, or the rows of an array."""
+    return tuple(values) if isinstance(values, np.ndarray) and values.ndim else as_several(values, what)
 
 
 def _top_grasps(angle: float, wanted: Sequence[Body], bodies: Sequence[Body], tray: Tray) -> list[TopGrasp]:

@@ -7,10 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rlbench_pin.errors import BoundaryError
+from rlbench_pin.errors import BoundaryError, InvalidValue
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, pose_to_se3, relative
 from rlbench_pin.tasks.boxes import OrientedBox, rotated
-from rlbench_pin.tasks.spawn_boundary import ANY_YAW, Rotation
+from rlbench_pin.tasks.conditions.parts import as_part
+from rlbench_pin.tasks.spawn_boundary import ANY_YAW
+from rlbench_pin.tasks.things import THING, WORLD, Rooted, Rotation, Thing, as_rotations
+from rlbench_pin.values import as_record, items_of
 
 if TYPE_CHECKING:
     from rlbench_pin.sim import Body, World
@@ -51,11 +54,17 @@ def place_task(world: World, rng: np.random.Generator, bounds: tuple[Rotation, R
 
     Raises:
         BoundaryError: The footprint does not fit at any of `MAX_TURNS` drawn orientations.
+        InvalidValue: Something is no world, generator or pair of rotations.
     """
+    as_part(world, Rooted, "world", WORLD)
+    as_record(rng, np.random.Generator, "rng")
+    if len(items_of(bounds)) != 2:
+        raise InvalidValue("bounds", bounds, "has to be the lowest and the highest roll, pitch, yaw", "They are in radians.")
+    rotations = as_rotations(*bounds, "bounds[0]", "bounds[1]")
     nominal = np.array(world.spec.placement.pose)
     low, high = footprint(world)
     for _ in range(MAX_TURNS):
-        quaternion = rotated(rng.uniform(*bounds), nominal[3:])
+        quaternion = rotated(rng.uniform(*rotations), nominal[3:])
         corners = np.array([[x, y, 0.0] for x in (low[0], high[0]) for y in (low[1], high[1])])
         patch = corners @ pose_to_se3(np.concatenate([np.zeros(3), quaternion])).rotation.T
         first = PLACEMENT_AREA.low - patch[:, :2].min(axis=0)
@@ -72,6 +81,8 @@ def place_task(world: World, rng: np.random.Generator, bounds: tuple[Rotation, R
 
 def swap_places(first: Body, second: Body) -> None:
     """Exchange x and y of two bodies; heights and orientations stay."""
+    as_part(first, Thing, "first", THING)
+    as_part(second, Thing, "second", THING)
     pose, other = np.array(first.pose), np.array(second.pose)
     pose[:2], other[:2] = other[:2].copy(), pose[:2].copy()
     first.set_pose(pose)

@@ -7,8 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rlbench_pin.errors import BoundaryError
+from rlbench_pin.errors import BoundaryError, InvalidValue
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.tasks.conditions.parts import as_part
+from rlbench_pin.tasks.things import BODY, WORLD, Loose, Stepped, as_things
+from rlbench_pin.values import as_record
 
 if TYPE_CHECKING:
     from rlbench_pin.sim import Body, World
@@ -33,7 +36,13 @@ def settle(world: World, bodies: Sequence[Body], rng: np.random.Generator) -> No
 
     Raises:
         BoundaryError: The bodies still move after `MAX_PUSHES` pushes.
+        InvalidValue: Something is no world, body or generator, or no body is named.
     """
+    as_part(world, Stepped, "world", WORLD)
+    bodies = as_things(bodies, Loose, "bodies", BODY)
+    as_record(rng, np.random.Generator, "rng")
+    if not bodies:
+        raise InvalidValue("bodies", bodies, "has to name at least one body")
     _wait(world, bodies)
     for _ in range(KNOCKS):
         _knock(world, bodies, rng)

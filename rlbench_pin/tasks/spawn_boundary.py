@@ -10,13 +10,13 @@ import numpy as np
 from rlbench_pin.errors import BoundaryError, TaskError
 from rlbench_pin.spatial import FloatArray, compose, relative
 from rlbench_pin.tasks.boxes import OrientedBox, rotated
-from rlbench_pin.tasks.solid import Solid
+from rlbench_pin.tasks.conditions.parts import as_part
+from rlbench_pin.tasks.things import REGION, THING, Area, Rotation, Solid, Thing, as_rotations, as_things
+from rlbench_pin.values import as_flag, as_function, as_number, as_record
 
 if TYPE_CHECKING:
     from rlbench_pin.sim import Body, Frame, Region
 
-Rotation = tuple[float, float, float]
-"""Roll, pitch, yaw [rad]."""
 MAX_SAMPLES, MAX_LAYOUTS = 100, 200
 """Places that are tried for one thing, and layouts of several things."""
 NO_ROTATION: Rotation = (0.0, 0.0, 0.0)
@@ -28,12 +28,16 @@ class SpawnBoundary:
 
     Args:
         regions: Rectangles (height 0) or boxes.
+
+    Raises:
+        InvalidValue: Something is no region.
+        TaskError: There is none.
     """
 
     def __init__(self, regions: Iterable[Region]) -> None:
-        self._regions = tuple(regions)
+        self._regions = as_things(regions, Area, "regions", REGION)
         if not self._regions:
-            raise TaskError("SpawnBoundary needs at least one region.")
+            raise TaskError(f"SpawnBoundary needs at least one region, {REGION.removeprefix('a region, ')}.")
         measures = np.array([_measure(region) for region in self._regions])
         self._weights = measures / measures.sum()
         self._placed: list[tuple[str, OrientedBox, FloatArray]] = []
@@ -75,12 +79,28 @@ class SpawnBoundary:
 
         Raises:
             BoundaryError: No place was found in `MAX_SAMPLES` tries.
+            InvalidValue: Something is no body, generator, rotation or distance.
         """
+        as_part(thing, Thing, "thing", THING)
+        as_record(rng, np.random.Generator, "rng")
+        rotations = as_rotations(min_rotation, max_rotation, "min_rotation", "max_rotation")
+        min_distance = as_number(min_distance, "min_distance", least=0.0)
+        self._place(thing, rng, rotations, min_distance, as_flag(ignore_collisions, "ignore_collisions"))
+
+    def _place(
+        self,
+        thing: Body | Frame,
+        rng: np.random.Generator,
+        rotations: tuple[FloatArray, FloatArray],
+        min_distance: float,
+        ignore_collisions: bool = False,
+    ) -> None:
+        """Do what `sample` does, when all has been checked."""
         too_big = 0
         start, bounds = np.array(thing.pose), _bounds(thing)
         for _ in range(MAX_SAMPLES):
             region = self._regions[int(rng.choice(len(self._regions), p=self._weights))]
-            pose = _draw_pose(region, bounds, start, rng.uniform(min_rotation, max_rotation), rng)
+            pose = _draw_pose(region, bounds, start, rng.uniform(*rotations), rng)
             if pose is None:
                 too_big += 1
                 continue
@@ -109,11 +129,17 @@ class SpawnBoundary:
 
         Raises:
             BoundaryError: A thing found no place, or none of `MAX_LAYOUTS` layouts was accepted.
+            InvalidValue: Something is no body, generator, distance or function.
         """
+        things = as_things(things, Thing, "things", THING)
+        as_record(rng, np.random.Generator, "rng")
+        as_function(accept, "accept")
+        min_distance = as_number(min_distance, "min_distance", least=0.0)
+        rotations = as_rotations(*ANY_YAW, "min_rotation", "max_rotation")
         for _ in range(MAX_LAYOUTS):
             self.clear()
             for thing in things:
-                self.sample(thing, rng, min_distance=min_distance)
+                self._place(thing, rng, rotations, min_distance)
             if accept is None or accept():
                 return
         names = ", ".join(thing.name for thing in things)
@@ -134,7 +160,12 @@ class SpawnBoundary:
 
 
 def clearance(thing: Body | Frame, others: Iterable[Body | Frame]) -> float:
-    """Return the least horizontal distance between the origin of a thing and those of others [m]; itself does not count."""
+    """Return the least horizontal distance between the origin of a thing and those of others [m]; itself does not count.
+
+    Infinity where there are no others.
+    """
+    as_part(thing, Thing, "thing", THING)
+    others = as_things(others, Thing, "others", THING)
     gaps = (np.linalg.norm((other.position - thing.position)[:2]) for other in others if other is not thing)
     return float(min(gaps, default=np.inf))
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from types import ModuleType
 
 from rlbench_pin.errors import AssetInvalid, AssetNotFound, InvalidValue, TaskError
+from rlbench_pin.front_door import class_name
 from rlbench_pin.scene.model_files import resolve_asset
 from rlbench_pin.scene.reader import read_scene
 from rlbench_pin.tasks.task import Task, snake_case
@@ -51,7 +52,7 @@ def load_task_file(path: str | PathLike[str]) -> type[Task]:
 
 def camel_case(name: str) -> str:
     """Turn `reach_target` into `ReachTarget`."""
-    return "".join(word.capitalize() for word in as_text(name, "name").split("_"))
+    return class_name(as_text(name, "name"))
 
 
 def class_in(module: ModuleType, name: str) -> type[Task]:

@@ -21,6 +21,11 @@ LONGEST_NAME, LONGEST_PATH = 255, 4095
 """Bytes of file names and paths of Linux."""
 _NO_NUMBERS = (bool, np.bool_, np.timedelta64)
 """What numpy and Python count among their whole numbers, and we do not."""
+_MADE_BY = {
+    "Generator": "`np.random.default_rng(seed)` makes one.",
+    "Demo": "`task.get_demos(1)` and `read_demo(path)` return some.",
+}
+"""Class -> what makes one, where users have to know."""
 
 
 def as_number(
@@ -184,8 +189,15 @@ def as_several(value: object, what: str, error: type[InvalidValue] = InvalidValu
 def as_record(value: object, kind: type[KindT], what: str, error: type[InvalidValue] = InvalidValue) -> KindT:
     """Return `value`, or raise InvalidValue when it is no `kind`."""
     if not isinstance(value, kind):
-        raise error(what, value, f"has to be a {kind.__name__}")
+        raise error(what, value, f"has to be {_one(kind)}", _MADE_BY.get(kind.__name__, ""))
     return value
+
+
+def _one(kind: type) -> str:
+    """Return what one of a class is called, with its article."""
+    if kind in (bytes, dict):
+        return kind.__name__
+    return f"{'an' if kind.__name__[0] in 'AEIO' else 'a'} {kind.__name__}"
 
 
 def _range_text(least: float, most: float, above: float = -math.inf) -> str:

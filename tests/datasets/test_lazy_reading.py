@@ -13,7 +13,7 @@ from rlbench_pin.datasets import (
     read_demo,
     write_demo,
 )
-from rlbench_pin.errors import DatasetError, EpisodeFileError
+from rlbench_pin.errors import DatasetError, EpisodeFileError, InvalidValue
 from rlbench_pin.observation import Demo, Observation
 from tests.demos_for_tests import fill, make_demo
 
@@ -37,6 +37,25 @@ def test_an_episode_is_read_as_far_as_it_is_used(tmp_path: Path) -> None:
             episode[6]
         with pytest.raises(DatasetError, match="does not hold 'joint_forces'"):
             episode.array("joint_forces")
+
+
+def test_what_an_episode_has_not_is_no_damage(tmp_path: Path) -> None:
+    """Fields, keys and frames that there are not are refused by name; nobody is told to delete the file."""
+    path = fill(tmp_path, range(1), frames=6) / TASK / "variation0" / "episodes" / "episode0.h5"
+    with Episode(path) as episode:
+        for read in (episode.shape, episode.series, episode.array):
+            with pytest.raises(DatasetError, match=r"does not hold 'joint_forces'.*It holds .*joint_positions") as caught:
+                read("joint_forces")
+            assert not isinstance(caught.value, EpisodeFileError)
+            with pytest.raises(InvalidValue, match="field has to be a text"):
+                read(3)
+        with pytest.raises(InvalidValue, match="key has to be a text"):
+            episode.misc(3)
+        for frames in (range(7), range(-1, 2), range(0, 6, 2), [1, 2], 3):
+            with pytest.raises(InvalidValue, match=r"frames has to be a range"):
+                episode.series("joint_positions", frames)
+        with pytest.raises(InvalidValue, match="fields has to be a list of names"):
+            episode.demo(fields="front_rgb")
 
 
 def test_a_frame_reads_few_other_pictures(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import faulthandler
 import math
+import resource
 import signal
 import sys
 import traceback
@@ -19,6 +20,8 @@ from rlbench_pin.errors import RlbenchPinError
 
 LIMIT = 20.0
 """Longest time that a case may take [s]."""
+MOST_MEMORY = 1_000_000
+"""By so much a case may raise the most memory that the process has used [kB]."""
 LEAST_TEXT = 12
 """An error says at least so many letters."""
 
@@ -67,6 +70,7 @@ class Tally:
     def run(self, case: Case) -> None:
         """Try one case and note what came of it."""
         self.doors[case.door] += 1
+        most = _most_memory()
         try:
             with _limited(case):
                 result = case.call()
@@ -80,6 +84,8 @@ class Tally:
         else:
             self.taken += 1
             self._judge_result(case, result)
+        if _most_memory() > most + MOST_MEMORY:
+            self._note(case, f"takes {(_most_memory() - most) // 1000} MB")
         self._look_after(case)
 
     def _look_after(self, case: Case) -> None:
@@ -136,6 +142,11 @@ def _limited(case: Case) -> Iterator[None]:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         faulthandler.cancel_dump_traceback_later()
         signal.signal(signal.SIGALRM, before)
+
+
+def _most_memory() -> int:
+    """Return the most memory that this process has used so far [kB]."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
 def _place(error: BaseException) -> str:

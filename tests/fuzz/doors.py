@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import Annotated, get_args, get_origin
 
 import numpy as np
 
@@ -54,6 +55,8 @@ def made(value: object) -> object:
 
 def kind_of(annotation: object) -> str:
     """Return which kind of argument an annotation says."""
+    if get_origin(annotation) is Annotated:
+        annotation = getattr(get_args(annotation)[0], "__name__", "")
     text = str(annotation).replace(" | None", "").replace("None | ", "").strip("'\"")
     simple = {
         "float": NUMBER,

@@ -16,7 +16,7 @@ from tests.fuzz.doors import Door, Fresh, functions, methods
 
 RECORDS = frozenset({
     "QPSolver", "GripperCommand", "PoseSolution", "PredictiveCommand", "SafeCommand", "TorqueCommand", "TrackingReport",
-    "QuadraticProgram", "HeldQuantity", "FilterCounts",
+    "QuadraticProgram", "HeldQuantity",
 })  # fmt: skip
 """Of `control`: what its doors return, and names of types."""
 POSES = (

@@ -8,11 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from rlbench_pin import tasks
 from rlbench_pin.environment import Discrete, Environment, JointPosition, MoveArmThenGripper, TaskEnvironment
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.scene.spec import BodySpec
 from rlbench_pin.sim import CameraView, World, look_at
-from tests.fuzz.doors import Door, Fresh, methods
+from tests.fuzz.doors import Door, Fresh, functions, methods
 
 TASK = "open_drawer"
 INNER = (
@@ -70,6 +71,30 @@ class _Counter:
         return f"{self.word}{self.count}"
 
 
+class _Patch:
+    """A region, as placing sees it; the scene has none."""
+
+    name = "patch"
+    pose = np.array([0.25, 0.0, 0.8, 0.0, 0.0, 0.0, 1.0])
+    size = np.array([1.5, 1.5, 0.0])
+
+
+def placing_doors(world: World) -> list[Door]:
+    """Return those of what tasks place, settle and grip."""
+    body = next(body for body in world.bodies.values() if body.joints)
+    good: dict[str, object] = {
+        "regions": [_Patch()], "thing": body, "things": [body], "others": [world.frame("waypoint0")], "world": world,
+        "rng": Fresh(lambda: np.random.default_rng(0)), "bodies": [body], "wanted": [body], "first": body, "second": body,
+        "tray": tasks.Tray(_Patch.pose, np.array([0.5, 0.5])), "free_direction.others": [np.ones(2)], "place": np.zeros(2),
+        "directions": [0.0, 1.0], "half_width": 0.1, "length": 0.5, "SpawnBoundary.sample.min_rotation": np.full(3, -0.1),
+        "SpawnBoundary.sample.max_rotation": np.full(3, 0.1),
+    }  # fmt: skip
+    names = ("SpawnBoundary", "clearance", "easiest_top_grasp", "free_direction", "place_task", "settle", "swap_places")
+    boundary = tasks.SpawnBoundary(good["regions"])  # type: ignore[arg-type]
+    doors = functions(tasks, names, good, LOOSE) + methods(boundary, good, LOOSE, skip=INNER)
+    return [replace(d, finite=d.name != "clearance", good_is_taken=d.name != "settle") for d in doors]  # a chest does not rest
+
+
 def moved(world: World, before: dict[str, np.ndarray]) -> str:
     """Say what differs from `before`, or nothing."""
     now = {"q": world.robot.joint_positions, **{name: body.pose for name, body in world.bodies.items()}}
@@ -89,4 +114,5 @@ def world_doors(task: TaskEnvironment) -> list[Door]:
     body = next(body for body in world.bodies.values() if body.joints)
     things = [world, body, next(iter(body.joints.values())), world.robot, world.gripper, world.frame("waypoint0"), task]
     doors = [door for thing in things for door in methods(thing, good, LOOSE, skip=(*INNER, *LONG))]
+    doors += placing_doors(world)
     return [replace(door, check=restored) for door in doors]

@@ -38,7 +38,7 @@ MISTAKES = {
         "Known keys: name, parent, pose",
     ),
     "missing key": ('format = 1\n[[body]]\nname = "a"', "[[body]] 'a'", "'asset' is missing"),
-    "bad name": ('format = 1\n[[frame]]\nname = "A b"', "[[frame]] 'A b', key 'name'", "pattern"),
+    "bad name": ('format = 1\n[[frame]]\nname = "A b"', "[[frame]] 'A b', key 'name'", "a letter first"),
     "name of the room": ('format = 1\n[[frame]]\nname = "ceiling"', "[[frame]] 'ceiling'", "reserved"),
     "reserved name": ('format = 1\n[[frame]]\nname = "table"', "[[frame]] 'table'", "reserved"),
     "duplicate name": (f'format = 1\n[[body]]\nname = "a"\n{CUBE}\n[[frame]]\nname = "a"', "[[frame]] 'a'", "first in [[body]]"),

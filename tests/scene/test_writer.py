@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rlbench_pin.errors import SceneFileError, StorageError
 from rlbench_pin.scene.reader import read_scene
 from rlbench_pin.scene.spec import ArcSpec, FrameSpec, SceneSpec, WaypointSpec
 from rlbench_pin.scene.writer import write_scene
@@ -90,3 +91,18 @@ def test_an_emptied_table_disappears(tmp_path: Path) -> None:
     write_scene(SceneSpec(format=1), file)
     assert "frame" not in file.read_text()
     assert "# mine" in file.read_text()
+
+
+def test_what_cannot_be_written_is_an_error_of_ours_and_leaves_nothing_behind(tmp_path: Path) -> None:
+    """A folder of that name, a folder that is missing, a file that is no TOML and stays as it is, one that is no text."""
+    spec = SceneSpec(format=2)
+    (tmp_path / "folder.toml").mkdir()
+    for path in (tmp_path / "folder.toml", tmp_path / "gone" / "scene.toml"):
+        with pytest.raises(StorageError, match="cannot be written"):
+            write_scene(spec, path)
+    for content in (b"[[body", b"\xff\xfe"):
+        (tmp_path / "broken.toml").write_bytes(content)
+        with pytest.raises(SceneFileError, match=r"broken.toml: file: it is not valid TOML.*Mend it"):
+            write_scene(spec, tmp_path / "broken.toml")
+        assert (tmp_path / "broken.toml").read_bytes() == content
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["broken.toml", "folder.toml"]

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
+from rlbench_pin.robot import geometry
 from rlbench_pin.scene.spec import BodySpec, SceneSpec, SensorSpec
 from tests.sim.support import UPRIGHT, build
 
@@ -69,3 +71,17 @@ def test_a_sensor_moves_with_its_parent(world):
     assert world.sensor("on_cube").detects("ball")
     world.body("cube").set_pose([0.2, 0.1, 1.0, *UPRIGHT])
     assert not world.sensor("on_cube").detects("ball")
+
+
+def test_a_body_far_away_is_not_compared_and_one_nearby_is(world):
+    """Wherever a turned cube lies, a sensor says what Coal says of the shapes themselves."""
+    cube, sensor, rng = world.body("cube"), world.sensor("cylinder"), np.random.default_rng(0)
+    ((box, _),) = geometry.solid_geometry(cube.model.urdf)["cube"]
+    volume, answers = geometry.volume("cylinder", sensor.size), []
+    for _ in range(300):
+        quaternion = rng.normal(size=4)
+        cube.set_pose([*(PLACE + rng.uniform(-0.16, 0.16, 3)), *(quaternion / np.linalg.norm(quaternion))])
+        touches = geometry.overlaps(volume, sensor.placement(), [(box, pin.SE3.Identity())], cube.model.placement())
+        answers.append(touches)
+        assert sensor.detects("cube") == touches
+    assert 50 < sum(answers) < 250

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from unittest.mock import patch
 
@@ -64,13 +64,16 @@ def gripper(scene: SceneSpec) -> str:
 def _begin(task: Task) -> list[float]:
     """Begin an episode, and return the least distances that its draws of places ask for."""
     asked: list[float] = []
-    sample = SpawnBoundary.sample
 
-    def noted(boundary: SpawnBoundary, *things: object, min_distance: float = 0.01, **other: object) -> None:
-        asked.append(min_distance)
-        sample(boundary, *things, min_distance=min_distance, **other)  # type: ignore[arg-type]
+    def noting(draw: Callable[..., None]) -> Callable[..., None]:
+        def noted(*given: object, min_distance: float = 0.01, **other: object) -> None:
+            asked.append(min_distance)
+            draw(*given, min_distance=min_distance, **other)
 
-    with patch.object(SpawnBoundary, "sample", noted):
+        return noted
+
+    doors = {name: noting(getattr(SpawnBoundary, name)) for name in ("sample", "scatter")}
+    with patch.multiple(SpawnBoundary, **doors):
         begin(task)
     return asked
 

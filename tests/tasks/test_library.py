@@ -1,4 +1,4 @@
-"""What holds for every task of the library: its numbers, its sentences, its episodes."""
+"""What holds for every task of the library: its numbers and its episodes."""
 
 from __future__ import annotations
 
@@ -14,24 +14,6 @@ from tests.tasks.running import begin, running
 
 LOW_DIM = {"pick_and_lift": 6, "reach_target": 3, "slide_block_to_target": 6}
 SHAPED = {"reach_target", "slide_block_to_target", "take_lid_off_saucepan"}
-REPEATS = {"push_buttons"}
-"""Tasks whose specification gives several variations the same goal."""
-
-
-@pytest.mark.simulation
-@pytest.mark.parametrize("name", task_names())
-def test_every_variation_begins_with_three_sentences_of_its_own(name: str) -> None:
-    """Sentences name the goal, are whole, and no two variations share them."""
-    with running(name) as task:
-        clean, seen = task.world.save(), set()
-        for variation in range(task.variation_count()):
-            task.world.restore(clean)
-            sentences = begin(task, variation, seed=variation)
-            assert len(sentences) >= 3
-            assert all(s[0].isupper() and s[-1] in ".?!" for s in sentences)
-            assert task.success() == (False, False)
-            seen |= set(sentences)
-        assert len(seen) == 3 * task.variation_count() or name in REPEATS
 
 
 @pytest.mark.parametrize("name", task_names())

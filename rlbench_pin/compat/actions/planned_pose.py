@@ -55,7 +55,7 @@ def plan_motion(scene: SceneLike, target: FloatArray, ignore_collisions: bool, s
 
 
 def run(scene: SceneLike, path: Followed, on_step: OnStep | None) -> None:
-    """Follow a path to its end, or until the episode is over.
+    """Follow a path to its end, or until the episode is over; with a callback always to its end.
 
     Args:
         scene: What moves.
@@ -70,11 +70,11 @@ def run(scene: SceneLike, path: Followed, on_step: OnStep | None) -> None:
             on_step(scene.get_observation())
 
     if isinstance(path, ArmConfigurationPath):
-        follow(runtime, path.trajectory, on_tick=lambda target: show())
+        follow(runtime, path.trajectory, on_tick=lambda target: show(), whole=on_step is not None)
         return
     done = False
     while not done:
         done = bool(path.step())
         scene.step()
         show()
-        done = runtime.over or done
+        done = done or (runtime.over and on_step is None)

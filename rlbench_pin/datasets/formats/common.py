@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import fcntl
+import glob
 import os
 import shutil
 from collections.abc import Callable, Iterator, Sequence
@@ -114,8 +116,14 @@ def _picture_shape(episode: Episode, field: str) -> tuple[int, int, int]:
 
 
 @contextmanager
-def new_folder(out: Path) -> Iterator[Path]:
+def new_folder(out: Path, file: str = "") -> Iterator[Path]:
     """Yield a temporary folder beside `out`; without an error in the block it is renamed to `out`, otherwise deleted.
+
+    What killed exports to the same place left behind is deleted.
+
+    Args:
+        out: The new folder, or the new file.
+        file: A file that the block makes; when given, it alone becomes `out`.
 
     Raises:
         DatasetConflict: `out` exists.
@@ -123,17 +131,45 @@ def new_folder(out: Path) -> Iterator[Path]:
     """
     out = as_path(out, "out")
     if out.exists():
-        raise DatasetConflict(f"'{out}' exists. Choose a new folder or file for the export.")
+        raise DatasetConflict(f"'{out}' exists. Delete it, or choose a new folder or file for the export.")
     temporary = out.with_name(f".{out.name}.{os.getpid()}.part")
     with storing(out):
         temporary.parent.mkdir(parents=True, exist_ok=True)
-        shutil.rmtree(temporary, ignore_errors=True)
-        temporary.mkdir()
+        _remove_abandoned(out)
+        with _held(temporary):
+            try:
+                yield temporary
+                os.replace(temporary / file if file else temporary, out)
+            finally:
+                shutil.rmtree(temporary, ignore_errors=True)
+
+
+@contextmanager
+def _held(folder: Path) -> Iterator[None]:
+    """Make a folder and lock it while the block runs; the system unlocks it when this process is killed."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    lock = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(lock)
+
+
+def _remove_abandoned(out: Path) -> None:
+    """Delete the temporary folders of exports to `out` that no process holds any more."""
+    for folder in out.parent.glob(f".{glob.escape(out.name)}.*.part"):
+        if folder.is_symlink() or not folder.is_dir():
+            continue
+        lock = os.open(folder, os.O_RDONLY)
         try:
-            yield temporary
-            os.replace(temporary, out)
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            shutil.rmtree(folder, ignore_errors=True)
+        except BlockingIOError:
+            continue  # it is being written
         finally:
-            shutil.rmtree(temporary, ignore_errors=True)
+            os.close(lock)
 
 
 def column_statistics(values: np.ndarray) -> dict[str, list[float]]:

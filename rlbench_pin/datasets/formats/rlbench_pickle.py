@@ -20,6 +20,8 @@ import numpy as np
 from rlbench_pin.errors import EpisodeFileError
 
 _PROTOCOL = 2
+_NOTES = ("PUT", "BINPUT", "LONG_BINPUT")
+"""Operations that keep a value under a number, to be used again."""
 
 
 class PickledDemo:
@@ -60,6 +62,7 @@ def load(path: Path) -> Any:
     """
     try:
         data = Path(path).read_bytes()
+        _check_numbers(data)
         return _plain(_Reader(io.BytesIO(data)).load(), {})
     except FileNotFoundError as error:
         raise EpisodeFileError(path, f"'{path}' does not exist.") from error
@@ -67,6 +70,13 @@ def load(path: Path) -> Any:
         raise EpisodeFileError(path, f"'{path}' asks for {error}, which no demonstration needs. Do not trust it.") from error
     except Exception as error:  # damaged pickles raise nearly everything
         raise EpisodeFileError(path, f"'{path}' is truncated or damaged ({type(error).__name__}: {error}).") from error
+
+
+def _check_numbers(data: bytes) -> None:
+    """Refuse a note under a number that no file of this size needs: the library would make room for all numbers below it."""
+    for opcode, argument, _ in pickletools.genops(data):
+        if opcode.name in _NOTES and isinstance(argument, int) and argument > len(data):
+            raise _Refused(f"room for {argument} notes")
 
 
 class _Refused(Exception):
@@ -110,6 +120,8 @@ def _array(data: Any, dtype: Any, shape: Any, order: str) -> np.ndarray:
         flat = np.empty(len(data), dtype=object)
         flat[:] = data
     else:
+        if not isinstance(data, str | bytes | bytearray):
+            raise _Refused(f"an array made from a {type(data).__name__}")
         raw = data.encode("latin1") if isinstance(data, str) else bytes(data)
         flat = np.frombuffer(raw, dtype=dtype.value).copy()
     return flat.reshape(shape, order="F" if order == "F" else "C")
@@ -125,22 +137,28 @@ def _scalar(dtype: Any, data: Any = b"") -> Any:
     return _array(data, dtype, (1,), "C")[0]
 
 
-def _plain(value: Any, seen: dict[int, Any]) -> Any:
-    """Replace arrays that are being read by the finished ones, in containers and stand-ins of any depth."""
+def _plain(value: Any, seen: dict[int, tuple[Any, Any]]) -> Any:
+    """Replace arrays that are being read by the finished ones, in containers and stand-ins of any depth.
+
+    Args:
+        value: What was read.
+        seen: Identity -> what was seen, which stays alive by that, and what stands in its place. Each is looked at once: few
+            bytes can say a tree of tuples that has more leaves than there is time.
+    """
     if isinstance(value, _Array):
         return value.value
-    if isinstance(value, tuple):
-        return tuple(_plain(v, seen) for v in value)
     if id(value) in seen:
-        return value
+        return seen[id(value)][1]
+    if isinstance(value, tuple):
+        seen[id(value)] = value, tuple(_plain(v, seen) for v in value)
+        return seen[id(value)][1]
+    if isinstance(value, list | dict | PickledDemo | PickledObservation):
+        seen[id(value)] = value, value
     if isinstance(value, list):
-        seen[id(value)] = value
         value[:] = [_plain(v, seen) for v in value]
     elif isinstance(value, dict):
-        seen[id(value)] = value
         value.update({k: _plain(v, seen) for k, v in value.items()})
     elif isinstance(value, PickledDemo | PickledObservation):
-        seen[id(value)] = value
         _plain(value.__dict__, seen)
     return value
 

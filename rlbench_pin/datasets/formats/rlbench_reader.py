@@ -14,7 +14,7 @@ from rlbench_pin.datasets.formats.rlbench_pickle import PickledDemo, load
 from rlbench_pin.datasets.formats.rlbench_pictures import decode_depth, decode_mask, read_png
 from rlbench_pin.datasets.layout import ALL_VARIATIONS, checked_task_name
 from rlbench_pin.datasets.reader import select
-from rlbench_pin.errors import EpisodeFileError
+from rlbench_pin.errors import EpisodeFileError, shown
 from rlbench_pin.observation import CAMERAS, FIELDS, Demo, Observation
 from rlbench_pin.values import as_path, as_whole
 
@@ -90,7 +90,7 @@ def read_folder(path: Path, fields: Collection[str] | None = None, *, image_path
             _add_pictures(path / name, frames, image_paths)
     variation = _variation_of(path)
     if variation is None:
-        variation = int(frames[0].misc.get("variation_index", 0))
+        variation = _variation_in(frames[0], path)
     for frame in frames:
         frame.misc.setdefault("variation_index", variation)
     return _demo(pickled, frames, variation, path)
@@ -136,6 +136,14 @@ def _variation_of(path: Path) -> int | None:
         return None
     found = load(path / VARIATION_FILE)
     return found if isinstance(found, int) else None
+
+
+def _variation_in(frame: Observation, path: Path) -> int:
+    """Return the variation that the first frame names, 0 where it names none."""
+    found = frame.misc.get("variation_index", 0)
+    if not isinstance(found, int | np.integer):
+        raise EpisodeFileError(path, f"'{path / LOW_DIM_FILE}' names the variation {shown(found)}, which is no whole number.")
+    return int(found)
 
 
 def _observation(pickled: Any, path: Path) -> Observation:

@@ -11,11 +11,12 @@ import numpy as np
 
 from rlbench_pin.datasets.episode import Episode
 from rlbench_pin.datasets.formats.common import OnEpisode, StoredEpisode, actions, new_folder, rgb_cameras, stored_episodes
-from rlbench_pin.datasets.storage import DeferredErrorFile, storing
+from rlbench_pin.datasets.storage import DeferredErrorFile
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import CAMERAS, LOW_DIM
 from rlbench_pin.values import as_function, as_path
 
+_FILE = "data.hdf5"
 ENV_TYPE = 2
 """What robomimic calls a gym environment."""
 
@@ -45,7 +46,7 @@ def export_robomimic(
         raise DatasetError(f"A robomimic file holds one task; name one of {sorted({e.task for e in episodes})} with `--tasks`.")
     shapes = rgb_cameras(episodes, cameras)
     low, high = _action_range(episodes)
-    with new_folder(out) as folder, DeferredErrorFile(folder / "data.hdf5") as raw, h5py.File(raw, "w") as file:
+    with new_folder(out, _FILE) as folder, DeferredErrorFile(folder / _FILE) as raw, h5py.File(raw, "w") as file:
         data = file.create_group("data")
         total = 0
         for index, stored in enumerate(episodes):
@@ -59,16 +60,6 @@ def export_robomimic(
         data.attrs["action_low"], data.attrs["action_high"] = low, high
         data.attrs["env_args"] = json.dumps(_env_args(episodes[0].task))
         _write_masks(file, len(episodes))
-    return _only_file(out)
-
-
-def _only_file(out: Path) -> Path:
-    """Put the file in the place of the folder that it was written in."""
-    folder = out.with_name(f".{out.name}.folder")
-    with storing(out):
-        out.rename(folder)
-        (folder / "data.hdf5").rename(out)
-        folder.rmdir()
     return out
 
 

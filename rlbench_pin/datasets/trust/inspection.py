@@ -15,6 +15,7 @@ from pathlib import Path
 from types import TracebackType
 
 from rlbench_pin.errors import EpisodeFileError
+from rlbench_pin.values import as_names, as_number
 
 _CHILD = Path(__file__).with_name("inspection_child.py")
 _SECONDS = 15.0
@@ -34,7 +35,7 @@ class Inspector:
     """
 
     def __init__(self, command: tuple[str, ...] = (sys.executable, "-P", str(_CHILD)), seconds: float = _SECONDS) -> None:
-        self._command, self._seconds = command, seconds
+        self._command, self._seconds = as_names(command, "command"), as_number(seconds, "seconds", above=0.0, most=1e9)
         self._process: subprocess.Popen[bytes] | None = None
 
     def inspect(self, path: Path) -> None:

@@ -84,7 +84,8 @@ class JointPosition(JointMode):
 class JointTorque(JointMode):
     """Joint torques [N m] for one tick, gravity included, or changes of the motors' last torques; then the arm stops.
 
-    Torques beyond the limits are capped.
+    Torques beyond the limits are capped. Joint positions are not limited: torques can drive a joint through its stop, which gives
+    way, and to speeds beyond its limit; keep away from both in the policy, or use another mode with `SafeArm` around it.
     Between two torque actions nothing stops: the arm brakes in ticks that no torque action commands, as while the hand moves.
     """
 

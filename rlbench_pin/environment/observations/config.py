@@ -12,7 +12,7 @@ from rlbench_pin.environment.observations.camera_config import CameraConfig
 from rlbench_pin.environment.observations.extra_cameras import ExtraCamera
 from rlbench_pin.environment.observations.model_based import ModelObservationConfig
 from rlbench_pin.environment.observations.noise import Identity, NoiseModel, as_noise
-from rlbench_pin.errors import CameraError, InvalidCamera, UnknownName
+from rlbench_pin.errors import CameraError, InvalidCamera, UnknownName, shown
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.robot import RobotModel
 from rlbench_pin.sim import Lighting, World
@@ -182,7 +182,7 @@ class ObservationConfig(Settings):
             CameraError: The name is in use, or the camera makes no picture.
         """
         if not isinstance(name, str) or not name.isidentifier() or name in CAMERAS or name in self.extra_cameras:
-            raise CameraError(f"A camera cannot be called '{name}': choose an identifier that no other camera has.")
+            raise CameraError(f"A camera cannot be called {shown(name)}: choose an identifier that no other camera has.")
         if not isinstance(camera, ExtraCamera):
             raise InvalidCamera(f"Camera '{name}'", camera, "has to be an ExtraCamera")
         camera.check(name)

@@ -70,17 +70,17 @@ class Observer:
             observation.misc.update(self._model.observe(self.config.model))
         if self.config.joint_poses:
             observation.misc["joint_poses"] = self._arm.joint_poses(self._world.robot.joint_positions)
-        self._look(observation, rng)
+        views = self._look(observation, rng)
         if self.config.wrist_camera_matrix:
-            observation.misc["wrist_camera_matrix"] = self._view("wrist").extrinsics()
+            observation.misc["wrist_camera_matrix"] = (views.get("wrist") or self._view("wrist")).extrinsics()
         return task.decorate_observation(observation)
 
     def _view(self, name: str) -> CameraView:
         """Return what a camera sees now, wherever it was put and however randomization moved it."""
         return self.look.moved(name, self.cameras.view(name))
 
-    def _look(self, observation: Observation, rng: np.random.Generator) -> None:
-        """Add what the cameras see, all of them at once."""
+    def _look(self, observation: Observation, rng: np.random.Generator) -> dict[str, CameraView]:
+        """Add what the cameras see, all of them at once, and return how they stand."""
         renderer = self._world.renderer
         renderer.lighting = self.look.lighting or self.config.lighting
         cameras = self.config.all_cameras()
@@ -93,6 +93,7 @@ class Observer:
         ]
         for (name, (config, view)), pictures in zip(used.items(), renderer.render_all(requests), strict=True):
             _add_pictures(observation, name, config, view, pictures, rng)
+        return {name: view for name, (_, view) in used.items()}
 
 
 def _add_pictures(

@@ -148,7 +148,8 @@ class SimGripper:
         width, height = self._robot.description.pad_size
         box = geometry.volume("box", (width, max(left + right - 0.002, 0.001), height))
         T_world_tip = pose_to_se3(self._robot.tip_pose())
-        return volume_meets(box, T_world_tip * pin.SE3(np.eye(3), np.array([0.0, 0.5 * (right - left), 0.0])), body)
+        T_world_box = T_world_tip * pin.SE3(np.eye(3), np.array([0.0, 0.5 * (right - left), 0.0]))
+        return volume_meets(box, geometry.radius(box), T_world_box, body)
 
     def grasp(self, name: str) -> bool:
         """Fix a body to the hand where it is, and hold the fingers; False when it is held already or cannot move."""
@@ -189,13 +190,19 @@ class SimGripper:
     def begin_tick(self) -> None:
         """Work out how far the fingers go in this tick."""
         control, robot = self._control, self._robot
-        here = robot.fingers
-        lead = control.speed * robot.timestep / _GAIN
-        start = np.clip(control.reference, here - lead, here + lead)
-        end = start + np.clip(control.target - start, -control.speed * robot.tick, control.speed * robot.tick)
-        self._goals = (start + np.outer(np.arange(robot.substeps), (end - start) / robot.substeps)).tolist()
-        self._feed = ((end - start) / robot.tick).tolist()
-        self._control = FingerControl(control.target, end, control.speed, control.force, here)
+        here, count = robot.fingers, robot.substeps
+        lead, most = control.speed * robot.timestep / _GAIN, control.speed * robot.tick
+        fingers = zip(control.target.tolist(), control.reference.tolist(), here.tolist(), strict=True)  # few: no arrays
+        starts, ends = [], []
+        for target, reference, at in fingers:
+            start = min(max(reference, at - lead), at + lead)
+            starts.append(start)
+            ends.append(start + min(max(target - start, -most), most))
+        moves = [end - start for start, end in zip(starts, ends, strict=True)]
+        paces = [(start, move / count) for start, move in zip(starts, moves, strict=True)]
+        self._goals = [[start + k * pace for start, pace in paces] for k in range(count)]
+        self._feed = [move / robot.tick for move in moves]
+        self._control = FingerControl(control.target, np.array(ends), control.speed, control.force, here)
 
     def drive(self, substep: int) -> None:
         """Command the finger motors for physics step `substep` of this tick; fingers that hold still keep their command."""

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from rlbench_pin.sim.bodies.model import LoadedModel
 from rlbench_pin.sim.client import bullet
 from rlbench_pin.spatial import FloatArray
@@ -14,12 +12,12 @@ from rlbench_pin.spatial import FloatArray
 
 @dataclass(frozen=True)
 class Effort:
-    """What the motors of n joints do in a physics step."""
+    """What the motors of n joints do in each of m physics steps."""
 
-    torques: list[float]
-    """Applied whatever happens (n,) [N m]."""
-    spare: list[float]
-    """Most that a motor adds to reach its goal (n,) [N m]."""
+    torques: list[list[float]]
+    """Applied whatever happens (m, n) [N m]."""
+    spare: list[list[float]]
+    """Most that a motor adds to reach its goal (m, n) [N m]."""
 
 
 class Motors:
@@ -32,45 +30,56 @@ class Motors:
         model: The loaded robot; it stands where it stays.
         joints: PyBullet's numbers of the n joints.
         efforts: Largest torques (n,) [N m].
+
+    Attributes:
+        movable: PyBullet's numbers of all joints of the robot that can move, fingers among them.
     """
 
     def __init__(self, model: LoadedModel, joints: Sequence[int], efforts: FloatArray) -> None:
         self._model, self._client = model, model.client
-        self._joints, self._efforts = list(joints), efforts
-        self._movable = sorted(info.index for info in model.joints.values())
-        self._places = [self._movable.index(joint) for joint in joints]
-        self._still = [0.0] * len(self._movable)
+        self._joints, self._efforts = list(joints), efforts.tolist()
+        self.movable = sorted(info.index for info in model.joints.values())
+        self._places = [self.movable.index(joint) for joint in joints]
+        self._still = [0.0] * len(self.movable)
         self._zeros, self._ones = [0.0] * len(joints), [1.0] * len(joints)
         # PyBullet keeps the masses of the first call until its server is built again: those of the robot's file.
         self._client.change(bullet.calculateInverseDynamics, model.uid, self._still, self._still, self._still)
 
-    def efforts(self, now: FloatArray, wanted: FloatArray, timestep: float) -> tuple[Effort, Effort]:
-        """Return what the motors do in the first physics step, which changes the joint velocities, and in those that follow.
+    def efforts(self, positions: list[float], now: FloatArray, wanted: FloatArray, timestep: float, substeps: int) -> Effort:
+        """Return what the motors do: the first physics step changes the joint velocities, the rest keep them.
 
         A change that asks for more than the motors can give is left to the solver.
 
         Args:
+            positions: Those of `movable` joints.
             now: Measured joint velocities (n,) [rad/s].
             wanted: Joint velocities to reach (n,) [rad/s].
             timestep: Physics step [s].
+            substeps: Physics steps of the tick.
         """
-        states = bullet.getJointStates(self._model.uid, self._movable, physicsClientId=self._client.id)
-        positions = [state[0] for state in states]
-        steady = self._dynamics(positions, now, np.zeros(len(now)))
-        changing = self._dynamics(positions, now, (wanted - now) / timestep)
-        later = self._effort(np.minimum(np.maximum(steady, -self._efforts), self._efforts))
-        return self._effort(changing) if (np.abs(changing) <= self._efforts).all() else later, later
+        velocities = now.tolist()
+        later = self._within(self._dynamics(positions, velocities, self._zeros))
+        first = self._dynamics(positions, velocities, ((wanted - now) / timestep).tolist())
+        if any(abs(torque) > most for torque, most in zip(first, self._efforts, strict=True)):
+            first = later
+        torques = [first, *[later] * (substeps - 1)]
+        return Effort(torques, [self._left(first), *[self._left(later)] * (substeps - 1)])
 
-    def _dynamics(self, positions: list[float], velocities: FloatArray, accelerations: FloatArray) -> FloatArray:
+    def _dynamics(self, positions: list[float], velocities: list[float], accelerations: list[float]) -> list[float]:
         """Torques (n,) [N m] that the robot alone asks for."""
         v, a = self._still.copy(), self._still.copy()
-        for place, velocity, acceleration in zip(self._places, velocities.tolist(), accelerations.tolist(), strict=True):
+        for place, velocity, acceleration in zip(self._places, velocities, accelerations, strict=True):
             v[place], a[place] = velocity, acceleration
         torques = bullet.calculateInverseDynamics(self._model.uid, positions, v, a, physicsClientId=self._client.id)
-        return np.array([torques[place] for place in self._places])
+        return [torques[place] for place in self._places]
 
-    def _effort(self, torques: FloatArray) -> Effort:
-        return Effort(torques.tolist(), (self._efforts - np.abs(torques)).tolist())
+    def _within(self, torques: list[float]) -> list[float]:
+        """The nearest torques that the motors can give."""
+        return [min(max(torque, -most), most) for torque, most in zip(torques, self._efforts, strict=True)]
+
+    def _left(self, torques: list[float]) -> list[float]:
+        """What motors that give `torques` can add."""
+        return [most - abs(torque) for torque, most in zip(torques, self._efforts, strict=True)]
 
     def follow(self, positions: list[float], velocities: list[float], gain: float, forces: list[float]) -> None:
         """Hold on to a motion from the next physics step on.

@@ -62,13 +62,17 @@ class SimRobot:
         self._finger_limits = np.array([[i.lower for i in fingers], [i.upper for i in fingers]])
         self._tip = model.link_index(description.tip_frame)
         self._states: FloatArray | None = None
+        self._tip_pose: FloatArray | None = None
         self.on_reset: list[Callable[[bool], None]] = []
         self._goals: FloatArray | None = None
         self._feed: list[float] = []
         self._control = ArmControl("velocity", np.zeros(len(infos)), np.zeros(len(infos)))
-        self._first = self._later = Effort([0.0] * len(infos), [0.0] * len(infos))
+        self._still = Effort([[0.0] * len(infos)] * substeps, [[0.0] * len(infos)] * substeps)
+        self._effort = self._still
         self._prepare_dynamics()
         self._motors = Motors(model, self._arm, self.effort_limits)
+        self._measures = [*self._joints, *(joint for joint in self._motors.movable if joint not in self._joints)]
+        self._order = [self._measures.index(joint) for joint in self._motors.movable]
         self.reset_configuration(description.home, [description.gripper_open] * len(fingers))
 
     def _prepare_dynamics(self) -> None:
@@ -78,16 +82,16 @@ class SimRobot:
     # Measuring -------------------------------------------------------------------------------------------------------
 
     def _measured(self) -> FloatArray:
-        """Positions, velocities and motor torques of arm and fingers, shape (3, n + fingers); read once per tick."""
+        """Positions, velocities and motor torques of arm, fingers and what else can move, (3, m); read once per tick."""
         if self._states is None:
-            states = bullet.getJointStates(self.model.uid, self._joints, physicsClientId=self._client.id)
+            states = bullet.getJointStates(self.model.uid, self._measures, physicsClientId=self._client.id)
             self._states = np.array([(s[0], s[1], s[3]) for s in states]).T
-            self._states[2, : len(self._arm)] += self._later.torques
+            self._states[2, : len(self._arm)] += self._effort.torques[-1]
         return self._states
 
     def forget_measurements(self) -> None:
         """Read the joints again at the next request, because something moved."""
-        self._states = None
+        self._states = self._tip_pose = None
 
     @property
     def joint_positions(self) -> FloatArray:
@@ -110,15 +114,17 @@ class SimRobot:
     @property
     def fingers(self) -> FloatArray:
         """Finger joint positions (2,) [m]."""
-        return self._measured()[0, len(self._arm) :].copy()
+        return self._measured()[0, len(self._arm) : len(self._joints)].copy()
 
     def joint_states(self) -> FloatArray:
         """Positions, velocities and motor torques of arm and fingers, shape (3, n + fingers)."""
-        return self._measured().copy()
+        return self._measured()[:, : len(self._joints)].copy()
 
     def tip_pose(self) -> FloatArray:
         """Pose (7,) of the tip frame in the world."""
-        return self.model.link_pose_at(self._tip)
+        if self._tip_pose is None:
+            self._tip_pose = self.model.link_pose_at(self._tip)
+        return self._tip_pose.copy()
 
     def link_pose(self, link: str) -> FloatArray:
         """Pose (7,) of the URDF frame of a link in the world."""
@@ -199,7 +205,8 @@ class SimRobot:
 
     def set_joint_states(self, positions: FloatArray, velocities: FloatArray) -> None:
         """Put arm and fingers at positions and velocities (n + fingers,); motor commands stay."""
-        both = (finite_vector(x, len(self._joints), what) for x, what in ((positions, "positions"), (velocities, "velocities")))
+        given = ((positions, "vector of positions"), (velocities, "vector of velocities"))
+        both = (finite_vector(x, len(self._joints), what) for x, what in given)
         for index, q, v in zip(self._joints, *(x.tolist() for x in both), strict=True):
             self._client.change(bullet.resetJointState, self.model.uid, index, q, v)
         self.forget_measurements()
@@ -223,11 +230,13 @@ class SimRobot:
         self._goals, self._watches = None, False
         if self.mode == "torque":
             self._motors.release()
-            self._first = self._later = Effort([0.0] * len(self._arm), [0.0] * len(self._arm))
+            self._effort = self._still
             return
-        velocities = self._measured()[1, : len(self._arm)]
+        measured = self._measured()
+        velocities, places = measured[1, : len(self._arm)], measured[0].tolist()
+        positions, course = [places[k] for k in self._order], (self.timestep, self.substeps)
         feed = self._begin_position_tick(velocities) if self.mode == "position" else self._control.target
-        self._first, self._later = self._motors.efforts(velocities, feed, self.timestep)
+        self._effort = self._motors.efforts(positions, velocities, feed, *course)
         self._feed = feed.tolist()
 
     def _begin_position_tick(self, velocities: FloatArray) -> FloatArray:
@@ -263,12 +272,15 @@ class SimRobot:
 
     def drive(self, substep: int) -> None:
         """Command the motors for physics step `substep` of this tick; what stays as it was is not commanded again."""
+        self._tip_pose = None  # who commands between physics steps may have read it
         if self.mode == "torque":
             self._motors.push(self._control.target.tolist())
             return
-        effort = self._later if substep else self._first
-        if self._goals is not None and (substep < 2 or self._watches or any(self._feed)):
-            self._motors.follow(self._position_goals(self._goals, substep), self._feed, self.position_gain, effort.spare)
-        elif self._goals is None and substep < 2:
-            self._motors.turn(self._feed, effort.spare)
-        self._motors.push(effort.torques)
+        effort = self._effort
+        if self._goals is not None:
+            if substep < 2 or self._watches or any(self._feed):
+                goals = self._position_goals(self._goals, substep)
+                self._motors.follow(goals, self._feed, self.position_gain, effort.spare[substep])
+        elif substep < 2:
+            self._motors.turn(self._feed, effort.spare[substep])
+        self._motors.push(effort.torques[substep])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -68,9 +69,9 @@ class LoadedModel:
         """T_world_link of the URDF frame of the link with number `index`."""
         if index != BASE:
             state = bullet.getLinkState(self.uid, index, computeForwardKinematics=1, physicsClientId=self.client.id)
-            return pose_to_se3(state[4] + state[5])
+            return _read_se3(state[4] + state[5])
         position, quaternion = bullet.getBasePositionAndOrientation(self.uid, physicsClientId=self.client.id)
-        T_world_com = pose_to_se3(position + quaternion)
+        T_world_com = _read_se3(position + quaternion)
         return T_world_com if self.com_at_base else T_world_com * self.T_base_com.inverse()
 
     def base_pose(self) -> FloatArray:
@@ -100,6 +101,17 @@ class LoadedModel:
     def link_pose_at(self, index: int) -> FloatArray:
         """Pose (7,) of the URDF frame of the link with number `index`, which is not the base."""
         return se3_to_pose(self.placement(index))
+
+
+def _read_se3(numbers: tuple[float, ...]) -> pin.SE3:
+    """Convert seven numbers of PyBullet as `pose_to_se3` does, which is asked where they are no pose."""
+    pose = np.array(numbers)
+    turn = pose[3:]
+    norm = math.sqrt(turn @ turn)
+    if not 0.0 < norm < math.inf:
+        return pose_to_se3(numbers)
+    turn /= norm
+    return pin.XYZQUATToSE3(pose)
 
 
 def inspect(client: PhysicsClient, uid: int, urdf: Path, scale: float) -> LoadedModel:

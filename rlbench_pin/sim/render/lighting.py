@@ -11,6 +11,8 @@ from rlbench_pin.errors import CameraError, InvalidCamera
 from rlbench_pin.values import as_number, as_vector
 
 Vector = tuple[float, float, float]
+SPECULAR = 0.05
+"""Brightness of the highlight of the key light."""
 
 
 @dataclass(frozen=True)

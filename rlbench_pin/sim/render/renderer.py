@@ -19,11 +19,12 @@ from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.sim.render.backdrop import Painter
 from rlbench_pin.sim.render.camera import CameraView, Pictures
 from rlbench_pin.sim.render.lighting import Light, Lighting
-from rlbench_pin.sim.render.link_texture import LinkTexture
 from rlbench_pin.sim.render.masks import bodies_of, rows_of
-from rlbench_pin.sim.render.shading import KeptBackdrop, as_bytes, brightness, put_textures, shade_room, surfaces_of
+from rlbench_pin.sim.render.raster.drawing import Sight
+from rlbench_pin.sim.render.shading import KeptBackdrop, as_bytes, put_pixels, shade_rooms
 from rlbench_pin.sim.render.shadows import ShadowMap, light_view
-from rlbench_pin.sim.render.shots import BulletRasterizer, MixedColors, NumpyRasterizer, Rasterizer, Shot, Sight
+from rlbench_pin.sim.render.shots import BulletRasterizer, MixedColors, NumpyRasterizer, Rasterizer, Shot
+from rlbench_pin.sim.render.surfaces import LinkTexture, colors_in_light, put_textures, surfaces_of
 from rlbench_pin.values import as_flag, as_record
 
 _KEPT = 12
@@ -104,7 +105,7 @@ class Renderer:
     def shadow_map(self) -> ShadowMap:
         """Look from the key light, for cameras that look at the present instant."""
         view = self._view_of_light()
-        return _shadow_map(view, self._rasterizer.shoot([_sight_of_light(view)])[0])
+        return _shadow_map(view, self._rasterizer.shoot([_sight_of_light(view)], self.lighting)[0])
 
     def render(self, view: CameraView, *, rgb: bool, depth: bool, mask: bool, shadows: bool | ShadowMap) -> Pictures:
         """Take the pictures of one camera.
@@ -131,16 +132,18 @@ class Renderer:
         """
         if not requests:
             return []
-        backdrops = [self._backdrop(request.view) for request in requests]
+        painter = self._present_painter()
+        backdrops = [self._backdrop(painter, request.view) for request in requests]
         sights = [self._sight(request, backdrop) for request, backdrop in zip(requests, backdrops, strict=True)]
         makes_map = shadows is None and any(request.is_shaded for request in requests)
         view = self._view_of_light()
-        shots = self._rasterizer.shoot([*sights, _sight_of_light(view)] if makes_map else sights)
+        shots = self._rasterizer.shoot([*sights, _sight_of_light(view)] if makes_map else sights, self.lighting)
         if makes_map:
             shadows = _shadow_map(view, shots.pop())
+        images = self._images(requests, backdrops, shots, shadows)
         return [
-            self._pictures(request, backdrop, shot, shadows if request.shadows else None)
-            for request, backdrop, shot in zip(requests, backdrops, shots, strict=True)
+            self._pictures(request, backdrop, shot, image)
+            for request, backdrop, shot, image in zip(requests, backdrops, shots, images, strict=True)
         ]
 
     # Moving things ---------------------------------------------------------------------------------------------------
@@ -153,34 +156,41 @@ class Renderer:
     def _sight(self, request: Request, backdrop: KeptBackdrop) -> Sight:
         lighting = self.lighting
         ambient = lighting.ambient if request.shadows else lighting.ambient + lighting.mean_fill
-        return Sight(request.view, backdrop.picture.depth.ravel(), lighting.key if request.rgb else None, ambient)
+        return Sight(request.view, backdrop.picture.depth.ravel(), request.rgb, ambient)
 
-    def _pictures(self, request: Request, backdrop: KeptBackdrop, shot: Shot, shadows: ShadowMap | None) -> Pictures:
-        """Put what moves before the room, as far as it is asked for."""
-        image = distance = ids = None
-        if request.rgb:
-            image = backdrop.rgb.copy()
-            if shadows is not None and not shadows.is_empty:
-                shade_room(image, backdrop, shadows)
-            image.reshape(-1, 3)[shot.pixels] = self._shaded(backdrop, shot, shadows)
+    def _pictures(self, request: Request, backdrop: KeptBackdrop, shot: Shot, image: NDArray[np.uint8] | None) -> Pictures:
+        """Put depth and ids of what moves before those of the room, as far as they are asked for."""
+        distance = ids = None
         if request.depth:
             distance = backdrop.picture.depth.copy()
             distance.ravel()[shot.pixels] = shot.depth
         if request.mask:
             ids = backdrop.picture.mask.copy()
-            ids.ravel()[shot.pixels] = self._ids()[bodies_of(shot.segments), rows_of(shot.segments)]
+            of_segments = self._ids()[bodies_of(shot.segments), rows_of(shot.segments)]
+            ids.ravel()[shot.pixels] = of_segments.take(shot.segment)
         return Pictures(image, distance, ids)
 
-    def _shaded(self, backdrop: KeptBackdrop, shot: Shot, shadows: ShadowMap | None) -> NDArray[np.uint8]:
-        """Colours (n, 3) of moving things with shadows, fill lights and textures."""
-        colors = shot.colors
-        if len(colors) and (shadows is not None or self._link_textures):
-            surfaces = surfaces_of(backdrop, shot)
-            if shadows is not None:
-                colors *= brightness(surfaces, self.lighting, shadows)
-            if self._link_textures:
-                put_textures(colors, surfaces, self._link_textures, self._frame)
-        return as_bytes(colors)
+    def _images(
+        self, requests: Sequence[Request], backdrops: Sequence[KeptBackdrop], shots: Sequence[Shot], shadows: ShadowMap | None
+    ) -> list[NDArray[np.uint8] | None]:
+        """Colours of what moves before those of the room, with shadows, fill lights and textures; None where none are wanted."""
+        images = [
+            backdrop.picture.rgb.copy() if request.rgb else None for request, backdrop in zip(requests, backdrops, strict=True)
+        ]
+        for is_shaded in (False, True):
+            chosen = [n for n, request in enumerate(requests) if request.rgb and request.shadows == is_shaded]
+            if not chosen:
+                continue
+            surfaces = [surfaces_of(backdrops[n], shots[n]) for n in chosen]
+            pictures = [image for n in chosen if (image := images[n]) is not None]
+            if is_shaded and shadows is not None:
+                shade_rooms(pictures, [backdrops[n] for n in chosen], shadows)
+            colors = colors_in_light(surfaces, self.lighting, shadows if is_shaded else None)
+            for image, own, seen in zip(pictures, colors, surfaces, strict=True):
+                if self._link_textures:
+                    put_textures(own, seen, self._link_textures, self._frame)
+                put_pixels(image, seen.shot.pixels, as_bytes(own))
+        return images
 
     def _frame(self, body: int, link: int) -> NDArray[np.float32]:
         identifier = self._client.id
@@ -195,19 +205,23 @@ class Renderer:
 
     # Room ------------------------------------------------------------------------------------------------------------
 
-    def _backdrop(self, view: CameraView) -> KeptBackdrop:
-        """The room as a camera sees it; kept from the second time on that the same is asked."""
+    def _present_painter(self) -> Painter:
+        """Who draws the room as it is now; backdrops of another are forgotten."""
         appearance = (self.lighting, *(body.appearance() for body in self._room.values()))
         if self._painter is None or self._painter[0] != appearance:
             panels = [panel for name, body in self._room.items() for panel in body.panels(self._room_ids[name])]
             self._painter = appearance, Painter(panels, self.lighting)
             self._backdrops.clear()
+        return self._painter[1]
+
+    def _backdrop(self, painter: Painter, view: CameraView) -> KeptBackdrop:
+        """The room as a camera sees it; kept from the second time on that the same is asked."""
         key = view.key
         kept = self._backdrops.get(key)
         if kept is not None:
             self._backdrops.move_to_end(key)
             return kept
-        made = KeptBackdrop(view, self._painter[1].draw(view))
+        made = KeptBackdrop(view, painter.draw(view))
         self._backdrops[key] = made if key in self._backdrops else None
         self._backdrops.move_to_end(key)
         while len(self._backdrops) > _KEPT:
@@ -216,7 +230,7 @@ class Renderer:
 
 
 def _sight_of_light(view: CameraView) -> Sight:
-    return Sight(view, np.full(view.size[0] * view.size[1], view.far, dtype=np.float32))
+    return Sight(view, None)
 
 
 def _shadow_map(view: CameraView, shot: Shot) -> ShadowMap:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,7 +41,12 @@ class LightSpots:
 
     def at(self, chosen: NDArray[np.int64]) -> LightSpots:
         """Return some of them."""
-        return LightSpots(self.first[chosen], self.right[chosen], self.down[chosen], self.depth[chosen])
+        return LightSpots(self.first.take(chosen), self.right.take(chosen), self.down.take(chosen), self.depth.take(chosen))
+
+
+def joined_spots(spots: Sequence[LightSpots]) -> LightSpots:
+    """Return some spots after each other."""
+    return LightSpots(*(np.concatenate([getattr(s, name) for s in spots]) for name in ("first", "right", "down", "depth")))
 
 
 class ShadowMap:
@@ -74,7 +80,7 @@ class ShadowMap:
         """
         limit = spots.depth - np.float32(bias)
         first = spots.first
-        free = [(self._depth[first + step] >= limit).astype(np.float32) for step in (0, 1, _SIZE, _SIZE + 1)]
+        free = [(self._depth.take(first + step) >= limit).astype(np.float32) for step in (0, 1, _SIZE, _SIZE + 1)]
         upper = free[0] + (free[1] - free[0]) * spots.right
         lower = free[2] + (free[3] - free[2]) * spots.right
         return upper + (lower - upper) * spots.down

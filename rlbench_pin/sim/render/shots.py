@@ -12,28 +12,14 @@ from numpy.typing import NDArray
 
 from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.sim.render.camera import CameraView, projection_matrix
-from rlbench_pin.sim.render.lighting import Light
+from rlbench_pin.sim.render.lighting import SPECULAR, Lighting
 from rlbench_pin.sim.render.masks import bodies_of
-from rlbench_pin.sim.render.raster.drawing import Drawn, draw
-from rlbench_pin.sim.render.raster.stage import MixedColors, Parts, Stage
+from rlbench_pin.sim.render.raster.drawing import TOUCHING, Drawn, Sight, draw
+from rlbench_pin.sim.render.raster.parts import Parts
+from rlbench_pin.sim.render.raster.stage import MixedColors, Stage
 from rlbench_pin.sim.server.output import captured_output
 
-_SPECULAR = 0.05
 _HARDWARE_NEAR = 0.03  # its depth has so few bits that a nearer plane would cost millimetres [m]
-_TOUCHING = np.float32(1e-5)  # [m]
-
-
-@dataclass(frozen=True, eq=False)
-class Sight:
-    """A camera, and what hides moving things from it."""
-
-    view: CameraView
-    limit: NDArray[np.float32]
-    """Depth (h * w,) from which on nothing is seen [m]."""
-    light: Light | None = None
-    """Key light; None when no colours are wanted."""
-    ambient: float = 1.0
-    """Brightness where it does not reach."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,20 +28,25 @@ class Shot:
 
     pixels: NDArray[np.int64]
     """Flat indices (n,)."""
-    colors: NDArray[np.float32]
-    """Colours (n, 3) in 0..255, in ambient and key light; none when no colours were wanted."""
     inverse: NDArray[np.float32]
     """Inverse depth (n,) [1/m]."""
     depth: NDArray[np.float32]
     """(n,) [m]."""
     segments: NDArray[np.int32]
-    """Segmentation values (n,)."""
+    """Some segmentation values (s,)."""
+    segment: NDArray[np.int64]
+    """Which of them each pixel has (n,)."""
+    colors: NDArray[np.float32]
+    """Colours (3, n) in 0..255; none when no colours were wanted."""
+    normals: NDArray[np.float32] | None
+    """Unit normals (3, n) in the world. None when the renderer does not tell; then the colours are those in the ambient and key
+    light without shadows, otherwise those of the things themselves."""
 
 
 class Rasterizer(Protocol):
     """Takes shots of the present instant."""
 
-    def shoot(self, sights: Sequence[Sight]) -> list[Shot]:
+    def shoot(self, sights: Sequence[Sight], lighting: Lighting) -> list[Shot]:
         """Return one shot for each camera."""
         ...
 
@@ -72,54 +63,22 @@ class NumpyRasterizer:
     def __init__(self, client: PhysicsClient, room: frozenset[int], mixed_colors: MixedColors) -> None:
         self._stage, self._other = Stage(client, room, mixed_colors), BulletRasterizer(client, room)
 
-    def shoot(self, sights: Sequence[Sight]) -> list[Shot]:
+    def shoot(self, sights: Sequence[Sight], lighting: Lighting) -> list[Shot]:
         """Return one shot for each camera."""
-        parts = self._stage.update()
-        if parts is None:
-            return self._other.shoot(sights)
-        placements, colors = self._stage.placements(), self._stage.colors
-        drawn = draw(parts, colors[:, 3] > 0.0, placements, [sight.view for sight in sights])
-        paint = np.floor(colors[:, :3] * np.float32(255.0))
-        return [_shot(picture, sight, parts, paint) for picture, sight in zip(drawn, sights, strict=True)]
+        placed = self._stage.update()
+        if placed is None:
+            return self._other.shoot(sights, lighting)
+        colors, shape = self._stage.colors, placed.parts.shape
+        drawn = draw(placed, self._stage.layers, (colors[:, 3] > 0.0).take(shape), sights)
+        paint = np.ascontiguousarray((colors[:, :3] * np.float32(255.0)).T)
+        return [_shot(picture, placed.parts, paint, sight.is_lit) for picture, sight in zip(drawn, sights, strict=True)]
 
 
-def _shot(drawn: Drawn, sight: Sight, parts: Parts, paint: NDArray[np.float32]) -> Shot:
-    """Colour what a camera sees.
-
-    Args:
-        drawn: The pixels.
-        sight: The camera.
-        parts: The triangles.
-        paint: Colour in 0..255 of every visual.
-    """
-    depth: NDArray[np.float32] = np.float32(1.0) / drawn.inverse
-    pixels, inverse, triangles, normals = drawn.pixels, drawn.inverse, drawn.triangles, drawn.normals
-    seen = depth < sight.limit[pixels] + _TOUCHING
-    if not seen.all():
-        depth, pixels, inverse, triangles, normals = depth[seen], pixels[seen], inverse[seen], triangles[seen], normals[:, seen]
-    colors = np.zeros((0, 3), dtype=np.float32)
-    if sight.light is not None:
-        x, y, z = direction = sight.light.unit.astype(np.float32)
-        brightness = _brightness(normals[0] * x + normals[1] * y + normals[2] * z, normals[2], direction[2], sight)
-        colors = paint.take(parts.shape.take(triangles), axis=0)
-        colors *= brightness[:, None]
-        np.minimum(np.floor(colors, out=colors), np.float32(255.0), out=colors)
-    return Shot(pixels, colors, inverse, depth, parts.segments.take(triangles))
-
-
-def _brightness(cosine: NDArray[np.float32], up: NDArray[np.float32], light_up: np.float32, sight: Sight) -> NDArray[np.float32]:
-    """Brightness (n,) in ambient and key light, with a highlight where what mirrors the light looks upwards.
-
-    Args:
-        cosine: Normals times direction to the light (n,).
-        up: Normals times the vertical (n,).
-        light_up: Direction to the light times the vertical.
-        sight: The lights.
-    """
-    assert sight.light is not None
-    mirrored = np.maximum(np.float32(2.0) * cosine * up - light_up, np.float32(0.0))
-    key = np.maximum(cosine, np.float32(0.0)) * np.float32(sight.light.intensity)
-    return np.float32(sight.ambient) + key + np.float32(_SPECULAR if sight.light.intensity else 0.0) * mirrored * mirrored
+def _shot(drawn: Drawn, parts: Parts, paint: NDArray[np.float32], is_lit: bool) -> Shot:
+    """What a camera sees, in the colours (3, v) of the visuals in 0..255."""
+    triangles = drawn.triangles
+    colors = paint.take(parts.shape.take(triangles), axis=1) if is_lit else np.zeros((3, 0), dtype=np.float32)
+    return Shot(drawn.pixels, drawn.inverse, drawn.depth, parts.segments, parts.link.take(triangles), colors, drawn.normals)
 
 
 class BulletRasterizer:
@@ -134,15 +93,15 @@ class BulletRasterizer:
         self._client, self._hardware = client, client.hardware
         self._room = np.array(sorted(room), dtype=np.int32)
 
-    def shoot(self, sights: Sequence[Sight]) -> list[Shot]:
+    def shoot(self, sights: Sequence[Sight], lighting: Lighting) -> list[Shot]:
         """Return one shot for each camera."""
-        return [self._shot(sight) for sight in sights]
+        return [self._shot(sight, lighting) for sight in sights]
 
-    def _shot(self, sight: Sight) -> Shot:
+    def _shot(self, sight: Sight, lighting: Lighting) -> Shot:
         view = sight.view
         if self._hardware and view.near < _HARDWARE_NEAR < view.far:
             view = replace(view, near=_HARDWARE_NEAR)
-        colors, buffer, segments = self._camera_image(view, sight)
+        colors, buffer, segments = self._camera_image(view, sight, lighting)
         segments = np.reshape(segments, -1)
         moving = segments >= 0
         if self._hardware:
@@ -151,24 +110,24 @@ class BulletRasterizer:
         near, far = view.near, view.far
         precise = (far - (far - near) * np.reshape(buffer, -1)[pixels].astype(np.float64)) / (near * far)
         depth = (1.0 / precise).astype(np.float32)
-        seen = depth < sight.limit[pixels] + _TOUCHING
+        seen = depth < (view.far if sight.limit is None else sight.limit[pixels] + TOUCHING)
         pixels, inverse, depth = pixels[seen], precise[seen].astype(np.float32), depth[seen]
-        rgb = np.reshape(colors, (-1, 4))[pixels, :3].astype(np.float32)
-        return Shot(pixels, rgb, inverse, depth, segments[pixels])
+        rgb = np.reshape(colors, (-1, 4))[pixels, :3].T.astype(np.float32)
+        return Shot(pixels, inverse, depth, segments[pixels], np.arange(len(pixels)), rgb, None)
 
-    def _camera_image(self, view: CameraView, sight: Sight) -> tuple[NDArray, NDArray, NDArray]:
+    def _camera_image(self, view: CameraView, sight: Sight, lighting: Lighting) -> tuple[NDArray, NDArray, NDArray]:
         """Colours, depth buffer and segments; OpenGL prints a line at every change of size."""
-        key = 0.0 if sight.light is None else sight.light.intensity
+        key = lighting.key.intensity if sight.is_lit else 0.0
         with captured_output() if self._hardware else nullcontext():
             return bullet.getCameraImage(
                 *view.size,
                 viewMatrix=view.gl_view,
                 projectionMatrix=projection_matrix(view, self._hardware),
-                lightDirection=(0.0, 0.0, 1.0) if sight.light is None else sight.light.direction,
+                lightDirection=lighting.key.direction if sight.is_lit else (0.0, 0.0, 1.0),
                 lightColor=(1.0, 1.0, 1.0),
                 lightAmbientCoeff=sight.ambient,
                 lightDiffuseCoeff=key,
-                lightSpecularCoeff=_SPECULAR if key else 0.0,
+                lightSpecularCoeff=SPECULAR if key else 0.0,
                 shadow=0,
                 renderer=bullet.ER_BULLET_HARDWARE_OPENGL if self._hardware else bullet.ER_TINY_RENDERER,
                 flags=bullet.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX,

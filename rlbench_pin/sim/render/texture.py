@@ -38,6 +38,7 @@ class Texture:
         self.size = side
         self.texels: NDArray[np.float32] = np.concatenate([level.reshape(-1, 3) for level in levels])
         self._sides = np.array([level.shape[0] for level in levels], dtype=np.int32)
+        self._float_sides, self._lasts = self._sides.astype(np.float32), self._sides - 1
         self._starts = np.concatenate([[0], np.cumsum(self._sides**2)[:-1]]).astype(np.int32)
 
     @cached_property
@@ -63,12 +64,17 @@ class Texture:
             v: Vertical coordinate (n,).
             texels_per_pixel: Texels of the finest level that one pixel covers (n,); picks the level.
         """
-        level = np.log2(np.maximum(texels_per_pixel, 1.0)).astype(np.int32)
+        # the exponent of a number of at least 1 is its logarithm to base 2, rounded down
+        level = np.maximum(texels_per_pixel, 1.0).astype(np.float32).view(np.int32) >> 23
+        level -= 127
         np.minimum(level, len(self._sides) - 1, out=level)
-        sides = self._sides[level]
-        column = np.floor(u * sides).astype(np.int32) & (sides - 1)
-        row = np.floor(-v * sides).astype(np.int32) & (sides - 1)
-        return self._starts[level] + row * sides + column
+        sides, last = self._float_sides.take(level), self._lasts.take(level)
+        column = np.floor(u * sides).astype(np.int32) & last
+        row = np.floor(v * -sides).astype(np.int32) & last
+        row *= last + np.int32(1)
+        row += column
+        row += self._starts.take(level)
+        return row
 
 
 @lru_cache(maxsize=64)

@@ -8,8 +8,8 @@ from rlbench_pin.sim.bodies.body import Body, Color, visual_colors
 from rlbench_pin.sim.bodies.model import LoadedModel
 from rlbench_pin.sim.bodies.room import RoomBody
 from rlbench_pin.sim.client import bullet
-from rlbench_pin.sim.render.link_texture import LinkTexture
 from rlbench_pin.sim.render.renderer import Renderer
+from rlbench_pin.sim.render.surfaces import LinkTexture
 from rlbench_pin.sim.render.texture import Texture
 
 _WHITE, _UNSEEN = (1.0, 1.0, 1.0, 1.0), (1.0, 1.0, 1.0, 0.0)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rlbench_pin.errors import TaskError
 from rlbench_pin.tasks.conditions.condition import Condition
 from rlbench_pin.tasks.conditions.parts import HasTip, Placed, Volume, as_part, as_parts
-from rlbench_pin.tasks.solid import is_solid
+from rlbench_pin.tasks.things import is_solid
 from rlbench_pin.values import as_flag, as_whole
 
 if TYPE_CHECKING:

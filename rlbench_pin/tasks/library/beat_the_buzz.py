@@ -20,7 +20,7 @@ class BeatTheBuzz(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Lead the ring to the right end of the rod without touching it.",
-            "Beat the buzzer: bring the wand along the wire and leave it at the far end.",
-            "Play the hot wire game with a calm hand, all the way to the other post.",
+            "Lead the ring to the other end of the rod, never touching the rod, and let go of it there.",
+            "The wand belongs at the opposite end of the wire, where you release it; a single touch on the way ends the game.",
+            "Play the hot wire game: clear of the wire, the loop has to cross over to the other post and stay there.",
         ]

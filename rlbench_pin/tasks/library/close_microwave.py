@@ -17,7 +17,7 @@ class CloseMicrowave(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Push the door of the microwave until it is shut.",
-            "Shut the microwave oven.",
+            "Swing the door of the microwave shut.",
             "The microwave is open, please close it.",
+            "Nobody needs the microwave oven any more, so bring its door back to the frame.",
         ]

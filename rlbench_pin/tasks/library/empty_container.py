@@ -57,9 +57,9 @@ class EmptyContainer(Task):
         self._aim_at_tray()
         self.register_success_conditions([Detected(body, self.sensor) for body in self.objects])
         return [
-            f"Put everything from the large tray into the {name} one.",
-            f"The three things in the middle belong in the {name} tray.",
-            f"Empty the big container into the small {name} container.",
+            f"Transfer the three things in the large tray to the {name} one.",
+            f"The small {name} tray is where everything in the middle belongs.",
+            f"Empty the big container, and let all of it land in the {name} one.",
         ]
 
     def step(self) -> None:

@@ -21,8 +21,8 @@ class EmptyDishwasher(Task):
         """Return the sentences; only the place of the task varies."""
         return [
             "Fetch the plate from the dishwasher.",
-            "Fold the dishwasher's door down, slide out its rack and lift the plate off.",
-            "The dishes are done, take the clean plate out of the machine.",
+            "The dishes are done, so lift the clean plate out of the rack.",
+            "Unload the machine that has washed up: one plate is waiting in its rack.",
         ]
 
     def _aim_at_plate(self, waypoint: Waypoint) -> None:

@@ -20,6 +20,6 @@ class HangFrameOnHanger(Task):
         """Return the sentences; only the place of the task varies."""
         return [
             "Mount the picture on the wall hook.",
-            "Hook the framed photo onto the peg.",
-            "The picture should hang on the wall, please put it there.",
+            "There is a free hook in the wall, and the framed picture should hang from it.",
+            "Slip the bar behind the frame over the hook and let the picture go.",
         ]

@@ -19,7 +19,7 @@ class Hockey(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Hit the ball into the goal with the hockey stick.",
-            "Pick up the stick and score.",
-            "Shoot the orange ball between the posts with the stick.",
+            "Drive the ball into the goal with the hockey stick, and keep hold of the stick.",
+            "The orange ball belongs behind the goal line, hit by a stick that stays in the hand.",
+            "With the hockey stick in hand, shoot the ball across the line between the posts.",
         ]

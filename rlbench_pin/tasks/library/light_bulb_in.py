@@ -38,9 +38,9 @@ class LightBulbIn(Task):
         self.in_socket = Detected(self.bulb, self.world.sensor("socket"))
         self.register_success_conditions([self.in_socket, NothingGrasped(self.gripper)])
         return [
-            f"Fit the lamp with a bulb; use the one kept in the {name} holder.",
-            f"Take the bulb standing in the {name} base and mount it in the lamp.",
-            f"The lamp needs a bulb, use the {name} one.",
+            f"Fit the lamp with the bulb from the {name} holder.",
+            f"The lamp is empty, so give it the bulb that stands in the {name} base.",
+            f"Of the two bulbs, choose the one whose holder is {name} and mount it in the socket of the lamp.",
         ]
 
     def step(self) -> None:

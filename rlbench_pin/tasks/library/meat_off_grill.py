@@ -29,7 +29,7 @@ class MeatOffGrill(Task):
         grasp.set_position([*meat.position[:2], grasp.position[2]])
         self.register_success_conditions([NothingGrasped(self.gripper), Detected(meat, self.world.sensor("side"))])
         return [
-            f"The {meat.name} is done, move it beside the barbecue.",
-            f"Lay the {meat.name} next to the grill.",
-            f"Get the {meat.name} away from the heat.",
+            f"Lay the {meat.name} on the table, by a long side of the grill.",
+            f"The {meat.name} is done: move it down beside the barbecue, next to a long side.",
+            f"On the table, along the grill's longer edge, find a place for the {meat.name}.",
         ]

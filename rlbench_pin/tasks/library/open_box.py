@@ -17,7 +17,7 @@ class OpenBox(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Flip the lid of the carton up.",
-            "Take the cardboard box by the edge of its cover and open it.",
-            "I want to look into the carton, lift its lid.",
+            "Flip the lid of the carton up, past upright.",
+            "I want to look into the cardboard box, so fold its cover up and over.",
+            "Open the carton so far that its lid leans backwards.",
         ]

@@ -24,9 +24,9 @@ class OpenDoor(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Turn the lever and push the door.",
-            "Unlatch the door, then swing it open.",
-            "Press the door handle down and go through the door.",
+            "Unlatch the door by its lever, then move it out of its frame.",
+            "The door is shut: press down its handle and push until it stands open.",
+            "After a turn of its lever, swing the door well away from the frame.",
         ]
 
     def step(self) -> None:

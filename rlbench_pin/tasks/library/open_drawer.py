@@ -26,6 +26,6 @@ class OpenDrawer(Task):
         self.register_success_conditions([JointMoved(self.world.joint(f"chest/drawer_{drawer}"), 0.15)])
         return [
             f"Pull out the {drawer} drawer.",
-            f"Draw the {drawer} compartment out by its handle.",
-            f"I need something from the {drawer} drawer, open it for me.",
+            f"I need something from the {drawer} drawer, open it wide for me.",
+            f"Of the three compartments in the chest, draw the {drawer} one far out.",
         ]

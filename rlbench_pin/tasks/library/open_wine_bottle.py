@@ -26,8 +26,8 @@ class OpenWineBottle(Task):
         """Return the sentences; only the place of the task varies."""
         return [
             "Unscrew the wine and take its cap away.",
-            "Twist off the top of the bottle.",
-            "I would like a glass of wine, get the bottle open.",
+            "I would like a glass of wine, so get the top off the bottle.",
+            "With enough of a twist the cap comes loose: lift it clear of the neck of the bottle.",
         ]
 
     def step(self) -> None:

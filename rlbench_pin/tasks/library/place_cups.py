@@ -34,8 +34,8 @@ class PlaceCups(Task):
         number = NUMBER[variation]
         return [
             f"Hang {number} on the tree.",
-            f"Put {number} onto the wooden spokes by the handle.",
-            f"I want {number} hanging on the stand.",
+            f"From the spokes of the stand, {number} should dangle by the handle.",
+            f"Slip {number}, handle first, onto the branches of the wooden tree and let go.",
         ]
 
     def _aim_at_next_mug(self, waypoint: Waypoint) -> None:

@@ -41,8 +41,8 @@ class PlaceShapeInShapeSorter(Task):
         self.register_success_conditions([Detected(asked, self.world.sensor("inside"))])
         return [
             f"Push the {word} through the hole it fits.",
-            f"Sort the {word} into the toy box.",
-            f"Where does the {word} go? Drop it in there.",
+            f"The toy box has a hole with the outline of the {word}: drop it in there.",
+            f"Sort the {word} into the box.",
         ]
 
     def _aim_at_shape(self, waypoint: Waypoint | None = None) -> None:

@@ -25,7 +25,7 @@ class PlugChargerInPowerSupply(Task):
         """Place the stand with the charger."""
         self.boundary.scatter([self.stand], rng)
         return [
-            "Plug the power adapter into the wall.",
-            "Connect the charger to the socket.",
-            "Stick the adapter's pins into the outlet.",
+            "Connect the charger to the socket in the wall.",
+            "Both holes of the outlet are free: push the pins of the adapter to the bottom of them.",
+            "Stick the adapter's two pins all the way into the power point, then let go.",
         ]

@@ -53,9 +53,9 @@ class PourFromCupToCup(Task):
         sensor = self.world.sensor("in_target")
         self.register_success_conditions([Detected(self.world.body(drop), sensor) for drop in self.drops])
         return [
-            f"Pour the drink from the {source.name} cup into the {target.name} cup.",
             f"Tip the {source.name} cup so that all of it lands in the {target.name} one.",
-            f"What is in the {source.name} cup should be in the {target.name} cup.",
+            f"The {target.name} cup is to receive every drop that the {source.name} cup holds.",
+            f"Over the {target.name} cup, empty the {source.name} one to the last drop.",
         ]
 
     def _aim(self) -> bool:

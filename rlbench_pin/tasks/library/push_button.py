@@ -29,9 +29,9 @@ class PushButton(Task):
         self.button.set_color(rgb, link="base")
         self.button.set_color(RED, link="cap")
         return [
-            f"Press down on the {name} button.",
-            f"Hit the button that has a {name} base.",
-            f"Click the {name} push button.",
+            f"Hit the button whose base is {name}.",
+            f"On the {name} base there is a button: click it.",
+            f"Drive down the cap of the {name} button.",
         ]
 
     def step(self) -> None:

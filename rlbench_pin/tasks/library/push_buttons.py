@@ -55,9 +55,10 @@ class PushButtons(Task):
 
 def _sentences(names: list[str]) -> list[str]:
     """Say which buttons to press, and that the order counts."""
-    listed = f"Operate these buttons one after another: {', '.join(names)}."
-    if len(names) == 1:
-        return [f"One press on the {names[0]} button, nothing else.", f"Push the button with the {names[0]} base.", listed]
-    if len(names) == 2:
-        return [f"First the {names[0]} button, afterwards the {names[1]} one.", f"Press {names[0]}, then {names[1]}.", listed]
-    return [f"Hit {names[0]}, {names[1]} and {names[2]}, in this order.", f"Push the {', then the '.join(names)} button.", listed]
+    first, *later = names
+    after = zip(later, ("second", "third"), strict=False)
+    return [
+        f"Hit the {first} button{''.join(f', then the {name} one' for name in later)}.",
+        f"{first.capitalize()} is the {'first ' * bool(later)}button to click{''.join(f', {c} the {nth}' for c, nth in after)}.",
+        f"Operate {'these buttons one after another' if later else 'the button of this colour'}: {', '.join(names)}.",
+    ]

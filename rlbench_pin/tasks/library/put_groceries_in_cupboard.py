@@ -38,7 +38,7 @@ class PutGroceriesInCupboard(Task):
         self.register_success_conditions([stowed, NothingGrasped(self.gripper)])
         word = item.replace("_", " ")
         return [
-            f"Find shelf space in the cupboard for the {word}.",
-            f"The {word} goes on the lowest shelf.",
-            f"Clear the {word} away into the cupboard.",
+            f"Find room for the {word} on the lower shelf of the cupboard.",
+            f"The lower shelf of the cupboard is the place to keep the {word}.",
+            f"Clear away the {word}, and use the cupboard's lower shelf for that.",
         ]

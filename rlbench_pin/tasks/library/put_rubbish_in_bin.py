@@ -24,6 +24,6 @@ class PutRubbishInBin(Task):
             swap_places(self.rubbish, self.tomatoes[choice - 1])
         return [
             "Bin the crumpled paper.",
-            "Throw out the trash but keep the tomatoes.",
-            "Dispose of the litter on the table.",
+            "Among the tomatoes there is a ball of paper, and it belongs at the bottom of the bin.",
+            "Dispose of the waste paper, which has to end up in the bin.",
         ]

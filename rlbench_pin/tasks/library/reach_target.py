@@ -33,8 +33,8 @@ class ReachTarget(Task):
             self.boundary.sample(ball, rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION, min_distance=0.2)
         return [
             f"Move the hand to the {name} ball.",
-            f"Go to the {name} sphere with the fingertips.",
             f"Which ball is {name}? Touch it.",
+            f"With the fingertips, go to the sphere that is {name}.",
         ]
 
     def reward(self) -> float:

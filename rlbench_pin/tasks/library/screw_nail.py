@@ -20,7 +20,7 @@ class ScrewNail(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Drive the screw in with the screwdriver.",
-            "Give the screw a quarter turn using the driver.",
-            "Tighten the screw in the block.",
+            "Take the screwdriver and give the screw in the block a quarter turn.",
+            "The screw needs another 90 degrees, so grip the screwdriver and drive it round.",
+            "Rotate the block's screw by a quarter, the screwdriver in hand.",
         ]

@@ -39,14 +39,22 @@ class SetupCheckers(Task):
             place.set_local([FIRST[0] + k * STEP, FIRST[1], 0.006, 0.0, 0.0, 0.0, 1.0])
             self.pieces[index].set_pose(place.pose)
         self._aim_at_next_piece()
-        pieces, discs = ("piece", "disc") if count == 1 else ("pieces", "discs")
-        return [
-            f"Complete the draughts board, {count} {pieces} missing.",
-            f"Put the {count} loose {discs} back on the starting squares.",
-            f"Get the draughts set ready to play: {count} to go.",
-        ]
+        return _sentences(count)
 
     def _aim_at_next_piece(self, waypoint: Waypoint | None = None) -> None:
         index = self.missing[self.round]
         self.world.frame("waypoint1").set_parent(f"piece{index}")
         self.world.frame("waypoint4").set_parent(f"square{index}")
+
+
+def _sentences(count: int) -> list[str]:
+    """Say how many pieces are loose, and that each belongs on its own square."""
+    number = ("One", "Two", "Three")[count - 1]
+    pieces, lie, are, them, squares = "pieces", "lie", "are", "them", "their own squares"
+    if count == 1:
+        pieces, lie, are, them, squares = "piece", "lies", "is", "it", "its own square"
+    return [
+        f"Return the {number.lower()} loose {pieces} to {squares} on the draughts board.",
+        f"{number} {pieces} {lie} beside the board: set {them} back, as in the opening, on {squares}.",
+        f"Get the draughtsmen ready to play, each on the square where it starts; {number.lower()} {are} off the board.",
+    ]

@@ -19,9 +19,9 @@ class SlideBlockToTarget(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Shove the red block onto the green square.",
-            "Nudge the cube along until it covers the green field.",
-            "Without lifting it, move the block to the mark.",
+            "Shove the red block onto the middle of the green square.",
+            "The centre of the green field is the goal of the cube: nudge it there.",
+            "Bring the block to the mark on the table, right to its middle.",
         ]
 
     def reward(self) -> float:

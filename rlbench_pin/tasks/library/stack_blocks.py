@@ -8,6 +8,8 @@ from rlbench_pin.tasks import COLORS, DetectedSeveral, NothingGrasped, SpawnBoun
 
 CUBE = 0.05
 """Side of a block [m]."""
+NUMBER = {2: "two", 3: "three", 4: "four"}
+"""Heights of the tower in words [blocks]."""
 CLEARANCE = 0.08
 """Height of the hand over the tower before it puts a block down [m]."""
 
@@ -44,10 +46,11 @@ class StackBlocks(Task):
         tower = DetectedSeveral(self.blocks, self.world.sensor("column"), self.height)
         self.register_success_conditions([tower, NothingGrasped(self.gripper)])
         self.register_rounds(self.height)
+        number = NUMBER[self.height]
         return [
-            f"Make a tower of {self.height} {name} cubes on the green square.",
-            f"Pile {self.height} {name} blocks one over another.",
-            f"I want a {name} tower, {self.height} high.",
+            f"Make a tower of {number} {name} cubes on the green square.",
+            f"On the green square there should rise a tower, {number} blocks high and all of them {name}.",
+            f"Pile {name} blocks one over another until the green square carries {number}.",
         ]
 
     def _aim_at_next_block(self, waypoint: Waypoint) -> None:

@@ -19,7 +19,7 @@ class StraightenRope(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Pull the rope straight.",
-            "Lay both ends of the rope on the green rings.",
-            "Take the bends out of this piece of rope.",
+            "Lay each end of the rope on the green ring nearer to it.",
+            "The rope is bent: draw its ends apart, each to the green ring that is closer.",
+            "Stretch the rope out so that each green ring has the nearer end in it.",
         ]

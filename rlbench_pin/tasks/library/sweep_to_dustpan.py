@@ -21,7 +21,7 @@ class SweepToDustpan(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Sweep the crumbs into the dustpan.",
-            "Take the broom and brush all five crumbs onto the pan.",
-            "There is dirt on the table, get it into the dustpan with the broom.",
+            "Sweep all five crumbs into the dustpan.",
+            "Five crumbs lie on the table: get every one of them onto the pan.",
+            "Rid the table of its crumbs; the broom helps to bring all five to the dustpan.",
         ]

@@ -19,9 +19,9 @@ class TakeLidOffSaucepan(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Lift the cover from the pot.",
-            "Let the steam out, raise the saucepan's lid.",
-            "Hold the pot's lid up in the air.",
+            "Raise the saucepan's lid straight up by its knob and keep it there.",
+            "The steam wants out: hold the lid by its knob, well above the pan.",
+            "Take the cover of the pot up into the air over the pot, and do not let its knob go.",
         ]
 
     def reward(self) -> float:

@@ -38,9 +38,9 @@ class WeighingScales(Task):
         weighed = Detected(self.world.frame("needle_end"), self.world.sensor("needle_zone"))
         self.register_success_conditions([NothingGrasped(self.gripper), weighed, Detected(pepper, self.world.sensor("tray"))])
         return [
-            f"How heavy is the {color} pepper? Weigh it.",
-            f"The {color} vegetable goes on the scale.",
-            f"Load the scale with the {color} pepper.",
+            f"Load the scales with the {color} pepper alone.",
+            f"How heavy is the {color} pepper? Weigh it by itself.",
+            f"Leave the {color} vegetable on the tray, with no other, for the needle to show its weight.",
         ]
 
     def step(self) -> None:

@@ -31,9 +31,9 @@ class WipeDesk(Task):
             stain = self.world.add_body(name, spec)
             self.boundary.sample(stain, rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION, min_distance=0.0)
         return [
-            "Wipe the brown stains off the table.",
-            "Take the sponge and rub the dirty patch until it is clean.",
-            "The desk is filthy, sponge every spot away.",
+            "Rub every brown stain off the table with the sponge.",
+            "The desk is filthy, so sponge all the spots away.",
+            "Wipe over the dirty patch with the sponge until it is clean.",
         ]
 
     def step(self) -> None:

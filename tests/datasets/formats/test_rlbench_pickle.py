@@ -6,6 +6,7 @@ import ast
 import os
 import pickle
 import pickletools
+import resource
 import subprocess
 import sys
 import types
@@ -17,7 +18,7 @@ import pytest
 
 from rlbench_pin.datasets import DatasetWriter
 from rlbench_pin.datasets.formats.rlbench_folders import export_rlbench, write_frames
-from rlbench_pin.datasets.formats.rlbench_pickle import load
+from rlbench_pin.datasets.formats.rlbench_pickle import PickledObservation, dump, load
 from rlbench_pin.datasets.formats.rlbench_reader import read_folder
 from rlbench_pin.environment.observations.masks import spread_mask
 from rlbench_pin.errors import EpisodeFileError
@@ -176,3 +177,39 @@ def test_pickle_has_one_home() -> None:
     }
     assert importing == {"rlbench_pickle.py", "base.py"}
     assert "pickle.load(" not in (package / "errors" / "base.py").read_text(encoding="utf-8")
+
+
+BOMBS = {
+    "room for notes": b"\x80\x02]r\x00\x00\x00\x04.",
+    "room for notes, in words": b"\x80\x02]p60000000\n.",
+    "an array of zeros": b"cnumpy.core.numeric\n_frombuffer\n(J\xff\xff\xff\x7fcnumpy\ndtype\n(Vu1\ntRJ\xff\xff\xff\x7fVC\ntR.",
+}
+
+
+@pytest.mark.parametrize("data", BOMBS.values(), ids=BOMBS.keys())
+def test_a_few_bytes_do_not_fill_the_memory(tmp_path: Path, data: bytes) -> None:
+    """What asks for room that its size cannot need is refused before it has it."""
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    (tmp_path / "low_dim_obs.pkl").write_bytes(data)
+    with pytest.raises(EpisodeFileError, match=r"low_dim_obs\.pkl"):
+        load(tmp_path / "low_dim_obs.pkl")
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < before + 200_000  # [kB]
+
+
+def test_a_few_bytes_do_not_take_for_ever(tmp_path: Path) -> None:
+    """A pair of pairs of pairs, forty deep, is looked at forty times, not 2**40 times."""
+    path = tmp_path / "low_dim_obs.pkl"
+    path.write_bytes(b"\x80\x02)" + b"2\x86" * 40 + b".")
+    found = load(path)
+    assert len(found) == 2 and found[0] is found[1]
+
+
+def test_a_variation_that_is_no_number_is_named(tmp_path: Path) -> None:
+    """The folder does not say which it is, and the first frame says a word."""
+    observation = PickledObservation()
+    observation.__dict__.update(misc={"variation_index": "third"})
+    folder = tmp_path / "task" / "somewhere" / "episodes" / "episode0"
+    folder.mkdir(parents=True)
+    (folder / "low_dim_obs.pkl").write_bytes(dump([observation]))
+    with pytest.raises(EpisodeFileError, match="names the variation 'third'"):
+        read_folder(folder)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rlbench_pin.sim.client import bullet
+from rlbench_pin.sim.render.raster.normals import creased_normals, flat_normals
 
 _AROUND, _ALONG = 20, 10
 
@@ -49,20 +50,13 @@ def _scaled(triangles: Triangles, factors: tuple[float, ...]) -> Triangles:
     return Triangles(triangles.corners * factor, normals / np.linalg.norm(normals, axis=2, keepdims=True))
 
 
-def _flat(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Normals (m, 3, 3) of flat triangles."""
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
-    return np.repeat(normals[:, None], 3, axis=1)
-
-
 @lru_cache(maxsize=1)
 def _box() -> Triangles:
     """The cube with edges of 1 around the origin."""
     square = np.array([[-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]) * 0.5
     faces = [np.roll(square * [1.0, sign, sign], turn, axis=1) for turn in range(3) for sign in (1.0, -1.0)]
     corners = np.array([face[list(part)] for face in faces for part in ((0, 1, 2), (0, 2, 3))])
-    return Triangles(corners, _flat(corners))
+    return Triangles(corners, flat_normals(corners))
 
 
 @lru_cache(maxsize=64)
@@ -103,7 +97,7 @@ def _cells(grid: NDArray) -> NDArray:
 
 @lru_cache(maxsize=512)
 def _read_obj(file: Path) -> Triangles:
-    """Read corners, normals and faces; faces with more than three corners become fans, corners without normals are flat."""
+    """Read corners, normals and faces; faces with more than three corners become fans, files without normals get some."""
     points: list[list[float]] = []
     normals: list[list[float]] = []
     faces: list[list[tuple[int, int]]] = []
@@ -119,7 +113,7 @@ def _read_obj(file: Path) -> Triangles:
     numbers = np.array(faces, dtype=np.int64).reshape(-1, 3, 2)
     corners_at = np.array(points, dtype=float).reshape(-1, 3)[numbers[..., 0]]
     if len(normals) == 0 or (numbers[..., 1] < 0).any():
-        return Triangles(corners_at, _flat(corners_at))
+        return Triangles(corners_at, creased_normals(corners_at))
     at_corners = np.array(normals)[numbers[..., 1]]
     return Triangles(corners_at, at_corners / np.maximum(np.linalg.norm(at_corners, axis=2, keepdims=True), 1e-30))
 

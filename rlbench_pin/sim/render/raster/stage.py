@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,43 +10,15 @@ from numpy.typing import NDArray
 from rlbench_pin.sim.bodies.model import BASE
 from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.sim.render.masks import segment_of
+from rlbench_pin.sim.render.raster.layers import Layers
 from rlbench_pin.sim.render.raster.meshes import Triangles, triangles_of
+from rlbench_pin.sim.render.raster.parts import Parts, Placed, Visual, join
 
+_GRAIN = 2.0**-18
+"""Step of positions [m] and quaternions: 4 um."""
 Rgba = tuple[float, float, float, float]
 MixedColors = Callable[[], dict[tuple[int, int], tuple[Rgba, ...]]]
 """Tells the colours of the visuals of some links, by body and link number."""
-
-
-@dataclass(frozen=True)
-class _Visual:
-    """One visual shape as PyBullet lists it."""
-
-    body: int
-    link: int
-    kind: int
-    size: tuple[float, ...]
-    file: str
-    position: tuple[float, ...]
-    quaternion: tuple[float, ...]
-    is_textured: bool
-
-
-@dataclass(frozen=True, eq=False)
-class Parts:
-    """The triangles of all links; those of one link follow each other."""
-
-    links: tuple[tuple[int, int], ...]
-    """Body and link number of each link."""
-    slices: tuple[slice, ...]
-    """Its triangles."""
-    corners: NDArray[np.float32]
-    """(3, 4, m): for each corner x, y, z, 1 in the frame of the link [m]."""
-    normals: NDArray[np.float32]
-    """(3, 3, m): for each corner its unit normal in the frame of the link."""
-    shape: NDArray[np.int64]
-    """Number of the visual of each triangle (m,), in PyBullet's order."""
-    segments: NDArray[np.int32]
-    """Segmentation value of each triangle (m,)."""
 
 
 class Stage:
@@ -58,20 +29,24 @@ class Stage:
         room: Numbers of the bodies that are left out.
         mixed_colors: Returns the colours of links whose visuals differ and show them, by body and link number. Once such a link
             was painted and is no more, PyBullet tells the colour of its last visual for all.
+
+    Attributes:
+        layers: What was drawn of these shapes and stands still.
     """
 
     def __init__(self, client: PhysicsClient, room: frozenset[int], mixed_colors: MixedColors) -> None:
         self._client, self._room, self._mixed_colors = client, room, mixed_colors
         self._mixed: dict[tuple[int, int], tuple[Rgba, ...]] = {}
         self._entries: list[tuple] = []
-        self._visuals: tuple[_Visual, ...] = ()
-        self._parts: Parts | None = None
+        self._visuals: tuple[Visual, ...] = ()
+        self._placed: Placed | None = None
+        self.layers = Layers()
         self._bodies: dict[int, int] = {}
         self._from_com: dict[int, NDArray] = {}
         self._colors: NDArray[np.float32] = np.zeros((0, 4), dtype=np.float32)
 
-    def update(self) -> Parts | None:
-        """Take the shapes and colours of this instant; None when there is a shape that cannot be drawn here."""
+    def update(self) -> Placed | None:
+        """Take shapes, colours and places of this instant; None when there is a shape that cannot be drawn here."""
         identifier = self._client.id
         uids = [
             bullet.getBodyUniqueId(i, physicsClientId=identifier) for i in range(bullet.getNumBodies(physicsClientId=identifier))
@@ -83,18 +58,21 @@ class Stage:
             self._colors = _colors_of(entries, mixed)
             visuals = tuple(_visual(entry) for entry in entries)
             if visuals != self._visuals:
-                self._visuals, self._parts = visuals, _parts(visuals)
+                parts = _parts(visuals)
+                self._visuals, self._placed, self.layers = visuals, None if parts is None else Placed(parts), Layers()
                 bodies = {visual.body: bullet.getNumJoints(visual.body, physicsClientId=identifier) for visual in visuals}
                 self._from_com = {body: self._com(body) for body in bodies}
                 self._bodies = bodies
-        return self._parts
+        if self._placed is not None:
+            self._placed.place(self._placements())
+        return self._placed
 
     @property
     def colors(self) -> NDArray[np.float32]:
         """Colour rgba in 0..1 of each visual (n, 4)."""
         return self._colors
 
-    def placements(self) -> dict[tuple[int, int], NDArray[np.float64]]:
+    def _placements(self) -> dict[tuple[int, int], NDArray[np.float64]]:
         """Matrix (4, 4) of the frame of every link now, by body and link."""
         keys: list[tuple[int, int]] = []
         poses: list[tuple[float, ...]] = []
@@ -107,7 +85,8 @@ class Stage:
                 states = bullet.getLinkStates(body, range(joints), computeForwardKinematics=1, physicsClientId=identifier)
                 keys += [(body, link) for link in range(joints)]
                 poses += [(*state[4], *state[5]) for state in states]
-        matrices = dict(zip(keys, _matrices(np.array(poses))))
+        # what rests trembles by less than a pixel can show; rounded, it stands still
+        matrices = dict(zip(keys, _matrices(np.round(np.array(poses).reshape(-1, 7) / _GRAIN) * _GRAIN)))
         for body, offset in self._from_com.items():
             matrices[body, BASE] = matrices[body, BASE] @ offset
         return matrices
@@ -136,11 +115,11 @@ def _colors_of(entries: list[tuple], mixed: Mapping[tuple[int, int], tuple[Rgba,
     return colors.astype(np.float32)
 
 
-def _visual(entry: tuple) -> _Visual:
-    return _Visual(entry[0], entry[1], entry[2], entry[3], entry[4].decode(), entry[5], entry[6], entry[8] >= 0)
+def _visual(entry: tuple) -> Visual:
+    return Visual(entry[0], entry[1], entry[2], entry[3], entry[4].decode(), entry[5], entry[6], entry[8] >= 0)
 
 
-def _parts(visuals: tuple[_Visual, ...]) -> Parts | None:
+def _parts(visuals: tuple[Visual, ...]) -> Parts | None:
     """Read all shapes; None when one cannot be drawn."""
     placed: dict[tuple[int, int], list[tuple[int, Triangles]]] = {}
     for number, visual in enumerate(visuals):
@@ -151,20 +130,7 @@ def _parts(visuals: tuple[_Visual, ...]) -> Parts | None:
         corners = triangles.corners @ frame[:3, :3].T + frame[:3, 3]
         moved = Triangles(corners, triangles.normals @ frame[:3, :3].T)
         placed.setdefault((visual.body, visual.link), []).append((number, moved))
-    ends = np.cumsum([0, *(sum(len(t.corners) for _, t in shapes) for shapes in placed.values())]).tolist()
-    every = [pair for shapes in placed.values() for pair in shapes]
-    corners, normals = (np.concatenate([getattr(t, name) for _, t in every]) for name in ("corners", "normals"))
-    segments = [segment_of(body, link) for (body, link), shapes in placed.items() for _, t in shapes for _ in t.corners]
-    return Parts(
-        links=tuple(placed),
-        slices=tuple(slice(a, b) for a, b in zip(ends, ends[1:])),
-        corners=np.ascontiguousarray(
-            np.concatenate([corners, np.ones((*corners.shape[:2], 1))], axis=2).transpose(1, 2, 0), dtype=np.float32
-        ),
-        normals=np.ascontiguousarray(normals.transpose(1, 2, 0), dtype=np.float32),
-        shape=np.concatenate([np.full(len(t.corners), number, dtype=np.int64) for number, t in every]),
-        segments=np.array(segments, dtype=np.int32),
-    )
+    return join(placed, [segment_of(body, link) for body, link in placed])
 
 
 def _matrices(poses: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -48,6 +48,32 @@ def test_obj_files_with_polygons_and_without_normals(tmp_path: Path) -> None:
     np.testing.assert_allclose(triangles.corners.max(axis=(0, 1)), [2.0, 2.0, 0.0])
 
 
+def without_normals(folder: Path, kind: int, size: tuple[float, ...]) -> Triangles:
+    """A primitive, read back from an OBJ file that has its corners alone."""
+    primitive = triangles_of(kind, size, "")
+    assert primitive is not None
+    lines = [f"v {x:.9f} {y:.9f} {z:.9f}" for x, y, z in primitive.corners.reshape(-1, 3)]
+    lines += [f"f {3 * i + 1} {3 * i + 2} {3 * i + 3}" for i in range(len(primitive.corners))]
+    (folder / f"shape{kind}.obj").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    triangles = triangles_of(pybullet.GEOM_MESH, (1.0, 1.0, 1.0), str(folder / f"shape{kind}.obj"))
+    assert triangles is not None
+    np.testing.assert_allclose(np.linalg.norm(triangles.normals, axis=2), 1.0, atol=1e-9)
+    return triangles
+
+
+def test_meshes_without_normals_are_smooth_but_for_their_edges(tmp_path: Path) -> None:
+    """A sphere gets normals within two degrees of its own; a box keeps flat faces; a cylinder is round and has flat ends."""
+    ball = without_normals(tmp_path, pybullet.GEOM_SPHERE, (0.1, 0.0, 0.0))
+    assert np.einsum("ijk,ijk->ij", ball.normals, ball.corners / 0.1).min() > np.cos(np.radians(2.0))
+    box = without_normals(tmp_path, pybullet.GEOM_BOX, (0.1, 0.2, 0.3))
+    assert (np.abs(box.normals).max(axis=2) > 1.0 - 1e-9).all()
+    rod = without_normals(tmp_path, pybullet.GEOM_CYLINDER, (0.3, 0.1, 0.0))
+    ends, sides = np.abs(rod.normals[..., 2]) > 0.999, np.abs(rod.normals[..., 2]) < 1e-6
+    assert (ends | sides).all()
+    radial = (rod.normals * rod.corners)[..., :2].sum(axis=2) / 0.1
+    assert radial[sides].min() > np.cos(np.radians(1.0))
+
+
 def test_other_files_are_not_drawn_here() -> None:
     """STL and DAE meshes, and planes."""
     assert triangles_of(pybullet.GEOM_MESH, (1.0, 1.0, 1.0), "thing.stl") is None

@@ -1,0 +1,155 @@
+"""Which of some rectangles each pixel of a picture sees, and where on it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rlbench_pin.sim.render.camera import CameraView, pixel_rays
+from rlbench_pin.sim.render.texture import Texture
+
+_CLOSE = 1e-3  # [m]
+_SLACK = 1.0001  # for rounding
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One rectangle in the world."""
+
+    corner: NDArray[np.float64]
+    """(3,) [m]."""
+    edges: NDArray[np.float64]
+    """(2, 3) [m]."""
+    id: int
+    """Mask id."""
+    color: tuple[float, float, float]
+    texture: Texture | None = None
+    uv: NDArray[np.float64] | None = None
+
+    @property
+    def normal(self) -> NDArray[np.float64]:
+        """Unit vector (3,) out of the side that is seen."""
+        n = np.cross(self.edges[0], self.edges[1])
+        return n / np.linalg.norm(n)
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """Where one rectangle can be seen, and how 1/z, s/z and t/z follow from the ray of a pixel."""
+
+    number: int
+    window: tuple[slice, slice]
+    """Rows and columns."""
+    forms: NDArray[np.float64]
+    """(3, 3): each times (x, y, 1) of a ray."""
+    nearest: float
+    """Greatest 1/z that its plane has in the window."""
+
+
+class Canvas:
+    """A picture to which rectangles are added.
+
+    Args:
+        view: The camera.
+
+    Attributes:
+        view: The same.
+        owner: Number of the rectangle that each pixel sees, -1 for none, (h, w).
+        inverse: Its inverse depth (h, w) [1/m].
+    """
+
+    def __init__(self, view: CameraView) -> None:
+        width, height = view.size
+        self.view, self._shape = view, (height, width)
+        self.columns, self.rows = pixel_rays(view)
+        self.owner = np.full(self._shape, -1, dtype=np.int32)
+        self.inverse, self._s, self._t = (np.zeros(self._shape, dtype=np.float32) for _ in range(3))
+
+    def add(self, sight: Sight) -> None:
+        """Draw one rectangle where it is nearer than what is there."""
+        window = sight.window
+        there = self.inverse[window]
+        if float(there.min()) > sight.nearest * _SLACK:
+            return
+        inverse, s, t = (self._affine(form, window) for form in sight.forms)
+        seen = (inverse > there) & (s >= 0.0) & (s <= inverse) & (t >= 0.0) & (t <= inverse)
+        seen &= inverse * np.float32(self.view.near) < 1.0
+        np.copyto(self.owner[window], sight.number, where=seen)
+        for target, value in ((self.inverse, inverse), (self._s, s), (self._t, t)):
+            np.copyto(target[window], value, where=seen)
+
+    def _affine(self, form: NDArray, window: tuple[slice, slice]) -> NDArray[np.float32]:
+        rows = (form[1] * self.rows[window[0]] + form[2]).astype(np.float32)
+        columns = (form[0] * self.columns[window[1]]).astype(np.float32)
+        return rows[:, None] + columns[None, :]
+
+    def visible(self) -> Iterator[tuple[int, NDArray[np.int64] | slice]]:
+        """Rectangles that are seen, each with the flat indices of its pixels."""
+        owner = self.owner.ravel()
+        counts = np.bincount(owner + 1)[1:]
+        for number in np.flatnonzero(counts).tolist():
+            yield number, slice(None) if counts[number] == len(owner) else np.flatnonzero(owner == number)
+
+    def texels(self, panel: Panel, pixels: NDArray[np.int64] | slice) -> NDArray[np.int32]:
+        """Rows (n,) of the texture of a rectangle that its pixels show."""
+        inverse = self.inverse.ravel()[pixels]
+        texture = panel.texture
+        if texture is None:
+            return np.zeros(len(inverse), dtype=np.int32)
+        assert panel.uv is not None
+        depth = np.float32(1.0) / inverse
+        s, t = self._s.ravel()[pixels] * depth, self._t.ravel()[pixels] * depth
+        (u0, v0), (us, vs), (ut, vt) = panel.uv.astype(np.float32)
+        density = texture.size * np.linalg.norm(panel.uv[1]) / np.linalg.norm(panel.edges[0])  # [texels/m]
+        per_depth = np.float32(1.4 * density / -self.view.intrinsics()[0, 0])
+        return texture.indices(u0 + us * s + ut * t, v0 + vs * s + vt * t, depth * per_depth)
+
+
+def sights_of(canvas: Canvas, corners: NDArray, edges: NDArray, bases: NDArray) -> list[Sight]:
+    """Rectangles that face a camera and reach into its picture, the nearest first.
+
+    Args:
+        canvas: The picture.
+        corners: First corner of each rectangle in the frame of the camera (m, 3) [m].
+        edges: Its edges (m, 2, 3) [m].
+        bases: Its normal, and vectors whose products with one of its points give s and t, (m, 3, 3).
+    """
+    view = canvas.view
+    points = corners[:, None] + np.stack([0.0 * corners, edges[:, 0], edges[:, 1], edges[:, 0] + edges[:, 1]], axis=1)
+    chosen = _in_sight(view, np.einsum("ij,ij->i", bases[:, 0], corners) < 0.0, points)
+    corners, bases, points = corners[chosen], bases[chosen], points[chosen]
+    along = np.einsum("ijk,ik->ij", bases, corners)
+    forms = bases.copy()
+    forms[:, 0] /= along[:, :1]
+    forms[:, 1:] -= along[:, 1:, None] * forms[:, :1]
+    low, high = _windows(view, points)
+    rows, columns = (rays[np.stack([low[:, axis], high[:, axis] - 1])] for rays, axis in ((canvas.rows, 1), (canvas.columns, 0)))
+    nearest = (forms[:, 0, 1] * rows).max(axis=0) + (forms[:, 0, 0] * columns).max(axis=0) + forms[:, 0, 2]
+    return [
+        Sight(int(chosen[i]), (slice(low[i, 1], high[i, 1]), slice(low[i, 0], high[i, 0])), forms[i], float(nearest[i]))
+        for i in np.argsort(-nearest, kind="stable").tolist()
+        if (low[i] < high[i]).all()
+    ]
+
+
+def _in_sight(view: CameraView, facing: NDArray[np.bool_], points: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Numbers of the rectangles that face the camera and whose corners (m, 4, 3) reach into its pyramid."""
+    width, height = view.size
+    slope_x, slope_y = (0.5 * (side + 2) / abs(view.intrinsics()[0, 0]) * points[..., 2] for side in (width, height))
+    x, y, z = points[..., 0], points[..., 1], points[..., 2]
+    outside = [x > slope_x, -x > slope_x, y > slope_y, -y > slope_y, z < view.near]
+    return np.flatnonzero(facing & ~np.any([side.all(axis=1) for side in outside], axis=0))
+
+
+def _windows(view: CameraView, points: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """First and one beyond the last column and row (m, 2) that rectangles with corners (m, 4, 3) can cover."""
+    k, depths = view.intrinsics(), points[..., 2]
+    is_before = depths.min(axis=1) >= _CLOSE
+    pixels = points[..., :2] / np.where(is_before[:, None], depths, 1.0)[..., None] @ k[:2, :2] + k[:2, 2]
+    low = np.clip(np.floor(pixels.min(axis=1)), 0, np.array(view.size) - 1).astype(int)
+    high = np.clip(np.ceil(pixels.max(axis=1)) + 1, 0, view.size).astype(int)
+    low[~is_before], high[~is_before] = 0, view.size
+    return low, np.maximum(high, 1)
