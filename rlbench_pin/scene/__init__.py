@@ -8,12 +8,23 @@ from rlbench_pin.front_door import front_door
 from rlbench_pin.scene.model_files import resolve_asset
 from rlbench_pin.scene.reader import read_scene
 from rlbench_pin.scene.snapshot import BodySnapshot, Shape, WorldSnapshot
-from rlbench_pin.scene.spec import BodySpec, FrameSpec, JointSpec, PlacementSpec, RegionSpec, SceneSpec, SensorSpec, WaypointSpec
+from rlbench_pin.scene.spec import (
+    BodySpec,
+    DepartureSpec,
+    FrameSpec,
+    JointSpec,
+    PlacementSpec,
+    RegionSpec,
+    SceneSpec,
+    SensorSpec,
+    WaypointSpec,
+)
 from rlbench_pin.scene.writer import write_scene
 
 __all__ = [
     "BodySnapshot",
     "BodySpec",
+    "DepartureSpec",
     "FrameSpec",
     "JointSpec",
     "PlacementSpec",

@@ -32,6 +32,7 @@ def check_scene(spec: SceneSpec) -> None:
         _check_sensor(spec, sensor)
     _check_waypoints(spec)
     _check_bounds(spec)
+    _check_departures(spec)
 
 
 def table_of(item: PosedSpec) -> str:
@@ -62,13 +63,21 @@ def _check_names(spec: SceneSpec) -> None:
 def _check_assets(spec: SceneSpec, body: BodySpec) -> Urdf:
     path = resolve_asset(spec, body.asset)
     needed_by = f"body '{body.name}' of {Path(spec.file).name}"
-    if not path.is_file():
+    if not _is_file(path):
         raise AssetNotFound(body.asset, needed_by)
     urdf = read_urdf(path, needed_by)
     for file in (*urdf.meshes, *urdf.textures):
-        if not file.is_file():
+        if not _is_file(file):
             raise AssetNotFound(file, f"{body.asset}, {needed_by}")
     return urdf
+
+
+def _is_file(path: Path) -> bool:
+    """Whether there is such a file; a name that no file can have is that of none."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def _check_parents(spec: SceneSpec, models: dict[str, Urdf]) -> None:
@@ -150,3 +159,10 @@ def _check_bounds(spec: SceneSpec) -> None:
     low, high = spec.placement.yaw
     if low > high:
         raise SceneFileError(spec.file, "[placement], key 'yaw'", f"the lower bound {low} is above the upper bound {high}.")
+
+
+def _check_departures(spec: SceneSpec) -> None:
+    names = [departure.name for departure in spec.departure]
+    for name in names:
+        if names.count(name) > 1:
+            raise SceneFileError(spec.file, f"[[departure]] '{name}'", "it is described twice.")

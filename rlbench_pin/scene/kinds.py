@@ -89,6 +89,8 @@ Force = Annotated[Number, Kind("number", "N m or N")]
 Stiffness = Annotated[Number, Kind("number", "N m/rad or N/m")]
 Damping = Annotated[Number, Kind("number", "N m s/rad or N s/m")]
 Name = Annotated[str, Field(pattern=NAME_PATTERN, max_length=100), Kind("name", bounds="small letters, digits, `_`; at most 100")]
+Words = Annotated[str, Field(min_length=1, max_length=500), Kind("text", bounds="1 to 500 characters")]
+"""What people read."""
 Direction = Annotated[tuple[Length, Length, Length], Kind("3 numbers", bounds="not all 0")]
 """A vector whose length does not matter."""
 Pose7 = tuple[Length, Length, Length, Number, Number, Number, Number]

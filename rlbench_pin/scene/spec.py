@@ -36,6 +36,7 @@ from rlbench_pin.scene.kinds import (
     Size,
     Stiffness,
     Switch,
+    Words,
 )
 from rlbench_pin.spatial import TABLE_HEIGHT
 
@@ -217,6 +218,21 @@ class PlacementSpec(Spec):
     """Centre of the patch in the root frame."""
 
 
+class DepartureSpec(Spec):
+    """What differs from the specification of the task, for people to read; it changes nothing."""
+
+    name: Words
+    """What differs: a figure such as `yaw` or `sensor hook`, or a few words; unique in the file."""
+    specified: Words
+    """What the specification says."""
+    here: Words
+    """What is so in this scene, or in the class beside it."""
+    reason: Words
+    """Why."""
+    binding: Switch = False
+    """The specification asks for it; otherwise it proposes a value that a scene may choose."""
+
+
 class SceneSpec(Spec):
     """A whole scene file."""
 
@@ -229,6 +245,7 @@ class SceneSpec(Spec):
     region: tuple[RegionSpec, ...] = Field(default=(), max_length=MOST_THINGS)
     sensor: tuple[SensorSpec, ...] = Field(default=(), max_length=MOST_THINGS)
     waypoint: tuple[WaypointSpec, ...] = Field(default=(), max_length=MOST_WAYPOINTS)
+    departure: tuple[DepartureSpec, ...] = Field(default=(), max_length=MOST_THINGS)
     file: str = Field(default="", exclude=True)
     """Where the scene was read from; not part of the file."""
 

@@ -20,6 +20,7 @@ from rlbench_pin.scene.short_forms import ShortFormError, placement_for_file, wr
 from rlbench_pin.scene.spec import (
     FORMAT,
     BodySpec,
+    DepartureSpec,
     FrameSpec,
     JointSpec,
     PlacementSpec,
@@ -39,6 +40,7 @@ _TABLES: Mapping[str, type[Spec]] = {
     "region": RegionSpec,
     "sensor": SensorSpec,
     "waypoint": WaypointSpec,
+    "departure": DepartureSpec,
 }
 _TABLE_OF = {model: table for table, model in _TABLES.items()}
 _POSES = frozenset({"pose", "points"})

@@ -13,6 +13,7 @@ from rlbench_pin.tasks import LIBRARY
 
 CUBE = 'asset = "objects/cube/cube.urdf"'
 CHEST = '[[body]]\nname = "chest"\nasset = "objects/chest/chest.urdf"\n'
+DEPARTURE = '[[departure]]\nname = "yaw"\nspecified = "0"\nhere = "1"\nreason = "because"\n'
 
 MISTAKES = {
     "no format": ("", "key 'format'", "format = 2"),
@@ -106,6 +107,14 @@ MISTAKES = {
     ),
     "sensor size zero": ('format = 1\n[[sensor]]\nname = "a"\nshape = "sphere"\nsize = [0]', "key 'size.0'", "greater than 0"),
     "region size": ('format = 1\n[[region]]\nname = "a"\nsize = [1, 0, 0]', "[[region]] 'a', key 'size.1'", "greater than 0"),
+    "departure without reason": (
+        'format = 2\n[[departure]]\nname = "yaw"\nspecified = "0"\nhere = "1"',
+        "[[departure]] 'yaw'",
+        "'reason' is missing",
+    ),
+    "empty departure": (f"format = 2\n{DEPARTURE}".replace("because", ""), "[[departure]] 'yaw', key 'reason'", "1 character"),
+    "misspelt departure": (f"format = 2\n{DEPARTURE}why = 1", "key 'why'", "Known keys: binding, here, name, reason, specified"),
+    "departure twice": (f"format = 2\n{DEPARTURE}{DEPARTURE}", "[[departure]] 'yaw'", "twice"),
     "yaw bounds": ("format = 1\n[placement]\nyaw = [1, 0]", "[placement], key 'yaw'", "above the upper bound"),
 }
 
@@ -141,6 +150,8 @@ def test_a_missing_asset_is_named_with_the_body_that_needs_it(tmp_path: Path) ->
     """Neither a URDF nor a mesh may be missing."""
     with pytest.raises(AssetNotFound, match="objects/none/none.urdf.* needed by body 'a' of scene.toml"):
         read_scene(written(tmp_path, 'format = 1\n[[body]]\nname = "a"\nasset = "objects/none/none.urdf"'))
+    with pytest.raises(AssetNotFound, match="aaaa.* needed by body 'a'"):
+        read_scene(written(tmp_path, f'format = 1\n[[body]]\nname = "a"\nasset = "{"a" * 5000}"'))
     urdf = '<robot name="m"><link name="m"><visual><geometry><mesh filename="m.obj"/></geometry></visual></link></robot>'
     (tmp_path / "m.urdf").write_text(urdf)
     with pytest.raises(AssetNotFound, match=r"m\.obj.* needed by \./m\.urdf, body 'a'"):

@@ -1,0 +1,54 @@
+"""Write the table of docs/departures.md from the `[[departure]]` entries of the library's scenes.
+
+The prose around it is written by hand. With `--check` nothing is written; it only says whether the page is out of date.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from reference_lib.docs import table
+from update_readme import replace_part
+
+from rlbench_pin.tasks import library_names, task_class, task_scene
+
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "departures.md"
+HEAD = ("Task", "What", "Kind", "Specified", "Here", "Reason")
+
+
+def rows() -> Iterator[tuple[str, ...]]:
+    """Yield one row per departure, and one for each task that has none."""
+    for name in library_names():
+        departures = task_scene(task_class(name)).departure
+        if not departures:
+            yield (f"`{name}`", "none", "", "", "", "")
+        for number, entry in enumerate(departures):
+            kind = "asked" if entry.binding else "proposed"
+            yield ("" if number else f"`{name}`", entry.name, kind, entry.specified, entry.here, entry.reason)
+
+
+def written_anew() -> tuple[str, str]:
+    """Return the page as it is, and as it should be."""
+    before = PAGE.read_text(encoding="utf-8")
+    return before, replace_part(before, "departures", f"\n{table(HEAD, list(rows()))}\n")
+
+
+def main() -> int:
+    """Update, or check."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 when the page is out of date")
+    arguments = parser.parse_args()
+    before, after = written_anew()
+    if not arguments.check:
+        PAGE.write_text(after, encoding="utf-8")
+    print(f"{'out of date' if arguments.check else 'updated'}: {'nothing' if before == after else PAGE.name}")
+    return int(arguments.check and before != after)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
