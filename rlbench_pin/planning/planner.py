@@ -75,7 +75,7 @@ class MotionPlanner:
             q_start: Where the arm is (n,), [rad]; at most 1e-3 rad beyond the joint limits, then the motion begins at them.
             pose: Goal of the tip in the world (7,), or a list of equally good ones, or a region of them.
             straight: True: only along a straight line of the tip; False: never tried; None: tried first.
-            ignore_collisions: Plan as if nothing could be touched.
+            ignore_collisions: Plan as if nothing in the world could be touched; the arm never touches itself.
             allowed: Names of bodies that may be touched.
             rng: Draws IK starts, samples and shortcuts.
 
@@ -97,7 +97,7 @@ class MotionPlanner:
                 found = self._straight(stages, q, poses, rules, limit=len(poses) if straight else 2, must=bool(straight))
                 if found is not None:
                     return self._close(stages, found, rules)
-            goals = self._goals(stages, q, poses, rng, None if ignore_collisions else self.collision)
+            goals = self._goals(stages, q, poses, rng, self.collision)
             return self._close(stages, self._search(stages, q, goals, rules, rng), rules)
 
     def plan_to_configuration(
@@ -113,7 +113,7 @@ class MotionPlanner:
         q, goal = self._checked(q_start, rng, allowed, free=ignore_collisions), self._within(q_goal, "goal configuration")
         with self._open(PlanRequest("configuration", q_start, q_goal, ignore_collisions, tuple(allowed))) as stages:
             rules = self._rules(stages, q, allowed, ignore_collisions)
-            if not ignore_collisions and self.collision.goal_in_collision(goal):
+            if self.collision.goal_in_collision(goal):
                 pairs, depths = self.collision.penetrations(goal)
                 raise GoalInCollision(pairs, 1, depths)
             return self._close(stages, self._search(stages, q, [(goal, 0)], rules, rng), rules)
@@ -133,7 +133,7 @@ class MotionPlanner:
         with self._open(PlanRequest("curve", q_start, poses, ignore_collisions, tuple(allowed))) as stages:
             rules = self._rules(stages, q, allowed, ignore_collisions)
             with stages.stage("straight"):
-                path = through(curve_path(self.model, q, poses, None if rules is None else rules.is_free))
+                path = through(curve_path(self.model, q, poses, rules.is_free))
                 self._require_free(path, rules)
             return self._close(stages, _Found(path, "curve", len(poses) - 1), rules)
 
@@ -173,15 +173,14 @@ class MotionPlanner:
         """Return the nearest configuration (n,) within the joint limits, at most `FORGIVEN` away."""
         return np.clip(as_configuration(self.model, q, what), self.limits.lower, self.limits.upper)
 
-    def _rules(self, stages: Stages, q: FloatArray, allowed: Collection[str], ignore_collisions: bool) -> Rules | None:
-        if ignore_collisions:
-            return None
+    def _rules(self, stages: Stages, q: FloatArray, allowed: Collection[str], ignore_collisions: bool) -> Rules:
+        config, world = self.config, not ignore_collisions
         with stages.stage("rules"):
-            self.collision.begin(q, margin=self.config.margin, own=self.config.own_margin, allowed=allowed)
-        return Rules(self.collision, self.config, Prover(self._arm_shapes, self.collision))
+            self.collision.begin(q, margin=config.margin, own=config.own_margin, allowed=allowed, world=world)
+        return Rules(self.collision, config, Prover(self._arm_shapes, self.collision), world)
 
     def _straight(
-        self, stages: Stages, q: FloatArray, poses: list[FloatArray], rules: Rules | None, limit: int, must: bool
+        self, stages: Stages, q: FloatArray, poses: list[FloatArray], rules: Rules, limit: int, must: bool
     ) -> _Found | None:
         """Try the straight lines to the `limit` poses that need the least turning; None when there is none."""
         here = self.model.tip_pose(q)
@@ -197,9 +196,9 @@ class MotionPlanner:
             raise failure
         return None
 
-    def _line(self, q: FloatArray, pose: FloatArray, rules: Rules | None) -> JointPath:
+    def _line(self, q: FloatArray, pose: FloatArray, rules: Rules) -> JointPath:
         points = straight_path(self.model, q, pose)
-        if rules is not None and not rules.is_free(points[-1]):
+        if not rules.is_free(points[-1]):
             if self.collision.goal_in_collision(points[-1]):
                 raise NotStraight(1.0, "its end touches something")
             self.collision.relax(points[-1])
@@ -207,8 +206,8 @@ class MotionPlanner:
         self._require_free(path, rules)
         return path
 
-    def _require_free(self, path: JointPath, rules: Rules | None) -> None:
-        hit = None if rules is None else rules.first_violation(path)
+    def _require_free(self, path: JointPath, rules: Rules) -> None:
+        hit = rules.first_violation(path)
         if hit is not None:
             raise NotStraight(hit, "something is in the way", self.collision.colliding_pairs(path(hit)))
 
@@ -250,12 +249,10 @@ class MotionPlanner:
         stages: Stages,
         q: FloatArray,
         goals: list[tuple[FloatArray, int]],
-        rules: Rules | None,
+        rules: Rules,
         rng: np.random.Generator,
     ) -> _Found:
         """Find a smooth free path to one of the goals: the joints' line if that is free, around obstacles otherwise."""
-        if rules is None:
-            return _Found(along(np.array([q, goals[0][0]]), 1.0), "direct", goals[0][1])
         with stages.stage("search"):
             for goal, index in goals:
                 self.collision.relax(goal)
@@ -277,7 +274,7 @@ class MotionPlanner:
                 return path_around(q, goals, rules, self.limits, rng, stages)
         return path_around(q, goals, rules, self.limits, rng, stages)
 
-    def _close(self, stages: Stages, found: _Found, rules: Rules | None) -> Plan:
+    def _close(self, stages: Stages, found: _Found, rules: Rules) -> Plan:
         with stages.stage("retime"):
             arc = ArcLimits(self.config.max_velocity, self.config.max_acceleration)
             trajectory = retime(found.path, self.limits, arc=arc, torque=self.torque, jerk_time=self.config.jerk_time)
@@ -285,12 +282,14 @@ class MotionPlanner:
             method=found.method,
             goal=found.goal,
             length=found.path.length(),
-            checks=self.collision.checks - stages.checks + (0 if rules is None else rules.measured),
+            checks=self.collision.checks - stages.checks + rules.measured,
             clearance=self._clearance(found.path) if self.config.measure_clearance else None,
             seconds=stages.seconds,
-            certified=rules is not None and self.config.certify,
-            doubts=0 if rules is None else rules.doubts,
+            certified=rules.world and self.config.certify,
+            doubts=rules.doubts,
         )
+        if not rules.world:
+            self.collision.clear()  # what is asked about the end of the motion is meant of everything
         stages.plan = Plan(trajectory, found.path.spread(0.05)[1], report)
         return stages.plan
 

@@ -22,6 +22,8 @@ class Rules:
     """Resolution and budget of the checks."""
     prover: Prover
     """Proves paths of this motion."""
+    world: bool = True
+    """Whether the world counts; otherwise the arm alone, with what it holds."""
     doubts: int = 0
     """Paths that passed every sample and could not be certified."""
     measured: int = 0

@@ -1,7 +1,6 @@
 """Does a configuration touch anything? The arm, what it holds and the world of a snapshot, by Coal.
 
-`update` takes a snapshot, `begin` sets the rules of one motion (what may be touched, how much clearance), and then
-`in_collision` answers in a few tens of microseconds.
+`update` takes a snapshot, `begin` the rules of one motion (what may be touched, how much clearance), then `in_collision` answers.
 """
 
 from __future__ import annotations
@@ -83,12 +82,14 @@ class CollisionModel:
         self._allow(as_names(names, "names"))
         self._apply()
 
-    def begin(self, q_start: FloatArray, *, margin: float = 0.0, own: float = 0.0, allowed: Collection[str] = ()) -> None:
+    def begin(
+        self, q_start: FloatArray, *, margin: float = 0.0, own: float = 0.0, allowed: Collection[str] = (), world: bool = True
+    ) -> None:
         """Set the rules of one motion from where it starts.
 
         World bodies keep `margin` [m] from the arm and links `own` [m] from each other, but what is nearer at the start may
         stay as near. Links of objects that touch the arm at the start may be touched; the room and a held body's surroundings
-        only as deep as they are.
+        only as deep as they are. Only the arm counts without `world`, and a start is not refused then.
 
         Raises:
             StartInCollision: The start penetrates the room or the arm itself.
@@ -96,12 +97,12 @@ class CollisionModel:
         q_start = as_vector(q_start, self.model.size, "start configuration")
         margin, own = as_number(margin, "margin [m]", least=0.0), as_number(own, "own [m]", least=0.0)
         as_names(allowed, "allowed")
-        self._active = np.ones(self._active.shape, dtype=bool)
+        self._active = np.ones(self._active.shape, dtype=bool) if world else ~self._geometry.crosses
         self._margins = np.where(self._geometry.crosses, margin, own)
         self._allow(allowed)
         self._apply()
         if self.in_collision(q_start):
-            self._admit_start(q_start)
+            self._admit_start(q_start, world)
 
     def relax(self, q: FloatArray) -> None:
         """Lower the clearance of this motion where configuration `q`, its goal, is nearer to something."""
@@ -149,8 +150,8 @@ class CollisionModel:
         self._active[named, :] = False
         self._active[:, named] = False
 
-    def _admit_start(self, q_start: FloatArray) -> None:
-        """Loosen the rules where the start already breaks them."""
+    def _admit_start(self, q_start: FloatArray, refuses: bool) -> None:
+        """Loosen the rules where the start already breaks them; `refuses` those that break them far."""
         refused: dict[tuple[str, str], float] = {}
         for k, depth in self._near(q_start):
             a, b = self._geometry.owners_of(k)
@@ -163,7 +164,7 @@ class CollisionModel:
                 refused[a.label, b.label] = max(-depth, refused.get((a.label, b.label), 0.0))
             slack = SLACK if depth < TOUCH else min(SLACK, 0.5 * depth)
             self._set_margin(k, -np.inf if depth < -DEEPEST else depth - slack)
-        if refused:
+        if refused and refuses:
             pairs = sorted(refused)
             raise StartInCollision(pairs, [refused[pair] for pair in pairs])
         self._apply()

@@ -88,12 +88,39 @@ def test_only_straight_means_only_straight(planner: MotionPlanner, boxes: Boxes,
 
 
 def test_collisions_can_be_ignored(planner: MotionPlanner, boxes: Boxes, rng: np.random.Generator) -> None:
-    """Without collision checks the screen does not matter, and nothing is checked."""
+    """Without collision checks the screen does not matter."""
     planner.update(boxes.snapshot(boxes.screen()))
     right = planner.plan_to_pose(HOME, RIGHT, rng=rng).trajectory.q[-1]
     plan = planner.plan_to_pose(right, LEFT, ignore_collisions=True, rng=rng)
-    assert plan.report.checks == 0
+    assert not plan.report.certified
     assert plan.report.method == "straight"
+
+
+def test_a_motion_that_ignores_collisions_never_folds_the_arm_into_itself(model: RobotModel, planner: MotionPlanner) -> None:
+    """Where the joints' line would, another way is found; what the world has there does not matter."""
+    judge, rng, found = MotionPlanner(model).collision, np.random.default_rng(3), 0
+    planner.update(WorldSnapshot((), HOME, np.full(2, 0.04)))
+    while found < 4:
+        q, goal = rng.uniform(model.limits.lower, model.limits.upper, (2, model.size))
+        line = [q + s * (goal - q) for s in np.linspace(0.0, 1.0, 30)]
+        if judge.colliding_pairs(q) or judge.colliding_pairs(goal) or not any(judge.colliding_pairs(p) for p in line):
+            continue
+        found += 1
+        plan = planner.plan_to_configuration(q, goal, ignore_collisions=True, rng=rng)
+        assert not plan.report.certified
+        assert not any(judge.colliding_pairs(p) for p in plan.trajectory.q)
+    assert planner.collision.distances(HOME)[0].distance > 0.0
+
+
+def test_a_goal_inside_the_arm_itself_is_refused_although_collisions_are_ignored(
+    model: RobotModel, planner: MotionPlanner
+) -> None:
+    """The error names the links."""
+    judge, rng = MotionPlanner(model).collision, np.random.default_rng(0)
+    folded = next(q for q in rng.uniform(model.limits.lower, model.limits.upper, (500, model.size)) if judge.goal_in_collision(q))
+    with pytest.raises(GoalInCollision) as refusal:
+        planner.plan_to_configuration(HOME, folded, ignore_collisions=True, rng=rng)
+    assert all("panda_" in link for pair in refusal.value.pairs for link in pair)
 
 
 def test_an_allowed_body_is_no_obstacle(planner: MotionPlanner, boxes: Boxes, rng: np.random.Generator) -> None:
