@@ -83,6 +83,13 @@ def test_both_pins_have_to_reach_the_bottom_of_their_holes(goal: Goal) -> None:
     for turn in np.eye(3):
         goal.border(lambda angle, u=turn: goal.put("charger", in_holes, angle * u, on="panel"), inside=0.065, outside=0.31)
     goal.border(lambda yaw: goal.put("charger", in_holes, (0.0, 0.0, yaw), on="panel"), inside=0.068, outside=0.0695)
+    for side in (-0.01, 0.01):  # one pin stays in its hole
+
+        def roll(angle: float, y: float = side) -> None:
+            """Turn the charger about a pin [rad]."""
+            goal.put("charger", (in_holes[0], y - y * np.cos(angle), 0.15 - y * np.sin(angle)), (angle, 0.0, 0.0), on="panel")
+
+        goal.border(roll, inside=0.14, outside=0.16)
     for place in ((-0.042, 0.0, 0.15), (in_holes[0], 0.02, 0.15), (in_holes[0], -0.02, 0.15)):
         goal.put("charger", place, on="panel")
         assert not goal.reached()

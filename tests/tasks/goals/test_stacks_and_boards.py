@@ -28,8 +28,12 @@ def test_a_tower_has_to_have_the_asked_height_and_colour(goal: Goal) -> None:
     goal.put("distractor0", (0.0, 0.2, 0.025))
     top = blocks[3]
     place = (0.0, 0.0, 0.05 * height - 0.025)
-    goal.ends(top, place, on="square", x=(-0.0275, 0.0275), y=(-0.0275, 0.0275), z=(-0.03, 0.03))
+    goal.ends(top, place, on="square", x=(-0.0275, 0.0275), y=(-0.0275, 0.0275), z=(-0.03, 0.03), within=3e-4)
     goal.needs_release_of(top)
+    goal.put(blocks[height - 2], (0.2, 0.2, 0.025))
+    goal.put(top, (0.0, 0.0, 0.05 * height - 0.0645), (np.pi / 4.0, 0.0, 0.0), on="square")  # on its edge it fills two levels
+    assert not goal.reached()
+    stack(goal, [*blocks[: height - 1], top])
     stack(goal, ["distractor0"], lowest=height)
     assert goal.reached()
 
@@ -111,12 +115,11 @@ def test_every_square_has_to_have_its_piece(goal: Goal) -> None:
     last = f"piece{loose[-1]}"
     goal.ends(last, (0.0, 0.0, 0.001), on=f"square{loose[-1]}", x=(-0.025, 0.025), y=(-0.025, 0.025), z=(0.009,), within=5e-4)
     goal.needs_release_of(last)
-    settled = next(i for i in range(24) if i not in loose)
-    goal.put(f"piece{settled}", (0.0, 0.0, 0.013), on=f"square{settled}")
-    assert not goal.reached()
-    goal.put(f"piece{settled}", (0.0, 0.3, 0.006))
-    assert not goal.reached()
-    goal.put(f"piece{settled}", (0.0, 0.0, 0.001), on=f"square{settled}")
+    for i in range(24):
+        for place, on in (((0.0, 0.0, 0.013), f"square{i}"), ((0.0, 0.3, 0.006), "root")):
+            goal.put(f"piece{i}", place, on=on)
+            assert not goal.reached()
+        goal.put(f"piece{i}", (0.0, 0.0, 0.001), on=f"square{i}")
     assert goal.reached()
 
 
