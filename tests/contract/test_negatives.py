@@ -1,40 +1,115 @@
-"""No accidental success: a demonstration without its decisive action reaches no goal."""
+"""No accidental success: a demonstration without its decisive action, or with a faulty one, reaches no goal."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
 import pytest
 
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.demonstrate import DemoPlayer, Omission, try_play
-from rlbench_pin.tasks import task_class
+from rlbench_pin.tasks import Task, task_class
 
-NO_GRASP = Omission(grasps=True)
-OMISSIONS = {
-    "beat_the_buzz": NO_GRASP,
-    "close_microwave": Omission(waypoints=(1,)),
-    "open_door": Omission(waypoints=(3, 4)),  # the swing alone also turns the lever, as the hand slides along it
-    "open_oven": Omission(waypoints=(2, 3, 4)),
-    "push_button": Omission(waypoints=(1,)),
-    "push_buttons": Omission(waypoints=(1,)),
-    "reach_target": Omission(waypoints=(0,)),
-    "slide_block_to_target": Omission(waypoints=(1,)),
+
+@dataclass(frozen=True)
+class Negative:
+    """What is done wrong in a demonstration."""
+
+    omit: Omission = Omission()
+    """What is left out."""
+    spoil: Callable[[Task], None] = lambda task: None
+    """Changes the script of an episode that has begun."""
+    done: Callable[[Task], bool] = lambda task: True
+    """What must have been done in the end all the same, lest the demonstration fails for another reason."""
+    variation: int = -1
+    """Variation; -1 draws one."""
+
+
+def moved(name: str, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Callable[[Task], None]:
+    """Return what moves a waypoint in the axes of its parent [m]."""
+
+    def move(task: Task) -> None:
+        frame = task.world.frame(name)
+        frame.set_local([*(frame.local[:3] + [x, y, z]), *frame.local[3:]])
+
+    return move
+
+
+def holding(name: str) -> Callable[[Task], bool]:
+    """Return the question whether a body is held."""
+    return lambda task: name in task.gripper.grasped
+
+
+def press_backwards(task: Task) -> None:
+    """Press three buttons from the last to the first."""
+    task.register_waypoint_ability_start(0, lambda waypoint: waypoint.frame.set_parent(f"button{2 - task.round}"))
+
+
+def pull_without_a_turn(task: Task) -> None:
+    """Pull the hand straight up, as it is."""
+    task.world.frame("waypoint2").set_local([0.0, 0.0, -0.12, 0.0, 0.0, 0.0, 1.0])
+
+
+def tip_is_near_the_ball(task: Task) -> bool:
+    """Whether the tip has come near the ball, whose radius is 2.5 cm."""
+    return float(np.linalg.norm(task.robot.tip_pose()[:3] - task.world.body("target").position)) < 0.035
+
+
+def charger_hangs_half_in(task: Task) -> bool:
+    """Whether the charger was let go and stays with its pins in their holes."""
+    charger, panel = task.world.body("charger").position, task.world.body("panel").position
+    return not task.gripper.grasped and bool(charger[2] - panel[2] > 0.13)
+
+
+def loose_brick_is_out(task: Task) -> bool:
+    """Whether the loose brick was let go outside the tower."""
+    return not task.gripper.grasped and not task.world.sensor("around").detects("target")
+
+
+def all_buttons_are_green(task: Task) -> bool:
+    """Whether every button was pressed."""
+    return all(task.green)
+
+
+NO_GRASP = Negative(Omission(grasps=True))
+NEGATIVES = {
+    "beat_the_buzz": Negative(spoil=moved("waypoint2", z=0.03), done=holding("wand")),  # the ring touches the rod
+    "close_microwave": Negative(Omission(waypoints=(1,))),
+    "hockey": Negative(Omission(waypoints=(4,)), done=holding("stick")),
+    "insert_onto_square_peg": Negative(Omission(waypoints=(4,)), done=holding("ring")),  # above the pillar
+    "open_door": Negative(Omission(waypoints=(3, 4))),  # the swing alone also turns the lever, as the hand slides along it
+    "open_oven": Negative(Omission(waypoints=(2, 3, 4))),
+    "open_wine_bottle": Negative(Omission(waypoints=(1,)), pull_without_a_turn),
+    "pick_and_lift": Negative(Omission(waypoints=(2, 3)), done=holding("block")),
+    "play_jenga": Negative(spoil=moved("waypoint2", x=-0.0566, z=-0.0566), done=loose_brick_is_out),  # upwards: the tower falls
+    "plug_charger_in_power_supply": Negative(spoil=moved("waypoint3", x=-0.006), done=charger_hangs_half_in),
+    "push_button": Negative(Omission(waypoints=(1,))),
+    "push_buttons": Negative(spoil=press_backwards, done=all_buttons_are_green, variation=2),
+    "reach_target": Negative(spoil=moved("waypoint0", z=0.03), done=tip_is_near_the_ball),
+    "screw_nail": Negative(Omission(waypoints=(5,)), done=holding("screwdriver")),
+    "slide_block_to_target": Negative(Omission(waypoints=(1,))),
+    "take_lid_off_saucepan": Negative(Omission(waypoints=(2,)), done=holding("lid")),
 }
-"""What each task cannot do without; grasping where nothing is said."""
+"""What each task cannot do without, or must not do; grasping where nothing is said."""
 
 
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_without_its_decisive_action_it_fails(task_env: TaskEnvironment, seed: int) -> None:
     """The script runs as far as it can; the goal is not reached, at no moment of its last leg and not afterwards."""
-    omit = OMISSIONS.get(task_env.get_name(), NO_GRASP)
-    task_env.set_variation(-1)
+    negative = NEGATIVES.get(task_env.get_name(), NO_GRASP)
+    task_env.set_variation(negative.variation)
     task_env.reset(seed=seed)
-    cause, _ = try_play(DemoPlayer(task_env.runtime, record=False, omit=omit))
+    negative.spoil(task_env.task)
+    cause, _ = try_play(DemoPlayer(task_env.runtime, record=False, omit=negative.omit))
     assert cause, "reached without the decisive action"
     assert task_env.task.success()[0] is False
+    assert negative.done(task_env.task), f"it failed for another reason: {cause}"
     task_env.set_variation(0)
 
 
-@pytest.mark.parametrize("name", OMISSIONS)
+@pytest.mark.parametrize("name", NEGATIVES)
 def test_the_list_names_tasks_that_exist(name: str) -> None:
     """A renamed task must not lose its negative script."""
     assert task_class(name)

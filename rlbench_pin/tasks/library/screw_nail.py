@@ -14,8 +14,9 @@ class ScrewNail(Task):
         """The screwdriver may be grasped; success is a grasp, then a turn of the screw by 1.4 rad."""
         self.register_graspable_objects(["screwdriver"])
         held = Grasped(self.gripper, self.world.body("screwdriver"))
-        turned = JointMoved(self.world.joint("block/screw"), 1.4)
-        self.register_success_conditions([InOrder([held, turned])])
+        self.turned = JointMoved(self.world.joint("block/screw"), 1.4)
+        self.driven = InOrder([held, self.turned])
+        self.register_success_conditions([self.driven])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
@@ -24,3 +25,8 @@ class ScrewNail(Task):
             "The screw needs another 90 degrees, so grip the screwdriver and drive it round.",
             "Rotate the block's screw by a quarter, the screwdriver in hand.",
         ]
+
+    def step(self) -> None:
+        """Count the turn of the screw from when the screwdriver is first held."""
+        if self.driven.passed == 0:
+            self.turned.reset()

@@ -4,25 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench_pin.tasks import Detected, NothingGrasped, Task, Waypoint
+from rlbench_pin.tasks import Condition, DetectedSeveral, NothingGrasped, Task, Waypoint
 
 FIRST, STEP = (-0.095, 0.319), 0.045
 """Place of the first loose piece beside the board, and the way to each next one along x [m]."""
 
 
 class SetupCheckers(Task):
-    """All 24 pieces must lie on their own squares, let go.
+    """All 24 pieces must lie on the squares that are theirs at the start of a game, let go.
 
-    One to three of them lie in a row beside the board; which ones varies.
+    One to three of them lie in a row beside the board; which ones varies. Those of one colour may change places.
     """
 
     def init_task(self) -> None:
-        """All pieces may be grasped; success is every piece on its own square, let go."""
+        """All pieces may be grasped; each round aims at the next loose one."""
         self.missing: list[int] = []
         self.pieces = [self.world.body(f"piece{i}") for i in range(24)]
         self.register_graspable_objects(piece.name for piece in self.pieces)
-        on_squares = [Detected(piece, self.world.sensor(f"square{i}")) for i, piece in enumerate(self.pieces)]
-        self.register_success_conditions([NothingGrasped(self.gripper), *on_squares])
         self.register_waypoint_ability_start(0, self._aim_at_next_piece)
 
     def variation_count(self) -> int:
@@ -30,7 +28,7 @@ class SetupCheckers(Task):
         return 3
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Draw the loose pieces and put them beside the board."""
+        """Draw the loose pieces and put them beside the board; success is a piece of its colour on every square, let go."""
         count = variation + 1
         self.missing = sorted(int(i) for i in rng.choice(24, count, replace=False))
         self.register_rounds(count)
@@ -39,7 +37,14 @@ class SetupCheckers(Task):
             place.set_local([FIRST[0] + k * STEP, FIRST[1], 0.006, 0.0, 0.0, 0.0, 1.0])
             self.pieces[index].set_pose(place.pose)
         self._aim_at_next_piece()
+        self.register_success_conditions([NothingGrasped(self.gripper), *(self._filled(square) for square in range(24))])
         return _sentences(count)
+
+    def _filled(self, square: int) -> Condition:
+        """Its own piece on a square; on one that is empty at first any loose piece of its colour, as they look the same."""
+        alike = [i for i in self.missing if (i < 12) == (square < 12)]
+        pieces = [self.pieces[i] for i in (alike if square in self.missing else [square])]
+        return DetectedSeveral(pieces, self.world.sensor(f"square{square}"), 1)
 
     def _aim_at_next_piece(self, waypoint: Waypoint | None = None) -> None:
         index = self.missing[self.round]

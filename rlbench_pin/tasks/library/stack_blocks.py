@@ -35,7 +35,7 @@ class StackBlocks(Task):
         return 3 * len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Colour and scatter the blocks; success is a tower of the asked height, let go."""
+        """Colour and scatter the blocks; success is one of them on each level of the tower, let go."""
         color, self.height = variation // 3, 2 + variation % 3
         name, rgb = COLORS[color]
         other = distractor_colors(rng, color, 1)[0].rgb
@@ -44,7 +44,8 @@ class StackBlocks(Task):
                 body.set_color(body_color)
         self.boundary.scatter([*self.blocks, *self.distractors], rng, min_distance=0.1)
         tower = DetectedSeveral(self.blocks, self.world.sensor("column"), self.height)
-        self.register_success_conditions([tower, NothingGrasped(self.gripper)])
+        levels = [DetectedSeveral(self.blocks, self.world.sensor(f"level{k}"), 1) for k in range(self.height)]
+        self.register_success_conditions([tower, *levels, NothingGrasped(self.gripper)])
         self.register_rounds(self.height)
         number = NUMBER[self.height]
         return [

@@ -7,7 +7,7 @@ import numpy as np
 from rlbench_pin.tasks import NO_ROTATION, BodySpec, ListEmpty, SpawnBoundary, Task
 
 STAINS = 50
-WIPING = 0.02
+WIPING = 0.015
 """The sponge wipes while its middle is less than this above where it lies on the table [m]."""
 
 

@@ -1,0 +1,74 @@
+"""Doors, lids and drawers: how far they have to move."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rlbench_pin.tasks import BodySpec
+from tests.tasks.goals.goal import Goal, goal_of
+
+
+@goal_of("close_microwave")
+def test_the_microwave_is_shut_by_forty_degrees(goal: Goal) -> None:
+    """The door starts at 1.5 rad and stays there until it is pushed; opening it further is nothing."""
+    door = goal.world.joint("microwave/door")
+    for _ in range(20):
+        goal.world.step()
+    assert door.position == pytest.approx(1.5, abs=1e-3)
+    goal.joint(door.name, door.upper)
+    assert not goal.reached()
+    goal.border(lambda angle: goal.joint(door.name, 1.5 - np.deg2rad(angle)), inside=40.2, outside=39.8)
+    goal.joint(door.name, 0.0)
+    assert goal.reached()
+
+
+@goal_of("open_box")
+def test_the_lid_has_to_pass_upright(goal: Goal) -> None:
+    """At 90 degrees it would fall shut again."""
+    goal.border(lambda angle: goal.joint("carton/lid_hinge", np.deg2rad(angle)), inside=90.2, outside=89.8)
+
+
+@goal_of("open_door")
+def test_the_door_has_to_swing_by_twenty_five_degrees(goal: Goal) -> None:
+    """Turning the lever alone is not enough."""
+    goal.joint("door/lever", 0.8)
+    goal.tick()
+    assert not goal.reached()
+    goal.border(lambda angle: goal.joint("door/leaf_hinge", np.deg2rad(angle)), inside=25.2, outside=24.8)
+
+
+@goal_of("open_door")
+def test_the_leaf_is_held_until_the_lever_was_down(goal: Goal) -> None:
+    """24.8 degrees do not free it, 25.2 do, and a lever that has sprung back does not hold it again."""
+    leaf = goal.world.joint("door/leaf_hinge")
+    for angle, held in ((24.8, True), (25.2, False), (0.0, False)):
+        goal.joint("door/lever", np.deg2rad(angle))
+        goal.tick()
+        assert leaf.locked is held
+        assert not goal.reached()
+    goal.joint(leaf.name, 1.0)
+    assert goal.reached()
+
+
+@goal_of("open_drawer", 0, 1, 2)
+def test_the_asked_drawer_has_to_come_out(goal: Goal) -> None:
+    """By 15 cm; the grasp goes to its handle, the others do not count, pushed back is undone."""
+    drawers = ("bottom", "middle", "top")
+    asked = next(name for name in drawers if name in goal.sentences[0])
+    np.testing.assert_allclose(goal.task.get_waypoints()[1].pose, goal.place_of(f"handle_{asked}"), atol=1e-9)
+    for other in set(drawers) - {asked}:
+        goal.joint(f"chest/drawer_{other}", 0.2)
+    assert not goal.reached()
+    goal.border(lambda way: goal.joint(f"chest/drawer_{asked}", way), inside=0.1505, outside=0.1495)
+
+
+@goal_of("open_oven")
+def test_the_oven_door_has_to_lie_flat(goal: Goal) -> None:
+    """It counts from 83.4 degrees on, with an empty hand; the knob is nothing."""
+    goal.joint("oven/knob", 2.0)
+    assert not goal.reached()
+    goal.border(lambda angle: goal.joint("oven/door", np.deg2rad(angle)), inside=83.6, outside=83.2)
+    goal.joint("oven/door", 1.57)
+    goal.world.add_body("dish", BodySpec(name="dish", asset="objects/cube_small/cube_small.urdf"))
+    goal.needs_release_of("dish")

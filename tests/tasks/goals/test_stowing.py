@@ -1,0 +1,155 @@
+"""Things that are put into, onto, beside or out of something."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rlbench_pin.tasks import COLORS
+from tests.tasks.goals.goal import Goal, goal_of
+from tests.tasks.running import begin, colors, running
+
+
+def test_rubbish_stands_in_any_of_three_places() -> None:
+    """Each about equally often; the tomatoes take the others."""
+    with running("put_rubbish_in_bin") as task:
+        clean, counts = task.world.save(), {}
+        for seed in range(60):
+            task.world.restore(clean)
+            begin(task, seed=seed)
+            x = round(float(task.rubbish.position[0]), 3)
+            counts[x] = counts.get(x, 0) + 1
+            assert len({round(float(b.position[0]), 3) for b in (task.rubbish, *task.tomatoes)}) == 3
+        assert len(counts) == 3
+        assert min(counts.values()) >= 10
+
+
+@goal_of("put_rubbish_in_bin")
+def test_the_paper_has_to_lie_at_the_bottom_of_the_bin(goal: Goal) -> None:
+    """A tomato in the bin does not count, nor does paper on the rim, above or beside it."""
+    goal.put("tomato0", (0.0, 0.0, 0.04), on="bin")
+    for place in ((0.0, 0.0, 0.2), (0.08, 0.0, 0.202), (0.106, 0.0, 0.022), (0.0, -0.106, 0.022)):
+        goal.put("rubbish", place, on="bin")
+        assert not goal.reached()
+    goal.ends("rubbish", (0.0, 0.0, 0.04), on="bin", z=(0.047,))
+
+
+@goal_of("meat_off_grill", 0, 1)
+def test_the_asked_meat_has_to_lie_beside_the_grill(goal: Goal) -> None:
+    """The grasp goes to it at the same height, only it counts, let go, and lower than 5 cm over the table."""
+    meats = goal.task.meats
+    meat, other = meats if meats[0] in goal.sentences[0] else meats[::-1]
+    grasp = goal.task.get_waypoints()[1].pose
+    np.testing.assert_allclose(grasp[:2], goal.world.body(meat).position[:2], atol=1e-9)
+    with running("meat_off_grill") as task:
+        assert grasp[2] == pytest.approx(task.world.frame("waypoint1").position[2])
+    goal.put(other, (0.0, -0.16, 0.02))
+    assert not goal.reached()
+    goal.put(other, (0.08, 0.12, 0.161))
+    low, high = goal.world.body(meat).bounds()
+    x, y = 0.1 + high[:2]
+    goal.ends(meat, (0.0, -0.16, -low[2]), x=(-x, x), y=(-y, y), z=(0.05,))
+    goal.needs_release_of(meat)
+
+
+@goal_of("put_groceries_in_cupboard", 0, 4, 8)
+def test_the_asked_item_has_to_be_on_the_lower_shelf(goal: Goal) -> None:
+    """Let go, whichever way up; on the upper shelf, under the lower one or in front it does not count, nor does another item."""
+    item = next(name for name in goal.task.items if f" {name.replace('_', ' ')}." in goal.sentences[0])
+    other = next(name for name in goal.task.items if name != item)
+    size = goal.world.body(item).bounds()[1]
+    goal.put(other, (0.0, 0.0, 0.265), on="cupboard")
+    for place in ((0.0, 0.0, 0.4075 + size[2]), (0.0, 0.0, size[2]), (-0.13 - size[0], 0.0, size[2])):
+        goal.put(item, place, on="cupboard")
+        assert not goal.reached()
+    (x, y), front = np.array([0.0975, 0.19]) + size[:2], -0.0075
+    goal.ends(item, (front, 0.0, 0.265), on="cupboard", x=(-x, x), y=(-y, y), z=(-0.08 - size[2], 0.08 + size[2]))
+    for rpy in ((np.pi / 2.0, 0.0, 0.0), (0.0, np.pi / 2.0, 0.0), (np.pi, 0.0, 0.0)):
+        goal.put(item, (front, 0.0, 0.165 + size.max()), rpy, on="cupboard")
+        assert goal.reached()
+    goal.needs_release_of(item)
+
+
+@goal_of("empty_container", 0, 9, 19)
+def test_all_three_things_have_to_lie_in_the_asked_tray(goal: Goal) -> None:
+    """Each of them, inside its walls and not above; the other tray does not count."""
+    asked = next(n for n in ("tray0", "tray1") if goal.world.body(n).color[:3] == asked_color(goal))
+    names, other = ("object0", "object1", "object2"), {"tray0": "tray1", "tray1": "tray0"}[asked]
+    for tray in (other, asked):
+        assert not goal.reached()
+        for name in names:
+            goal.put(name, (0.0, 0.0, 0.03), on=tray)
+        goal.tick()
+        assert goal.task.left == ([] if tray == asked else list(names))
+    for name in names:
+        low, high = goal.world.body(name).bounds()
+        goal.ends(name, (0.0, 0.0, 0.03), on=asked, x=(low[0] - 0.07, 0.07 + high[0]), z=(0.025 - low[2],))
+        goal.put(name, (0.0, 0.0, 0.03), on="big_tray")
+        assert not goal.reached()
+        goal.put(name, (0.0, 0.0, 0.03), on=asked)
+
+
+def asked_color(goal: Goal) -> tuple[float, ...]:
+    """Return the colour that the instructions name."""
+    return next(color.rgb for color in COLORS if f" {color.name} " in goal.sentences[0])
+
+
+@goal_of("weighing_scales", 0, 1, 2)
+def test_the_asked_pepper_has_to_be_weighed(goal: Goal) -> None:
+    """Let go on the tray, the needle at the weight of one pepper: another pepper, none, or two at a time do not count."""
+    asked = next(f"pepper_{color}" for color in goal.task.colors if f" {color} " in goal.sentences[0])
+    other = next(pepper.name for pepper in goal.task.peppers if pepper.name != asked)
+
+    def load(sunk: float, name: str = asked) -> None:
+        """Let the tray sink [m], with a pepper on it."""
+        goal.joint("scales/tray", 0.004 + sunk)
+        goal.put(name, (0.0, 0.0, 0.05), on="scales/tray_link")
+        goal.tick()
+
+    load(0.0083, other)
+    assert not goal.reached()
+    goal.put(other, (-0.15, 0.2, 0.035))
+    for pushed in (0.0, 0.0165):
+        load(pushed)
+        assert not goal.reached()
+    goal.border(load, inside=0.0063, outside=0.0061)
+    goal.border(load, inside=0.0097, outside=0.0099)
+    load(0.0083)
+    assert goal.world.joint("scales/needle").position == pytest.approx(-0.996)
+    goal.ends(asked, (0.0, 0.0, 0.05), on="scales/tray_link", x=(-0.108, 0.108), y=(-0.128, 0.128), z=(0.033,))
+    goal.needs_release_of(asked)
+
+
+@goal_of("empty_dishwasher")
+def test_the_plate_has_to_be_out_of_the_rack(goal: Goal) -> None:
+    """Wherever the rack is; pulled out with the rack it is not. Held in the air it counts."""
+    upright = (np.pi / 2.0, 0.0, 0.0)
+    place, on = (-0.053, 0.06, 0.0875), "dishwasher/rack_link"
+    for rack in (0.24, 0.0):
+        goal.joint("dishwasher/rack", rack)
+        for axis, border in (("x", -0.207), ("y", -0.2175), ("y", 0.0975), ("z", 0.1125)):
+            out, step = np.eye(3)["xyz".index(axis)], np.copysign(0.001, border)
+            goal.border(lambda by, u=out: goal.put("plate", place + by * u, upright, on), border + step, border - step)
+            goal.put("plate", place, upright, on)
+            assert not goal.reached()
+    goal.put("plate", (-0.053, 0.06, 0.21), upright, on)
+    assert goal.task.gripper.grasp("plate")
+    assert goal.reached()
+
+
+@goal_of("pour_from_cup_to_cup", 0, 10, 19)
+def test_all_drops_have_to_be_in_the_target_cup(goal: Goal) -> None:
+    """Every one of the twenty, in its lower part; another cup, its outside or the table do not count."""
+    source, target = (colors(goal.task, name)[0] for name in ("source", "target"))
+    named = [color.rgb for color in COLORS if f" {color.name} cup" in goal.sentences[0]]
+    assert sorted(named) == sorted([source, target])
+    for cup in ("distractor0", "target"):
+        assert not goal.reached()
+        for drop in goal.task.drops:
+            goal.put(drop, (0.0, 0.0, 0.02), on=cup)
+    assert len(goal.task.drops) == 20
+    for drop in goal.task.drops:
+        goal.put(drop, (0.045, 0.0, 0.005), on="target")
+        assert not goal.reached(), drop
+        goal.put(drop, (0.0, 0.0, 0.02), on="target")
+    goal.ends(goal.task.drops[-1], (0.0, 0.0, 0.02), on="target", x=(-0.03, 0.03), y=(-0.03, 0.03), z=(0.04,))
