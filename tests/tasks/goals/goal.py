@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -24,8 +25,18 @@ class Goal:
     """
 
     def __init__(self, task: Task, sentences: list[str]) -> None:
-        self.task, self.sentences = task, sentences
+        self.task = task
+        self._said = f" {' '.join(re.findall('[a-z]+', sentences[0].lower()))} "
         self.verdicts: set[bool] = set()
+
+    def says(self, word: str) -> bool:
+        """Return whether the first instruction names something, in any case; `_` is a space."""
+        return f" {word.replace('_', ' ')} " in self._said
+
+    def asked(self, words: Sequence[str]) -> int:
+        """Return the number of the one of some words that the first instruction names."""
+        (number,) = (i for i, word in enumerate(words) if self.says(word))
+        return number
 
     @property
     def world(self) -> World:

@@ -17,7 +17,7 @@ DOWN = 0.0032
 @goal_of("push_button", 0, 9, 17)
 def test_a_press_of_three_millimetres_counts_for_good(goal: Goal) -> None:
     """Then the cap turns green, and the goal stays reached when it has come up again."""
-    variation = BUTTON_COLORS.index(next(color for color in BUTTON_COLORS if f" {color.name} " in goal.sentences[0]))
+    variation = goal.asked([color.name for color in BUTTON_COLORS])
     assert colors(goal.task, "button") == [BUTTON_COLORS[variation].rgb]
     goal.joint("button/cap_joint", 0.0028)
     goal.tick()

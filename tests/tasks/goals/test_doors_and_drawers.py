@@ -55,7 +55,7 @@ def test_the_leaf_is_held_until_the_lever_was_down(goal: Goal) -> None:
 def test_the_asked_drawer_has_to_come_out(goal: Goal) -> None:
     """By 15 cm; the grasp goes to its handle, the others do not count, pushed back is undone."""
     drawers = ("bottom", "middle", "top")
-    asked = next(name for name in drawers if name in goal.sentences[0])
+    asked = drawers[goal.asked(drawers)]
     np.testing.assert_allclose(goal.task.get_waypoints()[1].pose, goal.place_of(f"handle_{asked}"), atol=1e-9)
     for other in set(drawers) - {asked}:
         goal.joint(f"chest/drawer_{other}", 0.2)

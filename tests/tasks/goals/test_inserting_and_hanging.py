@@ -13,7 +13,7 @@ LIT = (1.0, 1.0, 0.0)
 
 def asked(goal: Goal, names: tuple[str, ...]) -> str:
     """Return the body that shows the colour of the instructions."""
-    rgb = next(color.rgb for color in COLORS if f" {color.name} " in goal.sentences[0])
+    rgb = COLORS[goal.asked([color.name for color in COLORS])].rgb
     return next(name for name in names if goal.world.body(name).color[:3] == rgb)
 
 
@@ -59,10 +59,10 @@ def test_the_asked_bulb_has_to_stand_in_the_socket(goal: Goal) -> None:
 @goal_of("place_shape_in_shape_sorter", 0, 2, 4)
 def test_the_asked_shape_has_to_lie_in_the_sorter(goal: Goal) -> None:
     """On its floor: beside the box, on its lid or stuck in its hole it does not count, nor does another shape inside."""
-    words = dict(zip(goal.task.shapes, goal.task.words, strict=True))
-    shape = next(name for name, word in words.items() if f" {word} " in goal.sentences[0])
+    shapes = goal.task.shapes
+    shape = shapes[goal.asked(goal.task.words)]
     low, high = goal.world.body(shape).bounds()
-    for other in set(words) - {shape}:
+    for other in set(shapes) - {shape}:
         goal.put(other, (0.0, 0.0, 0.03), on="sorter")
         assert not goal.reached()
     places = [(0.0, 0.0, 0.099 - low[2]), (-0.0815 - high[0], 0.0, -low[2]), (0.0, 0.0815 - low[1], -low[2])]
@@ -120,7 +120,7 @@ def hang(goal: Goal, mug: int, spoke: int, out: float = 0.0, up: float = 0.0) ->
 @goal_of("place_cups", 0, 1, 2)
 def test_as_many_mugs_as_asked_have_to_hang(goal: Goal) -> None:
     """Whichever mugs on whichever spokes, let go; one fewer does not count, nor does one that is off the spoke."""
-    count = 1 + ("one", "two", "three").index(next(word for word in goal.sentences[0].split() if word in "one two three"))
+    count = 1 + goal.asked(("one", "two", "three"))
     beside = [goal.world.body(f"mug{i}").pose for i in range(3)]
     for start in range(3):
         mugs = [(start + k) % 3 for k in range(count)]

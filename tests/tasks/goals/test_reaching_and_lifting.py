@@ -13,7 +13,7 @@ from tests.tasks.running import begin, colors, running
 
 def asked_color(goal: Goal) -> int:
     """Return the number of the colour that the instructions name."""
-    return next(i for i, color in enumerate(COLORS) if f" {color.name} " in goal.sentences[0])
+    return goal.asked([color.name for color in COLORS])
 
 
 def test_reach_target_colours_and_spreads_its_balls() -> None:

@@ -38,7 +38,7 @@ def test_the_paper_has_to_lie_at_the_bottom_of_the_bin(goal: Goal) -> None:
 def test_the_asked_meat_has_to_lie_beside_the_grill(goal: Goal) -> None:
     """The grasp goes to it at the same height, only it counts, let go, and lower than 5 cm over the table."""
     meats = goal.task.meats
-    meat, other = meats if meats[0] in goal.sentences[0] else meats[::-1]
+    meat, other = meats if goal.says(meats[0]) else meats[::-1]
     grasp = goal.task.get_waypoints()[1].pose
     np.testing.assert_allclose(grasp[:2], goal.world.body(meat).position[:2], atol=1e-9)
     with running("meat_off_grill") as task:
@@ -55,7 +55,7 @@ def test_the_asked_meat_has_to_lie_beside_the_grill(goal: Goal) -> None:
 @goal_of("put_groceries_in_cupboard", 0, 4, 8)
 def test_the_asked_item_has_to_be_on_the_lower_shelf(goal: Goal) -> None:
     """Let go, whichever way up; on the upper shelf, under the lower one or in front it does not count, nor does another item."""
-    item = next(name for name in goal.task.items if f" {name.replace('_', ' ')}." in goal.sentences[0])
+    item = goal.task.items[goal.asked(goal.task.items)]
     other = next(name for name in goal.task.items if name != item)
     size = goal.world.body(item).bounds()[1]
     goal.put(other, (0.0, 0.0, 0.265), on="cupboard")
@@ -91,13 +91,13 @@ def test_all_three_things_have_to_lie_in_the_asked_tray(goal: Goal) -> None:
 
 def asked_color(goal: Goal) -> tuple[float, ...]:
     """Return the colour that the instructions name."""
-    return next(color.rgb for color in COLORS if f" {color.name} " in goal.sentences[0])
+    return COLORS[goal.asked([color.name for color in COLORS])].rgb
 
 
 @goal_of("weighing_scales", 0, 1, 2)
 def test_the_asked_pepper_has_to_be_weighed(goal: Goal) -> None:
     """Let go on the tray, the needle at the weight of one pepper: another pepper, none, or two at a time do not count."""
-    asked = next(f"pepper_{color}" for color in goal.task.colors if f" {color} " in goal.sentences[0])
+    asked = f"pepper_{goal.task.colors[goal.asked(goal.task.colors)]}"
     other = next(pepper.name for pepper in goal.task.peppers if pepper.name != asked)
 
     def load(sunk: float, name: str = asked) -> None:
@@ -141,7 +141,7 @@ def test_the_plate_has_to_be_out_of_the_rack(goal: Goal) -> None:
 def test_all_drops_have_to_be_in_the_target_cup(goal: Goal) -> None:
     """Every one of the twenty, in its lower part; another cup, its outside or the table do not count."""
     source, target = (colors(goal.task, name)[0] for name in ("source", "target"))
-    named = [color.rgb for color in COLORS if f" {color.name} cup" in goal.sentences[0]]
+    named = [color.rgb for color in COLORS if goal.says(color.name)]
     assert sorted(named) == sorted([source, target])
     for cup in ("distractor0", "target"):
         assert not goal.reached()
