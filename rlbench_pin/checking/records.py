@@ -10,7 +10,7 @@ from rlbench_pin.checking.judge import Rest
 from rlbench_pin.checking.reach import Reach
 from rlbench_pin.environment.demonstrate import LegReport
 
-Part = Literal["words", "demos", "repeat", "idle", "random", "reach"]
+Part = Literal["words", "demos", "unseen", "repeat", "idle", "random", "reach"]
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ class SolvedDemo:
 class DemoTrial(Trial):
     """A seed whose demonstration was attempted until one succeeded or the attempts were used up."""
 
-    part = "demos"
+    part: ClassVar[Part] = "demos"
     failed: tuple[FailedAttempt, ...] = ()
     """The attempts that failed, in order."""
     demo: SolvedDemo | None = None
@@ -140,6 +140,13 @@ class DemoTrial(Trial):
         yield from super().incidents()
         if self.demo is not None:
             yield from self.demo.incidents(len(self.failed))
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnseenTrial(DemoTrial):
+    """The same of a seed that nobody has looked at while the task was made; these count apart."""
+
+    part = "unseen"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -221,7 +228,7 @@ class ReachTrial(Trial):
         yield from super().incidents()
 
 
-KINDS: tuple[type[Trial], ...] = (WordsTrial, DemoTrial, RepeatTrial, IdleTrial, RandomTrial, ReachTrial)
+KINDS: tuple[type[Trial], ...] = (WordsTrial, DemoTrial, UnseenTrial, RepeatTrial, IdleTrial, RandomTrial, ReachTrial)
 RECORDS: dict[Part, type[Trial]] = {kind.part: kind for kind in KINDS}
 """Part of the check -> its record."""
 
@@ -230,7 +237,7 @@ Kind = TypeVar("Kind", bound=Trial)
 
 def of_kind(trials: Iterable[Trial], kind: type[Kind]) -> list[Kind]:
     """Return the trials of one part of the check."""
-    return [trial for trial in trials if isinstance(trial, kind)]
+    return [trial for trial in trials if isinstance(trial, kind) and trial.part == kind.part]
 
 
 def ordered(trials: Iterable[Trial]) -> list[Trial]:

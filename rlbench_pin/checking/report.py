@@ -18,6 +18,7 @@ from rlbench_pin.checking.records import (
     ReachTrial,
     RepeatTrial,
     Trial,
+    UnseenTrial,
     WordsTrial,
     of_kind,
     ordered,
@@ -53,6 +54,8 @@ class TaskReport:
     variations: tuple[int, ...]
     first_try: Rate
     within_tries: Rate
+    unseen: Rate
+    """First tries on the seeds that count apart."""
     lasting: Rate
     """Goals that demonstrations reached and that were still reached 1 s later."""
     replay: Rate
@@ -105,7 +108,7 @@ class TaskReport:
 
     def as_dict(self) -> dict[str, object]:
         """Plain data for JSON."""
-        rates = ("first_try", "within_tries", "lasting", "replay", "idle", "random", "repeat", "tidy", "accepted")
+        rates = ("first_try", "within_tries", "unseen", "lasting", "replay", "idle", "random", "repeat", "tidy", "accepted")
         return {
             "passed": not self.faults,
             "faults": list(self.faults),
@@ -150,6 +153,7 @@ def summarise(task: str, trials: Sequence[Trial], by_chance: bool = False, share
     return TaskReport(
         task=task,
         **_of_demos(of_kind(trials, DemoTrial)),
+        unseen=_first_try(of_kind(trials, UnseenTrial)),
         **_of_contract(trials),
         failures=group_failures(trials),
         errors=tuple(dict.fromkeys(trial.error for trial in trials if trial.error)),
@@ -204,6 +208,10 @@ def _faults(report: TaskReport) -> tuple[str, ...]:
     checks = (
         (not report.errors, "raises an error"),
         (report.first_try.value >= FIRST_TRY_FLOOR, f"first try below {FIRST_TRY_FLOOR:.0%}"),
+        (
+            report.unseen.value >= FIRST_TRY_FLOOR or not report.unseen.of,
+            f"first try on unseen seeds below {FIRST_TRY_FLOOR:.0%}",
+        ),
         (report.within_tries.count == report.within_tries.of, "a seed failed every try"),
         (report.replay.value >= REPLAY_FLOOR or not report.replay.of, f"replay below {REPLAY_FLOOR:.0%}"),
         (report.idle.count == 0, "resting succeeds"),

@@ -21,6 +21,7 @@ from rlbench_pin.checking.records import (
     RepeatTrial,
     SolvedDemo,
     Trial,
+    UnseenTrial,
     WordsTrial,
 )
 from rlbench_pin.checking.stopwatch import Stopwatch
@@ -71,8 +72,9 @@ def _trials(task: TaskEnvironment, item: Item) -> Iterator[Trial]:
     for seed in item.seeds:
         index = seed - item.first_seed
         trial: Callable[[TaskEnvironment, int, int], Trial]
-        if item.part == "demos":
-            trial = partial(demo_trial, max_attempts=item.max_attempts, replay=index < item.replays)
+        if item.part in ("demos", "unseen"):
+            kind = DemoTrial if item.part == "demos" else UnseenTrial
+            trial = partial(demo_trial, max_attempts=item.max_attempts, replay=index < item.replays, kind=kind)
         else:
             trial = _TRIALS[item.part]
         yield _guarded(item.part, trial, task, seed, variations[index % len(variations)])
@@ -101,7 +103,14 @@ def words_trial(task: TaskEnvironment, seed: int, variation: int) -> WordsTrial:
     return WordsTrial(task=task.get_name(), seed=seed, variation=variation, instructions=tuple(instructions))
 
 
-def demo_trial(task: TaskEnvironment, seed: int, variation: int, max_attempts: int, replay: bool = True) -> DemoTrial:
+def demo_trial(
+    task: TaskEnvironment,
+    seed: int,
+    variation: int,
+    max_attempts: int,
+    replay: bool = True,
+    kind: type[DemoTrial] = DemoTrial,
+) -> DemoTrial:
     """Try to demonstrate one seed, then look at what it left behind, and perhaps replay the recorded actions."""
     failed: list[FailedAttempt] = []
     demo = None
@@ -114,7 +123,7 @@ def demo_trial(task: TaskEnvironment, seed: int, variation: int, max_attempts: i
             demo = _solved(task, outcome, _cost(watch, wall), replay)
             break
         failed.append(FailedAttempt(outcome.cause, outcome.leg))
-    return DemoTrial(task=task.get_name(), seed=seed, variation=variation, failed=tuple(failed), demo=demo)
+    return kind(task=task.get_name(), seed=seed, variation=variation, failed=tuple(failed), demo=demo)
 
 
 def _solved(task: TaskEnvironment, outcome: DemoOutcome, cost: Cost, replay: bool) -> SolvedDemo:

@@ -23,7 +23,7 @@ from rlbench_pin.tasks import find_task, task_reference
 FORMAT = 2
 REPEATS = 4
 """Seeds whose reset and demonstration are done twice."""
-_SEEDS_PER_ITEM: dict[Part, int] = {"demos": 5, "repeat": 2, "idle": 10, "random": 5, "reach": 50}
+_SEEDS_PER_ITEM: dict[Part, int] = {"demos": 5, "unseen": 5, "repeat": 2, "idle": 10, "random": 5, "reach": 50}
 
 
 class Check(arguments.Check):
@@ -54,9 +54,14 @@ class Check(arguments.Check):
 
     def _wanted(self) -> dict[str, str]:
         """Return task name -> name or file, in the order of the report."""
-        check_at_least(self, episodes=1, variations=1, max_attempts=1, workers=1, replays=0, seed=0)
+        check_at_least(self, episodes=1, variations=1, max_attempts=1, workers=1, replays=0, seed=0, unseen=0, unseen_seed=0)
         if self.contract:
             check_at_least(self, contract_seeds=1, placements=1)
+        if self.unseen and self.seed - self.unseen < self.unseen_seed < self.seed + self.episodes:
+            raise TaskEnvironmentError(
+                f"Seeds {self.unseen_seed} to {self.unseen_seed + self.unseen - 1} would count twice: --episodes uses "
+                f"{self.seed} to {self.seed + self.episodes - 1}. Choose another --unseen-seed."
+            )
         missing = [str(path) for path in self.task_file if not path.is_file()]
         if missing:
             raise TaskEnvironmentError(f"There is no task file '{missing[0]}'. `rlbench-pin new NAME` makes a pair of files.")
@@ -71,7 +76,7 @@ class Check(arguments.Check):
         return TrialJournal(None if self.out is None else self.out / "trials.jsonl", list(wanted.values()))
 
     def _items(self, tasks: Iterable[str]) -> Iterator[Item]:
-        amounts: dict[Part, int] = {"demos": self.episodes}
+        amounts: dict[Part, int] = {"demos": self.episodes, "unseen": self.unseen}
         if self.contract:
             amounts |= {"repeat": min(REPEATS, self.contract_seeds), "idle": self.contract_seeds, "random": self.contract_seeds}
             amounts |= {"reach": self.placements}
@@ -79,13 +84,14 @@ class Check(arguments.Check):
             if self.contract:
                 yield Item(task, "words", (0,), self.variations)
             for part, amount in amounts.items():
-                seeds = tuple(range(self.seed, self.seed + amount))
+                first = self.unseen_seed if part == "unseen" else self.seed
+                seeds, replays = tuple(range(first, first + amount)), 0 if part == "unseen" else self.replays
                 for i in range(0, amount, _SEEDS_PER_ITEM[part]):
                     chosen = seeds[i : i + _SEEDS_PER_ITEM[part]]
-                    yield Item(task, part, chosen, self.variations, self.max_attempts, self.seed, self.replays)
+                    yield Item(task, part, chosen, self.variations, self.max_attempts, first, replays)
 
     def _content(self, reports: Sequence[TaskReport]) -> dict[str, Any]:
-        settings = ("episodes", "replays", "seed", "max_attempts", "contract_seeds", "placements")
+        settings = ("episodes", "replays", "seed", "unseen", "unseen_seed", "max_attempts", "contract_seeds", "placements")
         return {
             "format": FORMAT,
             **{name: getattr(self, name) for name in settings},
@@ -103,7 +109,7 @@ class Check(arguments.Check):
     def _explain(self, report: TaskReport, task: str) -> None:
         """Play failed tries again, one of each cause, and print what is known of them."""
         for f in report.failures:
-            if f.part == "demos":
+            if f.part in ("demos", "unseen"):
                 picture = (self.out or Path("out")) / "explain" / f"{report.task}_{f.seed}_{f.attempt}.png"
                 print("\n".join(explain_failure(task, f.seed, f.variation, picture, attempt=f.attempt)))
 

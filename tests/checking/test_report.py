@@ -20,6 +20,7 @@ from rlbench_pin.checking.records import (
     RepeatTrial,
     SolvedDemo,
     Trial,
+    UnseenTrial,
     WordsTrial,
 )
 from rlbench_pin.checking.report import TaskReport, summarise
@@ -59,7 +60,7 @@ def test_a_good_task_passes() -> None:
     assert report.variations == (0, 1, 2)
     assert (report.frames, report.simulated, report.speed.times_real_time) == (100.0, 5.0, 20.0)
     line = " ".join(table([report]).splitlines()[1].split())
-    figures = "20/20 84%..100% 20/20 20/20 20/20 0/1 0/0 1/1 0/0 0.20 mm 0.40 mm 5.0 s 100 ms 20.0 x"
+    figures = "20/20 84%..100% 20/20 0/0 20/20 20/20 0/1 0/0 1/1 0/0 0.20 mm 0.40 mm 5.0 s 100 ms 20.0 x"
     assert line == f"push_button 3 {figures} ok"
 
 
@@ -94,6 +95,17 @@ def test_rates_have_floors() -> None:
     assert summarise("push_button", [*_trials(18), *late]).faults == ("first try below 95%",)
     lost = [replace(GOOD, seed=100 + i, demo=replace(DEMO, replayed=False)) for i in range(2)]
     assert summarise("push_button", [*_trials(18), *lost]).faults == ("replay below 95%",)
+
+
+def test_unseen_seeds_count_apart() -> None:
+    """They have a rate and a floor of their own, and do not mend the other."""
+    unseen = [UnseenTrial(task="push_button", seed=5000 + i, variation=0, demo=DEMO) for i in range(20)]
+    report = summarise("push_button", [*_trials(20), *unseen])
+    assert (report.unseen.count, report.unseen.of, report.first_try.of) == (20, 20, 20)
+    late = [replace(trial, failed=(FailedAttempt("no path: after 10 checks", 1),)) for trial in unseen[:2]]
+    report = summarise("push_button", [*_trials(20), *late, *unseen[2:]])
+    assert report.faults == ("first try on unseen seeds below 95%",)
+    assert report.first_try.count == 20
 
 
 def test_flailing_may_reach_a_target() -> None:
@@ -186,9 +198,10 @@ def test_the_json_keeps_its_format() -> None:
     failed = replace(GOOD, seed=50, failed=(FailedAttempt("no path: after 7 checks", 2),), demo=replace(DEMO, replayed=False))
     plain = summarise("push_button", [*_trials(), failed]).as_dict()
     assert list(plain) == [
-        "passed", "faults", "variations", "first_try", "within_tries", "replay", "idle", "random", "repeat", "tidy", "accepted",
-        "per_variation", "drift", "penetration", "held", "left_over", "instructions", "reach", "median_frames",
-        "median_simulated_s", "p95_simulated_s", "median_planning_s", "times_real_time", "speed", "legs", "failures", "errors",
+        "passed", "faults", "variations", "first_try", "within_tries", "unseen", "lasting", "replay", "idle", "random", "repeat",
+        "tidy", "accepted", "per_variation", "drift", "penetration", "held", "left_over", "instructions", "reach",
+        "median_frames", "median_simulated_s", "p95_simulated_s", "median_planning_s", "times_real_time", "speed", "legs",
+        "failures", "errors",
     ]  # fmt: skip
     where = {"seed": 50, "variation": 0}
     assert plain["failures"] == [

@@ -39,8 +39,8 @@ def _head(content: Plain) -> str:
 def overview(content: Plain) -> str:
     """Return the table of all tasks."""
     head = [
-        "Task", "Variations", "First try (95 % interval)", f"Within {content['max_attempts']} tries", "Lasts", "Replay", "Rest",
-        "Flail", "Repeat", "Reach", "Drift", "Overlap", "Length", "Planning", "x real time", "Verdict",
+        "Task", "Variations", "First try (95 % interval)", f"Within {content['max_attempts']} tries", "First try, unseen seeds",
+        "Lasts", "Replay", "Rest", "Flail", "Repeat", "Reach", "Drift", "Overlap", "Length", "Planning", "x real time", "Verdict",
     ]  # fmt: skip
     rows = []
     for name, task in content["tasks"].items():
@@ -50,7 +50,7 @@ def overview(content: Plain) -> str:
                 len(task["variations"]),
                 interval(task["first_try"]),
                 share(task["within_tries"]),
-                *(share(task.get(part)) for part in ("lasting", "replay", "idle", "random", "repeat", "accepted")),
+                *(share(task.get(part)) for part in ("unseen", "lasting", "replay", "idle", "random", "repeat", "accepted")),
                 *(_millimetres(task.get(part)) for part in ("drift", "penetration")),
                 f"{task['median_simulated_s']:.1f} s",
                 f"{1000 * task['median_planning_s']:.0f} ms",

@@ -25,6 +25,10 @@ class Check:
     """Demonstrations whose recorded actions are played again, the first ones of a task."""
     seed: int = 0
     """Seed of the first episode; episode i uses seed + i."""
+    unseen: int = 0
+    """Further demonstrations of each task on other seeds, which count apart."""
+    unseen_seed: int = 5000
+    """First of those seeds."""
     contract: bool = True
     """Also judge instructions, resets, doing nothing, random actions, and what the arm reaches."""
     contract_seeds: int = 5
