@@ -63,7 +63,7 @@ def test_the_asked_item_has_to_be_on_the_lower_shelf(goal: Goal) -> None:
         goal.put(item, place, on="cupboard")
         assert not goal.reached()
     (x, y), front = np.array([0.0975, 0.19]) + size[:2], -0.0075
-    goal.ends(item, (front, 0.0, 0.265), on="cupboard", x=(-x, x), y=(-y, y), z=(-0.08 - size[2], 0.08 + size[2]))
+    goal.ends(item, (front, 0.0, 0.265), on="cupboard", x=(-x, x), y=(-y, y), z=(-0.08 - size[2], 0.107 + size[2]))
     for rpy in ((np.pi / 2.0, 0.0, 0.0), (0.0, np.pi / 2.0, 0.0), (np.pi, 0.0, 0.0)):
         goal.put(item, (front, 0.0, 0.165 + size.max()), rpy, on="cupboard")
         assert goal.reached()
