@@ -83,7 +83,7 @@ def test_all_three_things_have_to_lie_in_the_asked_tray(goal: Goal) -> None:
         assert goal.task.left == ([] if tray == asked else list(names))
     for name in names:
         low, high = goal.world.body(name).bounds()
-        goal.ends(name, (0.0, 0.0, 0.03), on=asked, x=(low[0] - 0.07, 0.07 + high[0]), z=(0.025 - low[2],))
+        goal.ends(name, (0.0, 0.0, 0.03), on=asked, x=(low[0] - 0.07, 0.07 + high[0]), z=(0.005 - low[2],))
         goal.put(name, (0.0, 0.0, 0.03), on="big_tray")
         assert not goal.reached()
         goal.put(name, (0.0, 0.0, 0.03), on=asked)
