@@ -63,7 +63,7 @@ def test_the_asked_item_has_to_be_on_the_lower_shelf(goal: Goal) -> None:
         goal.put(item, place, on="cupboard")
         assert not goal.reached()
     (x, y), front = np.array([0.0975, 0.19]) + size[:2], -0.0075
-    goal.ends(item, (front, 0.0, 0.265), on="cupboard", x=(-x, x), y=(-y, y), z=(-0.08 - size[2], 0.08 + size[2]))
+    goal.ends(item, (front, 0.0, 0.265), on="cupboard", x=(-x, x), y=(-y, y), z=(-0.08 - size[2], 0.107 + size[2]))
     for rpy in ((np.pi / 2.0, 0.0, 0.0), (0.0, np.pi / 2.0, 0.0), (np.pi, 0.0, 0.0)):
         goal.put(item, (front, 0.0, 0.165 + size.max()), rpy, on="cupboard")
         assert goal.reached()
@@ -83,7 +83,7 @@ def test_all_three_things_have_to_lie_in_the_asked_tray(goal: Goal) -> None:
         assert goal.task.left == ([] if tray == asked else list(names))
     for name in names:
         low, high = goal.world.body(name).bounds()
-        goal.ends(name, (0.0, 0.0, 0.03), on=asked, x=(low[0] - 0.07, 0.07 + high[0]), z=(0.025 - low[2],))
+        goal.ends(name, (0.0, 0.0, 0.03), on=asked, x=(low[0] - 0.07, 0.07 + high[0]), z=(0.005 - low[2],))
         goal.put(name, (0.0, 0.0, 0.03), on="big_tray")
         assert not goal.reached()
         goal.put(name, (0.0, 0.0, 0.03), on=asked)
