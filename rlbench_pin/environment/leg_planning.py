@@ -33,7 +33,8 @@ class LegPlanner:
     def __init__(self, runtime: Runtime) -> None:
         self._runtime = runtime
         description = runtime.description
-        self._arm_links = set(runtime.robot.link_poses()) - {description.hand_link, *description.finger_links}
+        self._robot_links = set(runtime.robot.link_poses())
+        self._arm_links = self._robot_links - {description.hand_link, *description.finger_links}
         self.turn = 0.0
 
     def rank(self, run: Sequence[Waypoint]) -> list[float]:
@@ -132,7 +133,8 @@ class LegPlanner:
     def _can_go_on(self, q: FloatArray, rest: Sequence[Waypoint], turn: float) -> bool:
         """Whether the legs after configuration `q` (n,) can be followed, up to the first long one that may go another way.
 
-        On legs without collision checks the hand may touch things, but not the arm behind it; only the first is looked at.
+        On legs without collision checks the hand may touch things, but not the arm behind it; only the first is looked at. It
+        may never end one with the arm inside itself.
         """
         model, first = self._runtime.model, True
         for following in rest:
@@ -147,8 +149,15 @@ class LegPlanner:
                 return not must
             if must and first and any(self._arm_touches(q) for q in path[:: max(1, len(path) // 4)]):
                 return False
+            if must and self._is_folded(path[-1]):
+                return False
             q, first = path[-1], False
         return True
+
+    def _is_folded(self, q: FloatArray) -> bool:
+        """Whether the arm touches itself in configuration `q` (n,)."""
+        pairs = self._runtime.planner.collision.colliding_pairs(q)
+        return any(set(pair) <= self._robot_links for pair in pairs)
 
     def _arm_touches(self, q: FloatArray) -> bool:
         """Whether a link of the arm before the hand touches anything in configuration `q` (n,)."""

@@ -17,7 +17,7 @@ from rlbench_pin.robot.collision_geometry import CollisionGeometry, Distance, Ow
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import BodySnapshot, WorldSnapshot
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.values import as_names, as_number, as_record, as_several, as_vector
+from rlbench_pin.values import as_flag, as_names, as_number, as_record, as_several, as_vector
 
 TOUCH = 5e-4
 """Things nearer than this at the start of a motion count as touching [m]."""
@@ -97,7 +97,7 @@ class CollisionModel:
         q_start = as_vector(q_start, self.model.size, "start configuration")
         margin, own = as_number(margin, "margin [m]", least=0.0), as_number(own, "own [m]", least=0.0)
         as_names(allowed, "allowed")
-        self._active = np.ones(self._active.shape, dtype=bool) if world else ~self._geometry.crosses
+        self._active = np.ones(self._active.shape, dtype=bool) if as_flag(world, "world") else ~self._geometry.crosses
         self._margins = np.where(self._geometry.crosses, margin, own)
         self._allow(allowed)
         self._apply()

@@ -19,7 +19,7 @@ with captured_output():  # pybullet prints a line when it is imported
 
 __all__ = ["PASSES", "PhysicsClient", "bullet", "open_client"]
 
-PASSES = 30
+PASSES = 35
 """Most passes over contacts, motors and constraints in one physics step."""
 _RESIDUAL = 3e-7
 """Square of the largest change of speed in a pass below which a group of things that touch counts as solved [m^2/s^2]."""

@@ -66,8 +66,8 @@ class DynamicsOverrides:
         if fixed == body.fixed:
             return
         model = body.model
-        if len(model.links) > 1:
-            raise RlbenchPinError(f"'{body.name}' has several links; only the scene file can say whether it is `fixed`.")
+        if model.joints:
+            raise RlbenchPinError(f"'{body.name}' has joints; only the scene file can say whether it is `fixed`.")
         original = self._original(model, BASE)
         if not original["mass"] > 0.0:
             raise RlbenchPinError(f"'{body.name}' has no mass in {model.urdf.name}, so that it cannot move.")

@@ -78,6 +78,7 @@ def samples(folder: Path, task: TaskEnvironment) -> dict[str, object]:
         "obs_config": low_dim_config(), "task_name": "reach_target", "variance": 0.1, "pose": np.array([0.0, 0, 1, 0, 0, 0, 1]),
         "arm_action_mode": JointPosition(), "gripper_action_mode": Discrete(), "rgb": np.zeros((2, 2, 3)), "namespace": "fuzz",
         "asset": "objects/cube_small/cube_small.urdf", "actions": [], "observations": [], "value": True, "camera": None,
+        "specified": "1", "here": "2", "reason": "It is.",
     }  # fmt: skip
     return plain | special_samples(folder, task, numbers, first)
 

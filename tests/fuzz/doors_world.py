@@ -45,7 +45,8 @@ def samples(task: TaskEnvironment) -> dict[str, object]:
     plain = {
         "name": body.name, "pose": np.array(body.pose), "local": np.array(body.pose), "target": np.array(body.pose),
         "position": np.zeros(3), "parent": "world", "velocity": np.zeros(6), "color": np.array([1.0, 0.0, 0.0]), "colors": {},
-        "fixed": True, "collides": True, "link": body.links[0], "frame": np.array(body.pose), "q": task.runtime.model.home,
+        "fixed": True, "collides": True, "link": body.links[0], "frame": np.array(body.pose),
+        "directions": np.eye(3), "q": task.runtime.model.home,
         "v": np.zeros(7), "tau": np.zeros(7), "amount": 1.0, "point": np.zeros(3), "body": body.name, "camera": view,
         "arrays": world.arrays(), "rng": Fresh(lambda: np.random.default_rng(0)), "seed": 3,
     }  # fmt: skip

@@ -18,7 +18,7 @@ from rlbench_pin.spatial import FloatArray, pose_to_se3
 
 POSITION_GAIN = 0.2
 """Share of the position error that a motor removes in one physics step."""
-_PASSES_WITHOUT_PATH = 2 * PASSES
+_PASSES_WITHOUT_PATH = 60
 """Most passes of the solver while the arm follows velocities or torques: their changes are not planned, and joints that drag each
 other need more to get there."""
 _CATCH_UP = 0.1

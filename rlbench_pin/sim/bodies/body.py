@@ -13,7 +13,7 @@ from rlbench_pin.sim.bodies.model import BASE, LoadedModel
 from rlbench_pin.sim.checks import color_values, finite_vector, pose_vector
 from rlbench_pin.sim.client import bullet
 from rlbench_pin.spatial import FloatArray, PoseLike, compose, pose_to_se3, relative
-from rlbench_pin.values import as_flag, as_record
+from rlbench_pin.values import as_flag, as_record, as_rows
 
 OnMove = Callable[[str, FloatArray, FloatArray], None]
 """Called with the name of a body and its old and new pose (7,)."""
@@ -133,6 +133,7 @@ class Body:
 
     def extent_along(self, directions: FloatArray) -> FloatArray:
         """How far the body reaches along unit vectors (n, 3) of the world, [[least], [most]] (2, n), from its origin [m]."""
+        directions = as_rows(directions, 3, "directions")
         parts = geometry.solid_geometry(self.model.urdf, self.model.scale)
         placed = ((parts[link], self.model.placement(self.model.links[link])) for link in self.model.solid_links())
         reaches = [geometry.extent_along(shapes, placement, directions) for shapes, placement in placed]
