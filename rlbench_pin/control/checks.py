@@ -27,13 +27,13 @@ def check_made_of(model: object, config: object = None, kind: type = object) -> 
     as_record(config, kind, "config")
 
 
-def as_vector(value: ArrayLike, size: int, what: str) -> FloatArray:
+def as_vector(value: ArrayLike, size: int, what: str, most: float | None = None) -> FloatArray:
     """Return `value` as a finite float64 vector of shape (size,); the caller's array itself when it is one.
 
     Raises:
-        InvalidTarget: It has another shape, or holds NaN or infinity.
+        InvalidTarget: It has another shape, or holds NaN, infinity or a number beyond +-`most`.
     """
-    return values.as_vector(value, size, what, InvalidTarget)
+    return values.as_vector(value, size, what, InvalidTarget, most=most)
 
 
 def as_state(q: ArrayLike, v: ArrayLike, size: int) -> tuple[FloatArray, FloatArray]:

@@ -18,6 +18,9 @@ from tests.demos_for_tests import fill
 
 Capture = pytest.CaptureFixture[str]
 
+UNLISTED = "is not listed in"
+"""Said of a whole file that a kill left between its last byte and its line in the manifest; the next merge lists it."""
+
 
 def start(out: Path, *arguments: str) -> subprocess.Popen[bytes]:
     """Start a recording in a process of its own."""
@@ -102,7 +105,7 @@ def test_a_merge_that_is_killed_is_completed_by_the_next(data: Path, tmp_path: P
     for is_time in moments:
         hits += killed(command("dataset", "merge", str(data), "--out", str(rough)), is_time)
         if read_manifest(rough, TASK):
-            assert task_faults(rough, TASK) == []
+            assert [fault for fault in task_faults(rough, TASK) if UNLISTED not in str(fault)] == []
     assert hits >= 1  # a loaded machine may let a merge finish between two looks
     for part in ("variation0/episodes/.episode3.h5.1.part", "variation0/.manifest.json.2.part"):  # of others that were killed
         (rough / TASK / part).parent.mkdir(parents=True, exist_ok=True)

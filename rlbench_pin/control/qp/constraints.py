@@ -31,7 +31,7 @@ from typing import Literal, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rlbench_pin.control.checks import as_state, as_vector
+from rlbench_pin.control.checks import LARGEST_STATE, as_state, as_vector
 from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_choice, as_flag, as_number, as_record
@@ -147,7 +147,7 @@ class JointBounds:
 
     def travels(self, v: FloatArray, command: FloatArray) -> list[float]:
         """Return `travel` as plain numbers."""
-        v, command = (as_vector(x, len(self.velocity), "joint velocity") for x in (v, command))
+        v, command = (as_vector(x, len(self.velocity), "joint velocity", LARGEST_STATE) for x in (v, command))
         half, hold, ways = 0.5 * self.dt, self.hold, []
         for before, after, (step, change) in zip(v.tolist(), command.tolist(), self._steps):
             speed, before = abs(after), abs(before)
