@@ -94,8 +94,6 @@ class LegPlanner:
         runtime, rng = self._runtime, self._runtime.planning_rng
         q, tip, allowed = runtime.measured_start, runtime.robot.tip_pose(), runtime.touching()
         limits, ignore = runtime.planner.limits, waypoint.ignore_collisions
-        if ignore:  # the rules of a plan that failed may still hold, under which the world does not count
-            runtime.refresh_planner()
         ends = [(turn, poses_of(waypoint, turn, tip)[-1]) for turn in turns]
         for _ in range(_OTHER_GOALS):
             start = rng.uniform(limits.lower, limits.upper)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-from contextlib import AbstractContextManager, suppress
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -159,8 +159,14 @@ class MotionPlanner:
                 collision.allow(allowed)
             return self._goals(Stages(checks=self.collision.checks), q, poses, rng, collision, branches=1)[0][0]
 
-    def _open(self, request: PlanRequest) -> AbstractContextManager[Stages]:
-        return self.listeners.plan(request, Stages(checks=self.collision.checks))
+    @contextmanager
+    def _open(self, request: PlanRequest) -> Iterator[Stages]:
+        try:
+            with self.listeners.plan(request, Stages(checks=self.collision.checks)) as stages:
+                yield stages
+        finally:
+            if request.ignore_collisions:  # what is asked afterwards is meant of the whole world
+                self.collision.clear()
 
     def _checked(
         self, q: FloatArray, rng: object, allowed: Collection[str], what: str = "start configuration", *, free: object
@@ -245,12 +251,7 @@ class MotionPlanner:
         return solutions + [q for q in more if collision is None or not collision.goal_in_collision(q)]
 
     def _search(
-        self,
-        stages: Stages,
-        q: FloatArray,
-        goals: list[tuple[FloatArray, int]],
-        rules: Rules,
-        rng: np.random.Generator,
+        self, stages: Stages, q: FloatArray, goals: list[tuple[FloatArray, int]], rules: Rules, rng: np.random.Generator
     ) -> _Found:
         """Find a smooth free path to one of the goals: the joints' line if that is free, around obstacles otherwise."""
         with stages.stage("search"):
@@ -288,8 +289,6 @@ class MotionPlanner:
             certified=rules.world and self.config.certify,
             doubts=rules.doubts,
         )
-        if not rules.world:
-            self.collision.clear()  # what is asked about the end of the motion is meant of everything
         stages.plan = Plan(trajectory, found.path.spread(0.05)[1], report)
         return stages.plan
 
