@@ -12,12 +12,12 @@ from rlbench_pin.spatial import FloatArray
 
 @dataclass(frozen=True)
 class Effort:
-    """What the motors of n joints do in each of m physics steps."""
+    """What the motors of n joints do in a physics step."""
 
-    torques: list[list[float]]
-    """Applied whatever happens (m, n) [N m]."""
-    spare: list[list[float]]
-    """Most that a motor adds to reach its goal (m, n) [N m]."""
+    torques: list[float]
+    """Applied whatever happens (n,) [N m]."""
+    spare: list[float]
+    """Most that a motor adds to reach its goal (n,) [N m]."""
 
 
 class Motors:
@@ -45,8 +45,8 @@ class Motors:
         # PyBullet keeps the masses of the first call until its server is built again: those of the robot's file.
         self._client.change(bullet.calculateInverseDynamics, model.uid, self._still, self._still, self._still)
 
-    def efforts(self, positions: list[float], now: FloatArray, wanted: FloatArray, timestep: float, substeps: int) -> Effort:
-        """Return what the motors do: the first physics step changes the joint velocities, the rest keep them.
+    def efforts(self, positions: list[float], now: FloatArray, wanted: FloatArray, timestep: float) -> tuple[Effort, Effort]:
+        """Return what the motors do in the first physics step, which changes the joint velocities, and in those that follow.
 
         A change that asks for more than the motors can give is left to the solver.
 
@@ -55,15 +55,13 @@ class Motors:
             now: Measured joint velocities (n,) [rad/s].
             wanted: Joint velocities to reach (n,) [rad/s].
             timestep: Physics step [s].
-            substeps: Physics steps of the tick.
         """
         velocities = now.tolist()
         later = self._within(self._dynamics(positions, velocities, self._zeros))
         first = self._dynamics(positions, velocities, ((wanted - now) / timestep).tolist())
         if any(abs(torque) > most for torque, most in zip(first, self._efforts, strict=True)):
             first = later
-        torques = [first, *[later] * (substeps - 1)]
-        return Effort(torques, [self._left(first), *[self._left(later)] * (substeps - 1)])
+        return Effort(first, self._left(first)), Effort(later, self._left(later))
 
     def _dynamics(self, positions: list[float], velocities: list[float], accelerations: list[float]) -> list[float]:
         """Torques (n,) [N m] that the robot alone asks for."""

@@ -70,8 +70,8 @@ class SimRobot:
         self._goals: FloatArray | None = None
         self._feed: list[float] = []
         self._control = ArmControl("velocity", np.zeros(len(infos)), np.zeros(len(infos)))
-        self._still = Effort([[0.0] * len(infos)] * substeps, [[0.0] * len(infos)] * substeps)
-        self._effort = self._still
+        self._still = Effort([0.0] * len(infos), [0.0] * len(infos))
+        self._first = self._later = self._still
         self._prepare_dynamics()
         self._motors = Motors(model, self._arm, self.effort_limits)
         self._measures = [*self._joints, *(joint for joint in self._motors.movable if joint not in self._joints)]
@@ -89,7 +89,7 @@ class SimRobot:
         if self._states is None:
             states = bullet.getJointStates(self.model.uid, self._measures, physicsClientId=self._client.id)
             self._states = np.array([(s[0], s[1], s[3]) for s in states]).T
-            self._states[2, : len(self._arm)] += self._effort.torques[-1]
+            self._states[2, : len(self._arm)] += self._later.torques
         return self._states
 
     def forget_measurements(self) -> None:
@@ -234,13 +234,13 @@ class SimRobot:
         self._client.allow_passes(PASSES if self.mode == "position" else _PASSES_WITHOUT_PATH)
         if self.mode == "torque":
             self._motors.release()
-            self._effort = self._still
+            self._first = self._later = self._still
             return
         measured = self._measured()
         velocities, places = measured[1, : len(self._arm)], measured[0].tolist()
-        positions, course = [places[k] for k in self._order], (self.timestep, self.substeps)
+        positions = [places[k] for k in self._order]
         feed = self._begin_position_tick(velocities) if self.mode == "position" else self._control.target
-        self._effort = self._motors.efforts(positions, velocities, feed, *course)
+        self._first, self._later = self._motors.efforts(positions, velocities, feed, self.timestep)
         self._feed = feed.tolist()
 
     def _begin_position_tick(self, velocities: FloatArray) -> FloatArray:
@@ -280,11 +280,11 @@ class SimRobot:
         if self.mode == "torque":
             self._motors.push(self._control.target.tolist())
             return
-        effort = self._effort
+        effort = self._later if substep else self._first
         if self._goals is not None:
             if substep < 2 or self._watches or any(self._feed):
                 goals = self._position_goals(self._goals, substep)
-                self._motors.follow(goals, self._feed, self.position_gain, effort.spare[substep])
+                self._motors.follow(goals, self._feed, self.position_gain, effort.spare)
         elif substep < 2:
-            self._motors.turn(self._feed, effort.spare[substep])
-        self._motors.push(effort.torques[substep])
+            self._motors.turn(self._feed, effort.spare)
+        self._motors.push(effort.torques)
