@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rlbench_pin.sim.render.raster.meshes import Triangles
+from rlbench_pin.sim.render.raster.normals import flat_normals
 
 _LEAST_REST, _LONGEST_REST = 2, 64
 """After so many instants without motion a link is still, at first and at most."""
@@ -100,9 +101,7 @@ def _slices(ends: Sequence[int]) -> tuple[slice, ...]:
 
 def _planes(corners: NDArray[np.float64]) -> NDArray[np.float32]:
     """Planes (4, m) of triangles with corners (m, 3, 3)."""
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    normals = np.where(lengths > 0.0, normals / np.maximum(lengths, 1e-300), 0.0)
+    normals = flat_normals(corners)[:, 0]
     offsets = -np.einsum("ij,ij->i", normals, corners[:, 0])
     return np.ascontiguousarray(np.concatenate([normals, offsets[:, None]], axis=1).T, dtype=np.float32)
 
