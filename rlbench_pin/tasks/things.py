@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from rlbench_pin.errors import InvalidValue
 from rlbench_pin.spatial import FloatArray, PoseLike
-from rlbench_pin.tasks.conditions.parts import as_part
+from rlbench_pin.tasks.conditions.parts import Placed, as_part
 from rlbench_pin.values import as_several, as_vector
 
 ThingT = TypeVar("ThingT")
@@ -25,22 +25,12 @@ WORLD = "a world, such as `self.world`"
 
 
 @runtime_checkable
-class Thing(Protocol):
+class Thing(Placed, Protocol):
     """A body or a frame, which can be put elsewhere."""
-
-    @property
-    def name(self) -> str:
-        """What it is called in the scene."""
-        ...
 
     @property
     def pose(self) -> FloatArray:
         """Its pose (7,), world frame."""
-        ...
-
-    @property
-    def position(self) -> FloatArray:
-        """Where it is, shape (3,), world frame [m]."""
         ...
 
     def set_pose(self, pose: PoseLike) -> None:
@@ -69,18 +59,8 @@ class Area(Protocol):
 
 
 @runtime_checkable
-class Loose(Protocol):
+class Loose(Placed, Protocol):
     """A body that can be pushed."""
-
-    @property
-    def name(self) -> str:
-        """What it is called in the scene."""
-        ...
-
-    @property
-    def position(self) -> FloatArray:
-        """Where it is, shape (3,), world frame [m]."""
-        ...
 
     def set_velocity(self, velocity: FloatArray) -> None:
         """Set linear [m/s] and angular [rad/s] velocity (6,)."""
@@ -88,18 +68,8 @@ class Loose(Protocol):
 
 
 @runtime_checkable
-class Bulky(Protocol):
+class Bulky(Placed, Protocol):
     """A body that says how far it reaches in any direction."""
-
-    @property
-    def name(self) -> str:
-        """What it is called in the scene."""
-        ...
-
-    @property
-    def position(self) -> FloatArray:
-        """Where it is, shape (3,), world frame [m]."""
-        ...
 
     def extent_along(self, directions: FloatArray) -> FloatArray:
         """Return how far it reaches along unit vectors (n, 3) of the world, [[least], [most]] (2, n), from its origin [m]."""
