@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rlbench_pin.environment import TaskEnvironment
-from rlbench_pin.environment.demonstrate import EXTRA_TICKS
+from rlbench_pin.environment.demonstrate import EXTRA_TICKS, DemoPlayer, try_play
 from rlbench_pin.environment.replay import reaches_goal, replay_succeeds
 from rlbench_pin.observation import Demo
 from rlbench_pin.robot import geometry
@@ -97,6 +97,18 @@ def demo_repeats(task: TaskEnvironment, seed: int, variation: int) -> bool:
 def demo_bytes(demo: Demo) -> bytes:
     """Return all low-dimensional data of a demonstration."""
     return b"".join(observation.get_low_dim_data().tobytes() for observation in demo)
+
+
+def solved_by_other_plans(task: TaskEnvironment, seed: int, variation: int, tries: int) -> bool:
+    """Whether one of `tries` demonstrations of the very scene of a seed succeeds, each planned with other random draws."""
+    task.reset(seed=seed, variation=variation)
+    start = task.get_state()
+    for number in range(1, tries + 1):
+        task.set_state(replace(start, runtime=replace(start.runtime, planning=start.runtime.planning ^ number)))
+        cause, _ = try_play(DemoPlayer(task.runtime, record=False))
+        if not cause:
+            return True
+    return False
 
 
 # Instructions -------------------------------------------------------------------------------------------------------------------
@@ -212,4 +224,5 @@ __all__ = [
     "reset_repeats",
     "rest",
     "shared_instructions",
+    "solved_by_other_plans",
 ]

@@ -117,6 +117,8 @@ class DemoTrial(Trial):
     """The attempts that failed, in order."""
     demo: SolvedDemo | None = None
     """The attempt after them, which succeeded; None when all failed."""
+    other_plans: bool | None = None
+    """Whether the scene of the first attempt, which failed, was solved by plans with other random draws; None when not tried."""
 
     @classmethod
     def without_start(cls, task: str, seed: int, variation: int, why: str) -> Self:
@@ -132,6 +134,11 @@ class DemoTrial(Trial):
     def solved_at_first(self) -> bool:
         """Whether the first attempt succeeded."""
         return self.solved and not self.failed
+
+    @property
+    def solved_in_first_scene(self) -> bool:
+        """Whether the scene of the first attempt was solved, by its first plan or by another."""
+        return self.solved_at_first or bool(self.other_plans)
 
     def incidents(self) -> Iterator[Incident]:
         """Yield the failed attempts, then what went wrong after the successful one."""

@@ -54,6 +54,9 @@ class TaskReport:
     variations: tuple[int, ...]
     first_try: Rate
     within_tries: Rate
+    """Seeds that were solved; after a failure the scene is drawn again."""
+    same_scene: Rate
+    """Seeds whose first scene was solved, planned again with other random draws after a failure."""
     unseen: Rate
     """First tries on the seeds that count apart."""
     lasting: Rate
@@ -108,7 +111,19 @@ class TaskReport:
 
     def as_dict(self) -> dict[str, object]:
         """Plain data for JSON."""
-        rates = ("first_try", "within_tries", "unseen", "lasting", "replay", "idle", "random", "repeat", "tidy", "accepted")
+        rates = (
+            "first_try",
+            "within_tries",
+            "same_scene",
+            "unseen",
+            "lasting",
+            "replay",
+            "idle",
+            "random",
+            "repeat",
+            "tidy",
+            "accepted",
+        )
         return {
             "passed": not self.faults,
             "faults": list(self.faults),
@@ -170,6 +185,7 @@ def _of_demos(trials: Sequence[DemoTrial]) -> dict[str, Any]:
         "variations": tuple(sorted({trial.variation for trial in trials})),
         "first_try": _first_try(trials),
         "within_tries": _within_tries(trials),
+        "same_scene": _rate([trial.solved_in_first_scene for trial in trials]),
         "lasting": _rate([demo.lasts for demo in demos]),
         "replay": _rate([demo.replayed for demo in demos if demo.replayed is not None]),
         "per_variation": _per_variation(trials),

@@ -7,7 +7,15 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 
-from rlbench_pin.checking.judge import demo_repeats, flail_succeeds, left_over, replay_succeeds, reset_repeats, rest
+from rlbench_pin.checking.judge import (
+    demo_repeats,
+    flail_succeeds,
+    left_over,
+    replay_succeeds,
+    reset_repeats,
+    rest,
+    solved_by_other_plans,
+)
 from rlbench_pin.checking.reach import reach_of
 from rlbench_pin.checking.records import (
     RECORDS,
@@ -123,7 +131,8 @@ def demo_trial(
             demo = _solved(task, outcome, _cost(watch, wall), replay)
             break
         failed.append(FailedAttempt(outcome.cause, outcome.leg))
-    return kind(task=task.get_name(), seed=seed, variation=variation, failed=tuple(failed), demo=demo)
+    again = solved_by_other_plans(task, seed, variation, max_attempts - 1) if failed else None
+    return kind(task=task.get_name(), seed=seed, variation=variation, failed=tuple(failed), demo=demo, other_plans=again)
 
 
 def _solved(task: TaskEnvironment, outcome: DemoOutcome, cost: Cost, replay: bool) -> SolvedDemo:

@@ -60,7 +60,7 @@ def test_a_good_task_passes() -> None:
     assert report.variations == (0, 1, 2)
     assert (report.frames, report.simulated, report.speed.times_real_time) == (100.0, 5.0, 20.0)
     line = " ".join(table([report]).splitlines()[1].split())
-    figures = "20/20 84%..100% 20/20 0/0 20/20 20/20 0/1 0/0 1/1 0/0 0.20 mm 0.40 mm 5.0 s 100 ms 20.0 x"
+    figures = "20/20 84%..100% 20/20 20/20 0/0 20/20 20/20 0/1 0/0 1/1 0/0 0.20 mm 0.40 mm 5.0 s 100 ms 20.0 x"
     assert line == f"push_button 3 {figures} ok"
 
 
@@ -106,6 +106,19 @@ def test_unseen_seeds_count_apart() -> None:
     report = summarise("push_button", [*_trials(20), *late, *unseen[2:]])
     assert report.faults == ("first try on unseen seeds below 95%",)
     assert report.first_try.count == 20
+
+
+def test_other_plans_in_the_same_scene_count_apart() -> None:
+    """A scene that other plans solved after the first failed counts; one that none solved does not."""
+    failed = replace(GOOD, failed=(FAILED,))
+    trials = [
+        replace(failed, seed=100, other_plans=True),
+        replace(failed, seed=101, other_plans=False),
+        replace(failed, seed=102),
+    ]
+    report = summarise("push_button", [*_trials(20), *trials])
+    assert (report.same_scene.count, report.same_scene.of) == (21, 23)
+    assert (report.first_try.count, report.within_tries.count) == (20, 23)
 
 
 def test_flailing_may_reach_a_target() -> None:
@@ -198,10 +211,10 @@ def test_the_json_keeps_its_format() -> None:
     failed = replace(GOOD, seed=50, failed=(FailedAttempt("no path: after 7 checks", 2),), demo=replace(DEMO, replayed=False))
     plain = summarise("push_button", [*_trials(), failed]).as_dict()
     assert list(plain) == [
-        "passed", "faults", "variations", "first_try", "within_tries", "unseen", "lasting", "replay", "idle", "random", "repeat",
-        "tidy", "accepted", "per_variation", "drift", "penetration", "held", "left_over", "instructions", "reach",
-        "median_frames", "median_simulated_s", "p95_simulated_s", "median_planning_s", "times_real_time", "speed", "legs",
-        "failures", "errors",
+        "passed", "faults", "variations", "first_try", "within_tries", "same_scene", "unseen", "lasting", "replay", "idle",
+        "random", "repeat", "tidy", "accepted", "per_variation", "drift", "penetration", "held", "left_over", "instructions",
+        "reach", "median_frames", "median_simulated_s", "p95_simulated_s", "median_planning_s", "times_real_time", "speed",
+        "legs", "failures", "errors",
     ]  # fmt: skip
     where = {"seed": 50, "variation": 0}
     assert plain["failures"] == [

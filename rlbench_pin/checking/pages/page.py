@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 SLOWEST = 5
+SHARES = ("same_scene", "unseen", "lasting", "replay", "idle", "random", "repeat", "accepted")
 Plain = Mapping[str, Any]
 
 
@@ -39,8 +40,9 @@ def _head(content: Plain) -> str:
 def overview(content: Plain) -> str:
     """Return the table of all tasks."""
     head = [
-        "Task", "Variations", "First try (95 % interval)", f"Within {content['max_attempts']} tries", "First try, unseen seeds",
-        "Lasts", "Replay", "Rest", "Flail", "Repeat", "Reach", "Drift", "Overlap", "Length", "Planning", "x real time", "Verdict",
+        "Task", "Variations", "First try (95 % interval)", f"Within {content['max_attempts']} tries", "In the same scene",
+        "First try, unseen seeds", "Lasts", "Replay", "Rest", "Flail", "Repeat", "Reach", "Drift", "Overlap", "Length",
+        "Planning", "x real time", "Verdict",
     ]  # fmt: skip
     rows = []
     for name, task in content["tasks"].items():
@@ -50,7 +52,7 @@ def overview(content: Plain) -> str:
                 len(task["variations"]),
                 interval(task["first_try"]),
                 share(task["within_tries"]),
-                *(share(task.get(part)) for part in ("unseen", "lasting", "replay", "idle", "random", "repeat", "accepted")),
+                *(share(task.get(part)) for part in SHARES),
                 *(_millimetres(task.get(part)) for part in ("drift", "penetration")),
                 f"{task['median_simulated_s']:.1f} s",
                 f"{1000 * task['median_planning_s']:.0f} ms",
