@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench_pin.tasks import Detected, NothingGrasped, Task
+from rlbench_pin.tasks import AnyOf, Detected, NothingGrasped, Task
 
 
 class MeatOffGrill(Task):
-    """The asked meat must lie on the table beside the grill, and be let go."""
+    """The asked meat must lie on the table by a long side of the grill, and be let go."""
 
     meats = ("chicken", "steak")
 
@@ -16,6 +16,7 @@ class MeatOffGrill(Task):
 
     def init_task(self) -> None:
         """Both pieces of meat may be grasped."""
+        self.sides = [self.world.sensor(name) for name in ("side", "far_side")]
         self.register_graspable_objects(self.meats)
 
     def variation_count(self) -> int:
@@ -27,7 +28,8 @@ class MeatOffGrill(Task):
         meat = self.world.body(self.meats[variation])
         grasp = self.world.frame("waypoint1")
         grasp.set_position([*meat.position[:2], grasp.position[2]])
-        self.register_success_conditions([NothingGrasped(self.gripper), Detected(meat, self.world.sensor("side"))])
+        beside = AnyOf([Detected(meat, side) for side in self.sides])
+        self.register_success_conditions([NothingGrasped(self.gripper), beside])
         return [
             f"Lay the {meat.name} on the table, by a long side of the grill.",
             f"The {meat.name} is done: move it down beside the barbecue, next to a long side.",

@@ -10,12 +10,12 @@ NUMBER = ("one mug", "two mugs", "three mugs")
 
 
 class PlaceCups(Task):
-    """One, two or three of three like mugs, whichever, must hang on any of three spokes by their handles."""
+    """One, two or three of three like mugs, whichever, must hang on any of four spokes by their handles."""
 
     def init_task(self) -> None:
         """All mugs may be grasped; each round aims at the next one."""
         self.mugs = [self.world.body(f"mug{i}") for i in range(3)]
-        self.sensors = [self.world.sensor(f"under_spoke{k}") for k in range(3)]
+        self.sensors = [self.world.sensor(f"under_spoke{k}") for k in range(4)]
         self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(f"mug{i}" for i in range(3))
         self.register_waypoint_ability_start(0, self._aim_at_next_mug)

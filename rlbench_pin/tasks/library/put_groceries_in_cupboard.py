@@ -6,8 +6,8 @@ import numpy as np
 
 from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task
 
-FREE = 0.15
-"""Distance of the asked item from the others, so that the hand fits in [m]."""
+FREE, FREE_OF_CRACKERS = 0.15, 0.18
+"""Distance of the asked item from the others, and from the crackers, wide and high, so that the hand fits in [m]."""
 
 
 class PutGroceriesInCupboard(Task):
@@ -35,7 +35,8 @@ class PutGroceriesInCupboard(Task):
         self.boundary.sample(asked, rng)
         for name in self.items:
             if name != item:
-                self.boundary.sample(self.world.body(name), rng, min_distance=0.1, apart={item: FREE})
+                room = FREE_OF_CRACKERS if name == "crackers" else FREE
+                self.boundary.sample(self.world.body(name), rng, min_distance=0.1, apart={item: room})
         self.world.frame("waypoint1").set_parent(f"grasp_{item}")
         self.world.frame("waypoint4").set_parent(f"stow_{item}")
         stowed = Detected(asked, self.world.sensor("low_shelf"))

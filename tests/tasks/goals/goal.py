@@ -115,6 +115,13 @@ class Goal:
         self.task.gripper.release()
         assert self.reached()
 
+    def counts_while_held(self, name: str) -> None:
+        """Check that the goal, reached, stays so while the hand holds a body: no release is specified."""
+        assert self.reached()
+        assert self.task.gripper.grasp(name)
+        assert self.reached(), f"not reached while '{name}' is held"
+        self.task.gripper.release()
+
 
 def goal_of(name: str, *variations: int) -> pytest.MarkDecorator:
     """Hand a test the `goal` of a task of the library, once for each of these variations; the first, if none is named."""

@@ -32,6 +32,7 @@ def test_the_ring_has_to_lie_around_the_foot_of_the_asked_pillar(goal: Goal) -> 
         goal.ends("ring", (0.0, 0.0, 0.01), rpy, on=pillar, y=(-0.014, 0.014) if rpy[2] == 0.0 else (), z=(0.015,))
     goal.ends("ring", (0.0, 0.0, 0.01), on=pillar, x=(-0.014, 0.014))
     goal.border(lambda tilt: goal.put("ring", (0.0, 0.0, 0.01), (tilt, 0.0, 0.0), on=pillar), inside=0.59, outside=0.61)
+    goal.counts_while_held("ring")
 
 
 @goal_of("light_bulb_in", 0, 10, 19)
@@ -71,7 +72,7 @@ def test_the_asked_shape_has_to_lie_in_the_sorter(goal: Goal) -> None:
         assert not goal.reached()
     goal.ends(shape, (0.0, 0.0, 0.004 - low[2]), on="sorter", z=(0.03,))
     goal.put(shape, (0.03, -0.03, 0.004 + high[0]), (0.0, np.pi / 2.0, 0.0), on="sorter")
-    assert goal.reached()
+    goal.counts_while_held(shape)
 
 
 @goal_of("plug_charger_in_power_supply")
@@ -126,9 +127,9 @@ def test_as_many_mugs_as_asked_have_to_hang(goal: Goal) -> None:
         mugs = [(start + k) % 3 for k in range(count)]
         for k, mug in enumerate(mugs):
             assert not goal.reached()
-            hang(goal, mug, spoke=(2 * start + k) % 3)
+            hang(goal, mug, spoke=(2 * start + k) % 4)
         goal.needs_release_of(f"mug{mugs[-1]}")
-        spoke = (2 * start + count - 1) % 3
+        spoke = (2 * start + count - 1) % 4
         goal.border(lambda out, m=mugs[-1], s=spoke: hang(goal, m, s, out=out), inside=0.0204, outside=0.0224)
         goal.border(lambda up, m=mugs[-1], s=spoke: hang(goal, m, s, up=up), inside=-0.02, outside=-0.022)
         for mug in mugs:

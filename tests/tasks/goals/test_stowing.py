@@ -32,11 +32,12 @@ def test_the_paper_has_to_lie_at_the_bottom_of_the_bin(goal: Goal) -> None:
         goal.put("rubbish", place, on="bin")
         assert not goal.reached()
     goal.ends("rubbish", (0.0, 0.0, 0.04), on="bin", z=(0.047,))
+    goal.counts_while_held("rubbish")
 
 
 @goal_of("meat_off_grill", 0, 1)
 def test_the_asked_meat_has_to_lie_beside_the_grill(goal: Goal) -> None:
-    """The grasp goes to it at the same height, only it counts, let go, and lower than 5 cm over the table."""
+    """By either long side: the grasp goes to it at the same height, only it counts, let go, less than 5 cm over the table."""
     meats = goal.task.meats
     meat, other = meats if goal.says(meats[0]) else meats[::-1]
     grasp = goal.task.get_waypoints()[1].pose
@@ -49,6 +50,8 @@ def test_the_asked_meat_has_to_lie_beside_the_grill(goal: Goal) -> None:
     low, high = goal.world.body(meat).bounds()
     x, y = 0.1 + high[:2]
     goal.ends(meat, (0.0, -0.16, -low[2]), x=(-x, x), y=(-y, y), z=(0.05,))
+    goal.needs_release_of(meat)
+    goal.ends(meat, (0.0, 0.4, -low[2]), x=(-x, x), y=(-y, y), z=(0.05,))
     goal.needs_release_of(meat)
 
 
@@ -87,6 +90,7 @@ def test_all_three_things_have_to_lie_in_the_asked_tray(goal: Goal) -> None:
         goal.put(name, (0.0, 0.0, 0.03), on="big_tray")
         assert not goal.reached()
         goal.put(name, (0.0, 0.0, 0.03), on=asked)
+    goal.counts_while_held(names[-1])
 
 
 def asked_color(goal: Goal) -> tuple[float, ...]:
