@@ -65,6 +65,11 @@ def hull_prism(points: FloatArray, low: float, high: float) -> Mesh:
     return hull_of(np.round(np.concatenate([np.column_stack([points, np.full(len(points), z)]) for z in (low, high)]), 6))
 
 
+def flat_mark(points: Sequence[Point], x: float, thickness: float = 0.0008) -> Mesh:
+    """Return a thin convex plate over points (y, z), in the middle of which x is as given: a mark on an upright wall."""
+    return hull_of(np.round(np.array([(x + t, y, z) for t in (-thickness / 2.0, thickness / 2.0) for y, z in points]), 6))
+
+
 def grown(outline: FloatArray, distance: float) -> FloatArray:
     """Move every edge of an outline outwards by `distance`, or inwards when it is negative."""
     edges = np.roll(outline, -1, axis=0) - outline
