@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from math import cos, sin, tan
 
-from assets_lib.mesh import Mesh, box, lathe, merge, rod
+from assets_lib.mesh import Mesh, box, cylinder, lathe, merge, rod
+from assets_lib.prisms import hull_prism, rectangle
 from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
 
 DEPTH, WIDTH, HEIGHT, WALL = 0.36, 0.40, 0.42, 0.015
@@ -52,16 +53,32 @@ def _lining() -> Mesh:
     return merge([*sheets, box((t, 2 * half, tall), (DEPTH / 2.0 - WALL - t / 2.0, 0.0, mid))])
 
 
+def _sign() -> tuple[Visual, ...]:
+    """Return a sticker on the top: a plate between fork and knife."""
+    x, z = 0.04, HEIGHT
+    label = hull_prism(rectangle(0.16, 0.26) + (x, 0.0), z, z + 0.0008)
+    discs = (cylinder(r, 0.0008, 20).moved((x, 0.0, z + up)) for r, up in ((0.062, 0.0012), (0.040, 0.0028)))
+    rim = cylinder(0.046, 0.0008, 20).moved((x, 0.0, z + 0.002))
+    places = ((-0.095, 0.0, 0.012, 0.13), (0.095, 0.0, 0.012, 0.13), (0.095, 0.04, 0.026, 0.05))
+    cutlery = (hull_prism(rectangle(long, wide) + (x + ahead, y), z, z + 0.0016) for y, ahead, wide, long in places)
+    return (
+        Visual(mesh_shape("label", label), (0.20, 0.35, 0.60)),
+        Visual(mesh_shape("drawn_plate", merge([*discs, *cutlery])), (0.96, 0.96, 0.94)),
+        Visual(mesh_shape("drawn_rim", rim), (0.80, 0.15, 0.15)),
+    )
+
+
 def _body_link() -> Link:
     front = -DEPTH / 2.0
     lamps = merge(box((0.002, 0.012, 0.006), (front - 0.003, 0.13 - 0.025 * k, 0.388)) for k in range(3))
     visuals = (
         Visual(mesh_shape("shell", _merged(_body())), STEEL),
         Visual(mesh_shape("lining", _lining()), (0.55, 0.57, 0.60)),
-        Visual(mesh_shape("panel", box((0.002, WIDTH, HEIGHT - 0.356), (front - 0.001, 0.0, (HEIGHT + 0.356) / 2.0))), DARK),
+        Visual(mesh_shape("panel", box((0.002, WIDTH, HEIGHT - 0.36), (front - 0.001, 0.0, (HEIGHT + 0.352) / 2.0))), DARK),
         Visual(mesh_shape("lamps", lamps), (0.3, 0.9, 0.4)),
         Visual(mesh_shape("display", box((0.002, 0.08, 0.03), (front - 0.002, -0.10, 0.388))), (0.25, 0.65, 0.95)),
         Visual(mesh_shape("kick", box((0.002, WIDTH, 0.06), (front - 0.001, 0.0, 0.03))), DARK),
+        *_sign(),
     )
     return Link("dishwasher", 15.0, visuals, tuple(box_shape(size, center) for size, center in _body()))
 
