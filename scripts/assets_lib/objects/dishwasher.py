@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import cos, sin, tan
 
-from assets_lib.mesh import Mesh, box, cylinder, lathe, merge, rod
-from assets_lib.prisms import hull_prism, rectangle
+from assets_lib.mesh import Mesh, box, lathe, merge, rod
+from assets_lib.prisms import mark, rectangle, regular_polygon
 from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
 
 DEPTH, WIDTH, HEIGHT, WALL = 0.36, 0.40, 0.42, 0.015
@@ -56,11 +56,11 @@ def _lining() -> Mesh:
 def _sign() -> tuple[Visual, ...]:
     """Return a sticker on the top: a plate between fork and knife."""
     x, z = 0.04, HEIGHT
-    label = hull_prism(rectangle(0.16, 0.26) + (x, 0.0), z, z + 0.0008)
-    discs = (cylinder(r, 0.0008, 20).moved((x, 0.0, z + up)) for r, up in ((0.062, 0.0012), (0.040, 0.0028)))
-    rim = cylinder(0.046, 0.0008, 20).moved((x, 0.0, z + 0.002))
+    label = mark(rectangle(0.16, 0.26) + (x, 0.0), z + 0.0006, "z")
+    discs = [mark(regular_polygon(r, 16) + (x, 0.0), z + up, "z") for r, up in ((0.062, 0.0012), (0.040, 0.0024))]
+    rim = mark(regular_polygon(0.046, 16) + (x, 0.0), z + 0.0018, "z")
     places = ((-0.095, 0.0, 0.012, 0.13), (0.095, 0.0, 0.012, 0.13), (0.095, 0.04, 0.026, 0.05))
-    cutlery = (hull_prism(rectangle(long, wide) + (x + ahead, y), z, z + 0.0016) for y, ahead, wide, long in places)
+    cutlery = [mark(rectangle(long, wide) + (x + ahead, y), z + 0.0012, "z") for y, ahead, wide, long in places]
     return (
         Visual(mesh_shape("label", label), (0.20, 0.35, 0.60)),
         Visual(mesh_shape("drawn_plate", merge([*discs, *cutlery])), (0.96, 0.96, 0.94)),
@@ -132,7 +132,7 @@ def _rack_mesh() -> Mesh:
 
 
 def _rack_link() -> Link:
-    wheels = merge(rod((x, y - 0.004, -0.006), (x, y + 0.004, -0.006), 0.006, 10) for x in (-0.1, 0.1) for y in (-0.15, 0.15))
+    wheels = merge(rod((x, y - 0.004, -0.006), (x, y + 0.004, -0.006), 0.006, 6) for x in (-0.1, 0.1) for y in (-0.15, 0.15))
     visuals = (Visual(mesh_shape("rack", _rack_mesh()), WIRE), Visual(mesh_shape("wheels", wheels), SILVER))
     x, z = _rim_place()
     rim = cylinder_shape(RIM_RADIUS, RACK[1], (x, 0.0, z), (HALF_PI, 0.0, 0.0))

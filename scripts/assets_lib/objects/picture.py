@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, hull_of, merge, rod
-from assets_lib.prisms import flat_mark
+from assets_lib.prisms import mark, rectangle, regular_polygon
 from assets_lib.urdf import Link, Model, Visual, box_shape, cylinder_shape, mesh_shape
 
 WIDTH, HEIGHT, DEPTH, BORDER = 0.20, 0.15, 0.015, 0.016
@@ -94,30 +94,28 @@ def _frame() -> Model:
 
 
 def _band(a: tuple[float, float], b: tuple[float, float], width: float, x: float) -> Mesh:
-    """Return a straight line between two points (y, z) of an upright wall."""
-    along = np.subtract(b, a) / np.hypot(*np.subtract(b, a))
+    """Return a straight line between two points (y, z) of the back of the wall."""
+    ends = np.array([a, b])
+    along = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
     side = 0.5 * width * np.array([-along[1], along[0]])
-    return flat_mark([tuple(np.add(p, s * side)) for p in (a, b) for s in (-1.0, 1.0)], x)  # type: ignore[misc]
+    return mark(np.concatenate([ends - side, ends + side]), x, "x")
 
 
 def _back() -> tuple[Visual, ...]:
     """Return what the back of the wall shows: a picture that hangs by a string from a nail."""
-    x, y, z = WALL[0], 0.11, 0.15
-    low, high, nail = z - 0.075, z + 0.075, PEG_ROOT - 0.03
-    lines = [_band((-y, z + 0.055), (0.0, nail), 0.008, x + 0.0004), _band((y, z + 0.055), (0.0, nail), 0.008, x + 0.0004)]
-    frame = flat_mark([(s * y, v) for s in (-1.0, 1.0) for v in (low, high)], x + 0.0008)
-    inner, floor = y - 0.018, low + 0.018
-    sky = flat_mark([(s * inner, v) for s in (-1.0, 1.0) for v in (floor, high - 0.018)], x + 0.0014)
+    x, z, nail = WALL[0], 0.15, PEG_ROOT - 0.03
+    strings = [_band((s * 0.11, z + 0.055), (0.0, nail), 0.008, x + 0.0006) for s in (-1.0, 1.0)]
+    frame, sky = (mark(rectangle(w, h) + (0.0, z), x + up, "x") for w, h, up in ((0.22, 0.15, 0.0012), (0.184, 0.114, 0.0018)))
+    foot = z - 0.057
     hills = [
-        flat_mark([(c - w, floor), (c + w, floor), (c, floor + h)], x + 0.002)
-        for c, w, h in ((-0.03, 0.06, 0.06), (0.04, 0.05, 0.085))
+        mark(((y - half, foot), (y + half, foot), (y, foot + high)), x + 0.0024, "x")
+        for y, half, high in ((-0.03, 0.06, 0.06), (0.04, 0.05, 0.085))
     ]
-    screw = cylinder(0.013, 0.004, 12).moved((x + 0.002, 0.0, nail), (0.0, HALF_PI, 0.0))
     return (
-        Visual(mesh_shape("back_frame", merge([frame, *lines])), WHITE),
+        Visual(mesh_shape("back_frame", merge([frame, *strings])), WHITE),
         Visual(mesh_shape("back_sky", sky), SKY),
         Visual(mesh_shape("back_hills", merge(hills)), HILLS),
-        Visual(mesh_shape("back_nail", screw), BRASS),
+        Visual(mesh_shape("back_nail", mark(regular_polygon(0.013, 10) + (0.0, nail), x + 0.0012, "x")), BRASS),
     )
 
 

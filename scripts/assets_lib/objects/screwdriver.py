@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, hull_of, lathe, merge
-from assets_lib.prisms import bevelled_box, hull_prism
+from assets_lib.prisms import bevelled_box, hull_prism, mark, rectangle
 from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
 
 BLOCK = (0.08, 0.08, 0.06)
 HEAD_RADIUS, HEAD_BOTTOM, HEAD_FLOOR, HEAD_TOP, GAP = 0.01, 0.02, 0.024, 0.03, 0.001
 """Radius of the head; its lower side, bottom of its slot and its top above the block; space below the screw [m]."""
-THREAD_RADIUS, TURNS = 0.006, 5
+THREAD_RADIUS, TURNS = 0.006, 4
 SLOT = 0.004
 HANDLE_RADIUS, HANDLE, SHAFT_RADIUS, SHAFT = 0.015, 0.08, 0.004, 0.08
 BLADE = (0.0025, 0.016, 0.008)
@@ -47,24 +49,22 @@ def _thread() -> Mesh:
     outline = [(0.0, GAP)]
     for i in range(TURNS):
         outline += [(THREAD_RADIUS - 0.002, GAP + i * pitch), (THREAD_RADIUS, GAP + (i + 0.6) * pitch)]
-    return lathe([*outline, (THREAD_RADIUS, HEAD_BOTTOM), (0.0, HEAD_BOTTOM)], 12)
+    return lathe([*outline, (THREAD_RADIUS, HEAD_BOTTOM), (0.0, HEAD_BOTTOM)], 10)
 
 
 def _dial() -> Mesh:
     """Return an arrow for a quarter turn to the right, on the block around the screw."""
-    z, thick, radius = BLOCK[2] + 0.0004, 0.0008, 0.027
-    steps = np.deg2rad(np.linspace(180.0, 60.0, 9))
-    arc = [
-        box((0.0115, 0.006, thick)).moved((radius * np.cos(a), radius * np.sin(a), z), (0.0, 0.0, a - np.pi / 2.0)) for a in steps
-    ]
-    end = steps[-1] - np.pi / 2.0
-    tip = hull_prism(np.array([(0.012, 0.0), (-0.006, 0.011), (-0.006, -0.011)]), -thick / 2.0, thick / 2.0)
-    return merge([*arc, tip.moved((radius * np.cos(steps[-1]), radius * np.sin(steps[-1]), z), (0.0, 0.0, end))])
+    z, radius, half, first, last = BLOCK[2] + 0.0006, 0.027, 0.003, np.deg2rad(180.0), np.deg2rad(60.0)
+    around = [np.array([np.cos(a), np.sin(a)]) for a in np.linspace(first, last, 7)]
+    arc = [[u * (radius + s * half) for u in pair for s in (-1.0, 1.0)] for pair in pairwise(around)]
+    out, ahead = around[-1], np.array([np.sin(last), -np.cos(last)])
+    tip = [out * (radius + 0.011), out * (radius - 0.011), out * radius + 0.018 * ahead]
+    return merge(mark(np.array(points), z, "z") for points in (*arc, tip))
 
 
 def _block() -> Model:
     plate = lathe([(0.0, HEAD_BOTTOM), (HEAD_RADIUS, HEAD_BOTTOM), (HEAD_RADIUS, HEAD_FLOOR), (0.0, HEAD_FLOOR)], 16)
-    slot = box((SLOT, 2.0 * HEAD_RADIUS - 0.001, 0.001), (0.0, 0.0, HEAD_FLOOR))
+    slot = mark(rectangle(SLOT, 2.0 * HEAD_RADIUS - 0.001), HEAD_FLOOR + 0.0004, "z")
     base = Link(
         "screw_block",
         1.5,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from assets_lib.mesh import Mesh, box, cylinder, hull_of, lathe, merge, rod
-from assets_lib.prisms import bevelled_box, flat_mark
+from assets_lib.mesh import Mesh, box, cylinder, hull_of, merge, rod
+from assets_lib.prisms import bevelled_box, mark, regular_polygon
 from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
 
 WIDTH, HEIGHT, THICKNESS = 0.24, 0.20, 0.03
@@ -54,28 +54,20 @@ def _wall_around_plate(x: tuple[float, float]) -> tuple[Shape, ...]:
 
 
 def _back() -> tuple[Visual, ...]:
-    """Return what the back of the wall shows: the box behind the socket and its cable, and a sign of warning."""
-    x, z = THICKNESS, SOCKET_HEIGHT - 0.018
-    cover = box((0.002, 0.085, 0.085), (x + 0.001, 0.055, z))
-    pipe = rod((x, 0.055, FOOT[2]), (x, 0.055, z - 0.04), 0.005, 8)
-    ring = lathe([(0.0, 0.0), (0.031, 0.0), (0.031, 0.0012), (0.0, 0.0012)], 20).moved(
-        (x + 0.002, 0.055, z), (0.0, np.pi / 2.0, 0.0)
-    )
-    holes = merge(
-        cylinder(0.008, 0.001, 12).moved((x + 0.0036, 0.055 + side * 0.013, z), (0.0, np.pi / 2.0, 0.0)) for side in (-1.0, 1.0)
-    )
-    middle = -0.055
-    triangle = flat_mark([(middle - 0.05, z - 0.04), (middle + 0.05, z - 0.04), (middle, z + 0.045)], x + 0.0004)
-    upper = flat_mark(
-        [(middle - 0.004, z + 0.022), (middle + 0.006, z + 0.022), (middle - 0.012, z - 0.012), (middle + 0.002, z - 0.006)],
-        x + 0.001,
-    )
-    lower = flat_mark([(middle - 0.002, z - 0.004), (middle + 0.013, z - 0.002), (middle - 0.004, z - 0.034)], x + 0.001)
+    """Return what the back of the wall shows: the box behind the socket, its cable, and a sign that warns of electricity."""
+    x, z, left, right = THICKNESS, SOCKET_HEIGHT - 0.018, -0.055, 0.055
+    cover = box((0.002, 0.085, 0.085), (x + 0.001, right, z))
+    pipe = rod((x, right, FOOT[2]), (x, right, z - 0.04), 0.005, 6)
+    holes = [mark(regular_polygon(0.008, 8) + (right + side * 0.013, z), x + 0.0032, "x") for side in (-1.0, 1.0)]
+    upper = ((left - 0.004, z + 0.022), (left + 0.006, z + 0.022), (left - 0.012, z - 0.012), (left + 0.002, z - 0.006))
+    lower = ((left - 0.002, z - 0.004), (left + 0.013, z - 0.002), (left - 0.004, z - 0.034))
+    bolt = [mark(points, x + 0.0012, "x") for points in (upper, lower)]
+    triangle = ((left - 0.05, z - 0.04), (left + 0.05, z - 0.04), (left, z + 0.045))
     return (
         Visual(mesh_shape("back_box", merge([cover, pipe])), TRIM),
-        Visual(mesh_shape("back_socket", ring), WHITE),
-        Visual(mesh_shape("back_marks", merge([holes, upper, lower])), BLACK),
-        Visual(mesh_shape("back_sign", triangle), YELLOW),
+        Visual(mesh_shape("back_socket", mark(regular_polygon(0.031, 16) + (right, z), x + 0.0026, "x")), WHITE),
+        Visual(mesh_shape("back_marks", merge([*holes, *bolt])), BLACK),
+        Visual(mesh_shape("back_sign", mark(triangle, x + 0.0006, "x")), YELLOW),
     )
 
 
