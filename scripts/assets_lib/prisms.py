@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from assets_lib.mesh import FloatArray, Mesh, hull_of
 
@@ -63,6 +65,21 @@ def bevelled_box(size: Sequence[float], bevel: float) -> Mesh:
 def hull_prism(points: FloatArray, low: float, high: float) -> Mesh:
     """Return the convex prism over points (n, 2)."""
     return hull_of(np.round(np.concatenate([np.column_stack([points, np.full(len(points), z)]) for z in (low, high)]), 6))
+
+
+def mark(points: Sequence[Point] | FloatArray, height: float, axis: Literal["x", "z"]) -> Mesh:
+    """Return a flat convex mark on a surface, seen from one side alone.
+
+    Args:
+        points: y, z of its corners on a wall, x, y on a top, in any order.
+        height: Where it lies along `axis` [m]; above 0.
+        axis: What it faces.
+    """
+    corners = np.asarray(points, dtype=float)
+    corners = np.round(corners[ConvexHull(corners).vertices], 6)
+    across = np.full(len(corners), height)
+    columns = (across, *corners.T) if axis == "x" else (*corners.T, across)
+    return Mesh(np.column_stack(columns), np.array([(0, i, i + 1) for i in range(1, len(corners) - 1)]))
 
 
 def grown(outline: FloatArray, distance: float) -> FloatArray:

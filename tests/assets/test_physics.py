@@ -85,6 +85,22 @@ def test_moving_parts_never_touch_the_rest(name: str) -> None:
             p.resetJointState(body, index, 0.0, physicsClientId=number)
 
 
+def test_a_flat_weight_on_a_button_rests_on_its_guard() -> None:
+    """What is wider than the guard presses the cap by less than the 3 mm that count; the guard stops it."""
+    with client() as number:
+        body = load(object_urdf("button"), number)
+        cap = joint_table(body, number)["cap_joint"][0]
+        p.setJointMotorControl2(body, cap, p.VELOCITY_CONTROL, force=0.0, physicsClientId=number)
+        shape = p.createCollisionShape(p.GEOM_BOX, halfExtents=(0.05, 0.05, 0.01), physicsClientId=number)
+        plate = p.createMultiBody(2.0, shape, basePosition=(0.0, 0.0, 0.055), physicsClientId=number)
+        for _ in range(240):
+            spring = -400.0 * p.getJointState(body, cap, physicsClientId=number)[0]
+            p.setJointMotorControl2(body, cap, p.TORQUE_CONTROL, force=spring, physicsClientId=number)
+            p.stepSimulation(physicsClientId=number)
+        assert 0.001 < p.getJointState(body, cap, physicsClientId=number)[0] < 0.003
+        assert p.getContactPoints(plate, body, -1, -1, physicsClientId=number)
+
+
 def test_drawers_carry_things() -> None:
     """A cube dropped into an open drawer stays in it, above its bottom."""
     with client() as number:

@@ -1,4 +1,7 @@
-"""A push button on a pedestal, with a guard ring that keeps everything but fingertips away."""
+"""A push button on a pedestal. Its cap stands above a guard ring by less than the press that counts.
+
+What is flat and wider than the ring cannot press it; fingertips can.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ SIDE, HEIGHT, FLOOR = 0.08, 0.03, 0.018
 WELL = 0.054
 """Width of the square well in which the collar moves [m]."""
 TRAVEL = 0.006
-GUARD_RADIUS, GUARD_TOP, GUARD_WALL, GUARD_SEGMENTS = 0.031, 0.054, 0.0045, 12
+GUARD_RADIUS, GUARD_TOP, GUARD_WALL, GUARD_SEGMENTS = 0.031, 0.0395, 0.0045, 12
 """Outer radius of the guard ring, height of its rim, thickness [m], and boxes it is made of."""
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import cos, sin, tan
 
 from assets_lib.mesh import Mesh, box, lathe, merge, rod
+from assets_lib.prisms import mark, rectangle, regular_polygon
 from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
 
 DEPTH, WIDTH, HEIGHT, WALL = 0.36, 0.40, 0.42, 0.015
@@ -52,16 +53,32 @@ def _lining() -> Mesh:
     return merge([*sheets, box((t, 2 * half, tall), (DEPTH / 2.0 - WALL - t / 2.0, 0.0, mid))])
 
 
+def _sign() -> tuple[Visual, ...]:
+    """Return a sticker on the top: a plate between fork and knife."""
+    x, z = 0.04, HEIGHT
+    label = mark(rectangle(0.16, 0.26) + (x, 0.0), z + 0.0006, "z")
+    discs = [mark(regular_polygon(r, 16) + (x, 0.0), z + up, "z") for r, up in ((0.062, 0.0012), (0.040, 0.0024))]
+    rim = mark(regular_polygon(0.046, 16) + (x, 0.0), z + 0.0018, "z")
+    places = ((-0.095, 0.0, 0.012, 0.13), (0.095, 0.0, 0.012, 0.13), (0.095, 0.04, 0.026, 0.05))
+    cutlery = [mark(rectangle(long, wide) + (x + ahead, y), z + 0.0012, "z") for y, ahead, wide, long in places]
+    return (
+        Visual(mesh_shape("label", label), (0.20, 0.35, 0.60)),
+        Visual(mesh_shape("drawn_plate", merge([*discs, *cutlery])), (0.96, 0.96, 0.94)),
+        Visual(mesh_shape("drawn_rim", rim), (0.80, 0.15, 0.15)),
+    )
+
+
 def _body_link() -> Link:
     front = -DEPTH / 2.0
     lamps = merge(box((0.002, 0.012, 0.006), (front - 0.003, 0.13 - 0.025 * k, 0.388)) for k in range(3))
     visuals = (
         Visual(mesh_shape("shell", _merged(_body())), STEEL),
         Visual(mesh_shape("lining", _lining()), (0.55, 0.57, 0.60)),
-        Visual(mesh_shape("panel", box((0.002, WIDTH, HEIGHT - 0.356), (front - 0.001, 0.0, (HEIGHT + 0.356) / 2.0))), DARK),
+        Visual(mesh_shape("panel", box((0.002, WIDTH, HEIGHT - 0.36), (front - 0.001, 0.0, (HEIGHT + 0.352) / 2.0))), DARK),
         Visual(mesh_shape("lamps", lamps), (0.3, 0.9, 0.4)),
         Visual(mesh_shape("display", box((0.002, 0.08, 0.03), (front - 0.002, -0.10, 0.388))), (0.25, 0.65, 0.95)),
         Visual(mesh_shape("kick", box((0.002, WIDTH, 0.06), (front - 0.001, 0.0, 0.03))), DARK),
+        *_sign(),
     )
     return Link("dishwasher", 15.0, visuals, tuple(box_shape(size, center) for size, center in _body()))
 
@@ -115,7 +132,7 @@ def _rack_mesh() -> Mesh:
 
 
 def _rack_link() -> Link:
-    wheels = merge(rod((x, y - 0.004, -0.006), (x, y + 0.004, -0.006), 0.006, 10) for x in (-0.1, 0.1) for y in (-0.15, 0.15))
+    wheels = merge(rod((x, y - 0.004, -0.006), (x, y + 0.004, -0.006), 0.006, 6) for x in (-0.1, 0.1) for y in (-0.15, 0.15))
     visuals = (Visual(mesh_shape("rack", _rack_mesh()), WIRE), Visual(mesh_shape("wheels", wheels), SILVER))
     x, z = _rim_place()
     rim = cylinder_shape(RIM_RADIUS, RACK[1], (x, 0.0, z), (HALF_PI, 0.0, 0.0))

@@ -19,7 +19,7 @@ REST_X = 0.08
 BALL = 0.0175
 GOAL = (0.14, 0.08, 0.09)
 POST = 0.004
-WOOD, TAPE = (0.78, 0.56, 0.30), (0.12, 0.12, 0.13)
+BLUE, TAPE, WHITE = (0.10, 0.30, 0.72), (0.12, 0.12, 0.13), (0.97, 0.97, 0.95)
 COS, SIN = float(np.cos(SLANT)), float(np.sin(SLANT))
 
 
@@ -38,10 +38,10 @@ def _stick() -> Model:
     taped = [rod(_on_shaft(a), _on_shaft(b), SHAFT_RADIUS + 0.001, 14) for a, b in ((-0.03, 0.035), (0.24, 0.25))]
     stripes = [rod(_on_shaft(a), _on_shaft(a + 0.012), SHAFT_RADIUS + 0.0006, 14) for a in (0.11, 0.13)]
     visuals = (
-        Visual(mesh_shape("shaft", rod(_on_shaft(SHAFT[0]), _on_shaft(SHAFT[1]), SHAFT_RADIUS, 14)), WOOD),
-        Visual(mesh_shape("blade", merge([blade.mesh(), toe])), WOOD, crease=0.3),
+        Visual(mesh_shape("shaft", rod(_on_shaft(SHAFT[0]), _on_shaft(SHAFT[1]), SHAFT_RADIUS, 14)), BLUE),
+        Visual(mesh_shape("blade", merge([blade.mesh(), toe])), BLUE, crease=0.3),
         Visual(mesh_shape("tape", merge(taped)), TAPE),
-        Visual(mesh_shape("stripes", merge(stripes)), (0.80, 0.12, 0.10)),
+        Visual(mesh_shape("stripes", merge(stripes)), WHITE),
     )
     shapes = (cylinder_shape(SHAFT_RADIUS, length, _on_shaft(middle), tilt), blade)
     link = Link("hockey_stick", 0.2, visuals, shapes, friction=0.8)
@@ -74,7 +74,7 @@ def _rest() -> Model:
 
 
 def _ball() -> Model:
-    visuals = (Visual(mesh_shape("ball", icosphere(BALL, 2)), (0.96, 0.45, 0.08), crease=1.2),)
+    visuals = (Visual(mesh_shape("ball", icosphere(BALL, 2)), WHITE, crease=1.2),)
     link = Link("hockey_ball", 0.03, visuals, (sphere_shape(BALL),), friction=0.6, rolling=0.0002)
     return Model("hockey_ball", "objects/hockey_ball", "centre", (link,), notes=(f"rests with its origin at {BALL} m",))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, hull_of, merge, rod
+from assets_lib.prisms import mark, rectangle, regular_polygon
 from assets_lib.urdf import Link, Model, Visual, box_shape, cylinder_shape, mesh_shape
 
 WIDTH, HEIGHT, DEPTH, BORDER = 0.20, 0.15, 0.015, 0.016
@@ -16,7 +17,8 @@ PEG_ROOT, PEG_LENGTH, PEG_RADIUS, PEG_TILT = 0.38, 0.03, 0.005, np.pi / 6.0
 """Height at which the peg leaves the wall [m], its size [m] and its rise [rad]."""
 LEAN = 0.17
 """Of the rest's back [rad]."""
-OAK, CREAM, WHITE, METAL = (0.45, 0.27, 0.13), (0.90, 0.86, 0.74), (0.95, 0.94, 0.90), (0.75, 0.76, 0.78)
+CREAM, WHITE, STEEL, BRASS = (0.90, 0.86, 0.74), (0.97, 0.96, 0.93), (0.80, 0.82, 0.86), (0.85, 0.66, 0.22)
+SKY, HILLS = (0.52, 0.76, 0.92), (0.42, 0.40, 0.55)
 HALF_PI = 1.57079633
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
@@ -50,11 +52,11 @@ def _picture() -> tuple[Visual, ...]:
     meadow = box((0.0008, inner, 0.03), (front - 0.0012, 0.0, -tall / 2.0 + 0.015))
     sun = cylinder(0.011, 0.0008, 16).moved((front - 0.0005, -0.05, 0.036), (0.0, HALF_PI, 0.0))
     return (
-        Visual(mesh_shape("sky", box((0.008, inner, tall), (0.0005, 0.0, 0.0))), (0.52, 0.76, 0.92)),
+        Visual(mesh_shape("sky", box((0.008, inner, tall), (0.0005, 0.0, 0.0))), SKY),
         Visual(mesh_shape("sun", sun), (1.0, 0.85, 0.2)),
         Visual(
             mesh_shape("mountains", merge([_peak(0.03, 0.10, 0.07, front - 0.0006), _peak(-0.03, 0.08, 0.05, front - 0.0008)])),
-            (0.42, 0.40, 0.55),
+            HILLS,
         ),
         Visual(mesh_shape("meadow", meadow), (0.30, 0.58, 0.25)),
     )
@@ -69,9 +71,9 @@ def _frame() -> Model:
         for s in (-1, 1)
     )
     visuals = (
-        Visual(mesh_shape("rails", _merged(_rails())), OAK),
+        Visual(mesh_shape("rails", _merged(_rails())), WHITE),
         *_picture(),
-        Visual(mesh_shape("bar", merge([bar, _merged(arms)])), METAL),
+        Visual(mesh_shape("bar", merge([bar, _merged(arms)])), STEEL),
     )
     shapes = (
         box_shape((DEPTH, WIDTH, HEIGHT)),
@@ -91,6 +93,32 @@ def _frame() -> Model:
     )
 
 
+def _band(a: tuple[float, float], b: tuple[float, float], width: float, x: float) -> Mesh:
+    """Return a straight line between two points (y, z) of the back of the wall."""
+    ends = np.array([a, b])
+    along = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
+    side = 0.5 * width * np.array([-along[1], along[0]])
+    return mark(np.concatenate([ends - side, ends + side]), x, "x")
+
+
+def _back() -> tuple[Visual, ...]:
+    """Return what the back of the wall shows: a picture that hangs by a string from a nail."""
+    x, z, nail = WALL[0], 0.15, PEG_ROOT - 0.03
+    strings = [_band((s * 0.11, z + 0.055), (0.0, nail), 0.008, x + 0.0006) for s in (-1.0, 1.0)]
+    frame, sky = (mark(rectangle(w, h) + (0.0, z), x + up, "x") for w, h, up in ((0.22, 0.15, 0.0012), (0.184, 0.114, 0.0018)))
+    foot = z - 0.057
+    hills = [
+        mark(((y - half, foot), (y + half, foot), (y, foot + high)), x + 0.0024, "x")
+        for y, half, high in ((-0.03, 0.06, 0.06), (0.04, 0.05, 0.085))
+    ]
+    return (
+        Visual(mesh_shape("back_frame", merge([frame, *strings])), WHITE),
+        Visual(mesh_shape("back_sky", sky), SKY),
+        Visual(mesh_shape("back_hills", merge(hills)), HILLS),
+        Visual(mesh_shape("back_nail", mark(regular_polygon(0.013, 10) + (0.0, nail), x + 0.0012, "x")), BRASS),
+    )
+
+
 def _wall() -> Model:
     t, w, h = WALL
     end = (-PEG_LENGTH * np.cos(PEG_TILT), 0.0, PEG_ROOT + PEG_LENGTH * np.sin(PEG_TILT))
@@ -99,8 +127,9 @@ def _wall() -> Model:
     visuals = (
         Visual(mesh_shape("panel", box(*panel)), (0.62, 0.70, 0.64)),
         Visual(mesh_shape("base", merge([box((0.004, w, 0.04), (-0.002, 0.0, 0.02)), _merged(feet)])), WHITE),
-        Visual(mesh_shape("plate", cylinder(0.014, 0.003, 16).moved((-0.0015, 0.0, PEG_ROOT), (0.0, HALF_PI, 0.0))), METAL),
-        Visual(mesh_shape("peg", rod((0.0, 0.0, PEG_ROOT), end, PEG_RADIUS, 14)), (0.85, 0.68, 0.25)),
+        Visual(mesh_shape("plate", cylinder(0.02, 0.002, 16).moved((-0.001, 0.0, PEG_ROOT), (0.0, HALF_PI, 0.0))), WHITE),
+        Visual(mesh_shape("peg", rod((0.0, 0.0, PEG_ROOT), end, PEG_RADIUS, 14)), BRASS),
+        *_back(),
     )
     middle = (end[0] / 2.0, 0.0, (PEG_ROOT + end[2]) / 2.0)
     peg = cylinder_shape(PEG_RADIUS, PEG_LENGTH, middle, (0.0, PEG_TILT - HALF_PI, 0.0))

@@ -1,23 +1,27 @@
-"""A screwdriver, a stand for it, and a block with a slotted screw that turns."""
+"""A screwdriver, an open stand for it, and a block with a slotted screw that turns."""
 
 from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, hull_of, lathe, merge
-from assets_lib.prisms import bevelled_box, hull_prism
+from assets_lib.prisms import bevelled_box, hull_prism, mark, rectangle
 from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
 
 BLOCK = (0.08, 0.08, 0.06)
-HEAD_RADIUS, HEAD_FLOOR, HEAD_TOP, GAP = 0.01, 0.005, 0.011, 0.001
-"""Radius of the head, bottom of its slot and its top above the block, space below it [m]."""
+HEAD_RADIUS, HEAD_BOTTOM, HEAD_FLOOR, HEAD_TOP, GAP = 0.01, 0.02, 0.024, 0.03, 0.001
+"""Radius of the head; its lower side, bottom of its slot and its top above the block; space below the screw [m]."""
+THREAD_RADIUS, TURNS = 0.006, 4
 SLOT = 0.004
 HANDLE_RADIUS, HANDLE, SHAFT_RADIUS, SHAFT = 0.015, 0.08, 0.004, 0.08
 BLADE = (0.0025, 0.016, 0.008)
-STAND, STAND_HEIGHT, STAND_HOLE = 0.05, 0.092, 0.02
+STAND, STAND_HEIGHT, STAND_HOLE, STAND_PLATE, POST = 0.05, 0.092, 0.02, 0.012, 0.007
 TIP = -HANDLE / 2.0 - SHAFT - BLADE[2]
 """z of the end of the blade [m]."""
-WOOD, STEEL, RED, YELLOW = (0.76, 0.56, 0.34), (0.72, 0.73, 0.76), (0.82, 0.12, 0.10), (0.95, 0.80, 0.15)
+PALE, BLUE, STEEL, DARK = (0.90, 0.88, 0.80), (0.16, 0.36, 0.56), (0.80, 0.82, 0.86), (0.20, 0.21, 0.24)
+RED, YELLOW = (0.82, 0.12, 0.10), (0.95, 0.80, 0.15)
 
 
 def _half_head(side: float) -> Mesh:
@@ -34,19 +38,46 @@ def _head_shapes() -> tuple[Shape, ...]:
     for side in (-1.0, 1.0):
         for low, high, half_y in ((SLOT / 2.0, 0.006, 0.008), (0.006, 0.009, 0.0045)):
             halves.append(box_shape((high - low, 2.0 * half_y, height), (side * (low + high) / 2.0, 0.0, z)))
-    return (cylinder_shape(HEAD_RADIUS, HEAD_FLOOR - GAP, (0.0, 0.0, (HEAD_FLOOR + GAP) / 2.0)), *halves)
+    plate = cylinder_shape(HEAD_RADIUS, HEAD_FLOOR - HEAD_BOTTOM, (0.0, 0.0, (HEAD_FLOOR + HEAD_BOTTOM) / 2.0))
+    shaft = cylinder_shape(THREAD_RADIUS, HEAD_BOTTOM - GAP, (0.0, 0.0, (HEAD_BOTTOM + GAP) / 2.0))
+    return (plate, shaft, *halves)
+
+
+def _thread() -> Mesh:
+    """Return the shaft of the screw with its turns, from the block to below the head."""
+    pitch = (HEAD_BOTTOM - GAP) / TURNS
+    outline = [(0.0, GAP)]
+    for i in range(TURNS):
+        outline += [(THREAD_RADIUS - 0.002, GAP + i * pitch), (THREAD_RADIUS, GAP + (i + 0.6) * pitch)]
+    return lathe([*outline, (THREAD_RADIUS, HEAD_BOTTOM), (0.0, HEAD_BOTTOM)], 10)
+
+
+def _dial() -> Mesh:
+    """Return an arrow for a quarter turn to the right, on the block around the screw."""
+    z, radius, half, first, last = BLOCK[2] + 0.0006, 0.027, 0.003, np.deg2rad(180.0), np.deg2rad(60.0)
+    around = [np.array([np.cos(a), np.sin(a)]) for a in np.linspace(first, last, 7)]
+    arc = [[u * (radius + s * half) for u in pair for s in (-1.0, 1.0)] for pair in pairwise(around)]
+    out, ahead = around[-1], np.array([np.sin(last), -np.cos(last)])
+    tip = [out * (radius + 0.011), out * (radius - 0.011), out * radius + 0.018 * ahead]
+    return merge(mark(np.array(points), z, "z") for points in (*arc, tip))
 
 
 def _block() -> Model:
-    plate = lathe([(0.0, 0.0), (HEAD_RADIUS, 0.0), (HEAD_RADIUS, HEAD_FLOOR), (0.0, HEAD_FLOOR)], 20)
+    plate = lathe([(0.0, HEAD_BOTTOM), (HEAD_RADIUS, HEAD_BOTTOM), (HEAD_RADIUS, HEAD_FLOOR), (0.0, HEAD_FLOOR)], 16)
+    slot = mark(rectangle(SLOT, 2.0 * HEAD_RADIUS - 0.001), HEAD_FLOOR + 0.0004, "z")
     base = Link(
         "screw_block",
         1.5,
-        (Visual(mesh_shape("block", bevelled_box(BLOCK, 0.003)), WOOD),),
+        (Visual(mesh_shape("block", bevelled_box(BLOCK, 0.003)), PALE), Visual(mesh_shape("dial", _dial()), BLUE)),
         (box_shape(BLOCK, (0.0, 0.0, BLOCK[2] / 2.0)),),
     )
-    head = Visual(mesh_shape("head", merge([plate, _half_head(1.0), _half_head(-1.0)])), STEEL)
-    screw = Link("screw_link", 0.03, (head,), _head_shapes(), friction=0.4)
+    visuals = (
+        Visual(mesh_shape("head", merge([plate, _half_head(1.0)])), STEEL),
+        Visual(mesh_shape("marked_half", _half_head(-1.0)), RED),
+        Visual(mesh_shape("thread", _thread()), STEEL, crease=0.2),
+        Visual(mesh_shape("slot", slot), DARK),
+    )
+    screw = Link("screw_link", 0.03, visuals, _head_shapes(), friction=0.4)
     joint = Joint(
         "screw", "revolute", "screw_block", "screw_link", (0.0, 0.0, BLOCK[2]), (0.0, 0.0, -1.0), -3.2, 3.2, damping=0.002
     )
@@ -55,7 +86,7 @@ def _block() -> Model:
         "in `screw_link`",
         "the screw turns but does not go down; give it friction",
     )
-    return Model("screw_block", "objects/screw_block", "bottom centre", (base, screw), (joint,), notes)
+    return Model("screw_block", "objects/screw_block", "bottom centre", (base, screw), (joint,), notes=notes)
 
 
 def _handle() -> tuple[Mesh, Mesh]:
@@ -100,14 +131,22 @@ def _driver() -> Model:
     return Model("screwdriver", "objects/screwdriver", "centre of the handle", (link,), notes=notes)
 
 
+def _plate() -> list[Shape]:
+    """Return the upper plate of the stand, with its hole."""
+    wall, middle = (STAND - STAND_HOLE) / 2.0, (STAND + STAND_HOLE) / 4.0
+    z = STAND_HEIGHT - STAND_PLATE / 2.0
+    shapes = [box_shape((wall, STAND, STAND_PLATE), (s * middle, 0.0, z)) for s in (-1.0, 1.0)]
+    return shapes + [box_shape((STAND_HOLE, wall, STAND_PLATE), (0.0, s * middle, z)) for s in (-1.0, 1.0)]
+
+
 def _stand() -> Model:
-    wall = (STAND - STAND_HOLE) / 2.0
-    middle, z = (STAND + STAND_HOLE) / 4.0, STAND_HEIGHT / 2.0
-    walls = [box_shape((wall, STAND, STAND_HEIGHT), (s * middle, 0.0, z)) for s in (-1.0, 1.0)]
-    walls += [box_shape((STAND_HOLE, wall, STAND_HEIGHT), (0.0, s * middle, z)) for s in (-1.0, 1.0)]
-    visuals = (Visual(mesh_shape("stand", merge(box(w.size, w.xyz) for w in walls)), (0.25, 0.35, 0.45)),)
-    notes = (f"square hole {STAND_HOLE} wide from top to bottom, top at z = {STAND_HEIGHT}",)
-    link = Link("screwdriver_stand", 0.5, visuals, tuple(walls), friction=0.8)
+    """Return a plate on four posts, between which shaft and blade are seen."""
+    tall, place = STAND_HEIGHT - STAND_PLATE, (STAND - POST) / 2.0
+    posts = [box_shape((POST, POST, tall), (x, y, tall / 2.0)) for x in (-place, place) for y in (-place, place)]
+    shapes = (*_plate(), *posts)
+    visuals = (Visual(mesh_shape("stand", merge(box(s.size, s.xyz) for s in shapes)), BLUE),)
+    notes = (f"square hole {STAND_HOLE} wide in a plate {STAND_PLATE} thick on four posts, top at z = {STAND_HEIGHT}",)
+    link = Link("screwdriver_stand", 0.5, visuals, shapes, friction=0.8)
     return Model("screwdriver_stand", "objects/screwdriver_stand", "bottom centre", (link,), notes=notes)
 
 

@@ -12,14 +12,14 @@ PITCH = 0.11
 """Distance of neighbouring pillars [m]."""
 RING, HOLE, THICKNESS = 0.10, 0.042, 0.02
 BAR = (0.05, 0.022, 0.024)
-WOOD, EDGE = (0.82, 0.65, 0.43), (0.58, 0.41, 0.24)
+SLATE, EDGE = (0.40, 0.46, 0.53), (0.25, 0.29, 0.34)
 CREAM, GRIP = (0.94, 0.90, 0.80), (0.22, 0.22, 0.25)
 
 
 def _base() -> Model:
     places = [(0.0, i * PITCH, BASE[2]) for i in (-1, 0, 1)]
     rims = merge(box((0.04, 0.04, 0.0008), place) for place in places)
-    visuals = (Visual(mesh_shape("board", bevelled_box(BASE, 0.004)), WOOD), Visual(mesh_shape("rims", rims), EDGE))
+    visuals = (Visual(mesh_shape("board", bevelled_box(BASE, 0.004)), SLATE), Visual(mesh_shape("rims", rims), EDGE))
     link = Link("peg_base", 1.5, visuals, (box_shape(BASE, (0.0, 0.0, BASE[2] / 2.0)),))
     notes = (f"square pillars stand on it at y = -{PITCH}, 0, {PITCH}, their feet at z = {BASE[2]}",)
     return Model("peg_base", "objects/peg_base", "bottom centre", (link,), notes=notes)

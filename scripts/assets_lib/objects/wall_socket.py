@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, hull_of, merge, rod
-from assets_lib.prisms import bevelled_box
+from assets_lib.prisms import bevelled_box, mark, regular_polygon
 from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
 
 WIDTH, HEIGHT, THICKNESS = 0.24, 0.20, 0.03
@@ -20,8 +20,9 @@ WALL, TRIM, WHITE, BLACK, METAL = (
     (0.45, 0.52, 0.56),
     (0.95, 0.95, 0.93),
     (0.08, 0.08, 0.09),
-    (0.80, 0.80, 0.83),
+    (0.92, 0.92, 0.95),
 )
+CASE, YELLOW = (0.16, 0.16, 0.19), (0.98, 0.80, 0.10)
 
 Span = tuple[tuple[float, float], tuple[float, float], tuple[float, float]]
 """Lowest and highest x, y, z [m]."""
@@ -52,6 +53,24 @@ def _wall_around_plate(x: tuple[float, float]) -> tuple[Shape, ...]:
     return tuple(_box((x, y, z)) for y, z in (*sides, *middle))
 
 
+def _back() -> tuple[Visual, ...]:
+    """Return what the back of the wall shows: the box behind the socket, its cable, and a sign that warns of electricity."""
+    x, z, left, right = THICKNESS, SOCKET_HEIGHT - 0.018, -0.055, 0.055
+    cover = box((0.002, 0.085, 0.085), (x + 0.001, right, z))
+    pipe = rod((x, right, FOOT[2]), (x, right, z - 0.04), 0.005, 6)
+    holes = [mark(regular_polygon(0.008, 8) + (right + side * 0.013, z), x + 0.0032, "x") for side in (-1.0, 1.0)]
+    upper = ((left - 0.004, z + 0.022), (left + 0.006, z + 0.022), (left - 0.012, z - 0.012), (left + 0.002, z - 0.006))
+    lower = ((left - 0.002, z - 0.004), (left + 0.013, z - 0.002), (left - 0.004, z - 0.034))
+    bolt = [mark(points, x + 0.0012, "x") for points in (upper, lower)]
+    triangle = ((left - 0.05, z - 0.04), (left + 0.05, z - 0.04), (left, z + 0.045))
+    return (
+        Visual(mesh_shape("back_box", merge([cover, pipe])), TRIM),
+        Visual(mesh_shape("back_socket", mark(regular_polygon(0.031, 16) + (right, z), x + 0.0026, "x")), WHITE),
+        Visual(mesh_shape("back_marks", merge([*holes, *bolt])), BLACK),
+        Visual(mesh_shape("back_sign", mark(triangle, x + 0.0006, "x")), YELLOW),
+    )
+
+
 def _panel() -> Model:
     bottom = DEPTH - PLATE_THICKNESS
     plate, wall = _around_holes((-PLATE_THICKNESS, bottom)), _wall_around_plate((0.0, bottom))
@@ -68,6 +87,7 @@ def _panel() -> Model:
         ),
         Visual(mesh_shape("plate", merge(box(s.size, s.xyz) for s in plate)), WHITE),
         Visual(mesh_shape("hole_rims", ring), BLACK),
+        *_back(),
     )
     link = Link("socket_panel", 3.0, visuals, (*wall, back, foot, *plate), friction=0.6)
     notes = (
@@ -92,10 +112,10 @@ def _charger() -> Model:
     cable = rod((-BODY[0] / 2.0 - 0.016, 0.0, -0.004), (-BODY[0] / 2.0 + 0.002, 0.0, -0.004), 0.004, 10)
     mark = box((0.016, 0.006, 0.0006), (-0.004, 0.0, BODY[2] / 2.0 + 0.0002))
     visuals = (
-        Visual(mesh_shape("case", _case()), (0.16, 0.16, 0.18), crease=0.3),
+        Visual(mesh_shape("case", _case()), CASE, crease=0.3),
         Visual(mesh_shape("pins", seen), METAL),
-        Visual(mesh_shape("cable", cable), (0.35, 0.35, 0.38)),
-        Visual(mesh_shape("mark", mark), (0.20, 0.80, 0.35)),
+        Visual(mesh_shape("cable", cable), (0.85, 0.85, 0.82)),
+        Visual(mesh_shape("mark", mark), (0.25, 0.95, 0.45)),
     )
     turned = (0.0, float(np.pi) / 2.0, 0.0)
     solid = [cylinder_shape(PIN_RADIUS, PIN_LENGTH, (x + PIN_LENGTH / 2.0, y, z), turned) for x, y, z in pins]
@@ -108,7 +128,7 @@ def _charger() -> Model:
 
 
 def _stand() -> Model:
-    visuals = (Visual(mesh_shape("stand", bevelled_box(STAND, 0.002)), (0.55, 0.40, 0.26)),)
+    visuals = (Visual(mesh_shape("stand", bevelled_box(STAND, 0.002)), TRIM),)
     link = Link("charger_stand", 0.3, visuals, (box_shape(STAND, (0.0, 0.0, STAND[2] / 2.0)),))
     notes = (f"a charger rests on it with its origin at z = {STAND[2] + BODY[2] / 2.0}",)
     return Model("charger_stand", "objects/charger_stand", "bottom centre", (link,), notes=notes)

@@ -40,15 +40,15 @@ def test_the_asked_bulb_has_to_stand_in_the_socket(goal: Goal) -> None:
     """At its bottom, upright, let go; it glows while it stands there. The other bulb does not count."""
     holder = asked(goal, ("holder0", "holder1"))
     bulb, other = ("bulb0", "bulb1") if holder == "holder0" else ("bulb1", "bulb0")
-    seat = (0.0, 0.0, 0.034 + 0.052)
-    for name, place in ((other, seat), (bulb, (0.0, 0.0, 0.064 + 0.052))):
+    seat = (0.0, 0.0, 0.034 + 0.076)
+    for name, place in ((other, seat), (bulb, (0.0, 0.0, 0.064 + 0.076))):
         goal.put(name, place, on="lamp")
         goal.tick()
         assert not goal.reached()
         assert LIT not in (color[:3] for body in goal.task.bulbs for color in body.colors.values())
-    goal.put(other, (-0.09, 0.0, 0.058))
+    goal.put(other, (-0.09, 0.0, 0.082))
     goal.ends(bulb, seat, on="lamp", x=(-0.018, 0.018), y=(-0.018, 0.018), z=(0.0085,))
-    goal.border(lambda tilt: goal.put(bulb, seat, (tilt, 0.0, 0.0), on="lamp"), inside=0.41, outside=0.42)
+    goal.border(lambda tilt: goal.put(bulb, seat, (tilt, 0.0, 0.0), on="lamp"), inside=0.26, outside=0.27)
     goal.put(bulb, seat, on="lamp")
     goal.needs_release_of(bulb)
     goal.tick()
