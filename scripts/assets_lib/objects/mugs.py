@@ -73,9 +73,9 @@ def _tree() -> Model:
     stem = cylinder(STEM_RADIUS, STEM - tall, 14).moved((0.0, 0.0, (STEM + tall) / 2.0))
     top = icosphere(0.012, 2).moved((0.0, 0.0, STEM + 0.006))
     visuals = (
-        Visual(mesh_shape("foot", cylinder(radius, tall, 28, bevel=0.005).moved((0.0, 0.0, tall / 2.0))), (0.50, 0.31, 0.16)),
-        Visual(mesh_shape("stem", merge([stem, top])), (0.66, 0.44, 0.24)),
-        Visual(mesh_shape("spokes", merge([*spokes, *knobs])), (0.80, 0.60, 0.36)),
+        Visual(mesh_shape("foot", cylinder(radius, tall, 28, bevel=0.005).moved((0.0, 0.0, tall / 2.0))), (0.27, 0.14, 0.08)),
+        Visual(mesh_shape("stem", merge([stem, top])), (0.36, 0.19, 0.10)),
+        Visual(mesh_shape("spokes", merge([*spokes, *knobs])), (0.36, 0.19, 0.10)),
     )
     length = SPOKE + STEM_RADIUS / float(np.cos(SLANT))
     arms = []
