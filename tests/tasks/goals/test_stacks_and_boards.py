@@ -75,13 +75,13 @@ def test_stack_blocks_retargets_its_waypoints_every_round() -> None:
 
 @goal_of("play_jenga")
 def test_the_loose_brick_has_to_come_right_out(goal: Goal) -> None:
-    """All of it 10.5 cm from the middle of the tower, whichever way, and let go."""
-    reach = 0.105 + 0.04875
+    """All of it 9.5 cm from the middle of the tower, whichever way, and let go."""
+    reach = 0.095 + 0.04875
     for direction in (-1.0, 1.0):
         goal.border(
             lambda x, d=direction: goal.put("target", (d * x, 0.0327, 0.00975)), inside=reach + 0.001, outside=reach - 0.001
         )
-    goal.border(lambda y: goal.put("target", (0.0, y, 0.00975)), inside=0.1223, outside=0.1203)
+    goal.border(lambda y: goal.put("target", (0.0, y, 0.00975)), inside=0.1123, outside=0.1103)
     goal.put("target", (-0.2, 0.0327, 0.00975))
     goal.needs_release_of("target")
 
