@@ -7,9 +7,10 @@ import numpy as np
 from rlbench_pin.tasks import COLORS, BodySpec, Detected, SpawnBoundary, Task, distractor_colors, free_direction
 
 RINGS = (
-    (0.0074, 0.0110, (-17, 91)),
-    (0.0189, 0.0110, tuple(range(-166, 194, 40))),
-    (0.0196, 0.0208, tuple(range(-146, 214, 40))),
+    (0.0, 0.0100, (0,)),
+    (0.0101, 0.0100, (-108, -44, 16, 75, 135, 194)),
+    (0.0196, 0.0100, tuple(range(-93, 267, 30))),
+    (0.0059, 0.0180, (-77,)),
 )
 """Where twenty drops come to rest in a cup: distance from its axis and height [m], directions [degrees]."""
 TURNS = (
@@ -79,7 +80,7 @@ class PourFromCupToCup(Task):
         return free_direction(place[:2], np.arctan2(y, x) + np.array(turns), others, LANE, depth)
 
     def _fill(self, rng: np.random.Generator) -> None:
-        """Create the drops in the source cup, in two layers, turned at random."""
+        """Create the drops in the source cup: a layer that fills its floor, one on top, turned at random."""
         turn, places = rng.uniform(0.0, 2.0 * np.pi), []
         for radius, height, directions in RINGS:
             places += [(float(radius * np.cos(a)), float(radius * np.sin(a)), height) for a in turn + np.radians(directions)]

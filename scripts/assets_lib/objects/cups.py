@@ -8,7 +8,7 @@ from assets_lib.mesh import icosphere, lathe
 from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, sphere_shape
 
 SEGMENTS = 12
-DROP, SWELL = 0.006, 0.002
+DROP, SWELL = 0.005, 0.0025
 """Radius of a drop, and how much larger it is seen [m]."""
 WATER = (0.20, 0.62, 1.0)
 
@@ -58,7 +58,7 @@ def _cup(name: str, bottom: float, top: float, height: float, wall: float) -> Mo
 def _drop() -> Model:
     """Return a drop, seen a little larger than it is, so that drops in a cup look like one liquid."""
     seen = mesh_shape("drop", icosphere(DROP + SWELL, 1))
-    link = Link("drop", 0.001, (Visual(seen, WATER, crease=3.0),), (sphere_shape(DROP),), friction=0.1)
+    link = Link("drop", 0.001, (Visual(seen, WATER, crease=3.0),), (sphere_shape(DROP),), friction=0.1, rolling=0.0002)
     notes = (f"diameter {2 * DROP}; seen {SWELL} larger all round, less than the wall of a cup is thick",)
     return Model("drop", "objects/drop", "centre", (link,), notes=notes)
 

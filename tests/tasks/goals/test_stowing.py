@@ -152,4 +152,4 @@ def test_all_drops_have_to_be_in_the_target_cup(goal: Goal) -> None:
         goal.put(drop, (0.045, 0.0, 0.005), on="target")
         assert not goal.reached(), drop
         goal.put(drop, (0.0, 0.0, 0.02), on="target")
-    goal.ends(goal.task.drops[-1], (0.0, 0.0, 0.02), on="target", x=(-0.031, 0.031), y=(-0.031, 0.031), z=(0.041,))
+    goal.ends(goal.task.drops[-1], (0.0, 0.0, 0.02), on="target", x=(-0.03, 0.03), y=(-0.03, 0.03), z=(0.04,))
