@@ -12,6 +12,7 @@ from rlbench_pin.tasks import (
     Task,
     Tray,
     Waypoint,
+    clearance,
     distractor_colors,
     easiest_top_grasp,
     settle,
@@ -22,8 +23,10 @@ SOLIDS, SIZES = 25, 40
 """A thousand shapes: so many solids in so many sizes."""
 DROP, APART = 0.2, 0.06
 """Height of the lowest object over the tray, and how much higher the next one starts [m]."""
-PLACES = (-0.04, 0.04, 0.0)
-"""Where the first, second and third object are let go along the small tray [m]."""
+PLACES = ((-0.04, -0.022), (0.04, -0.022), (0.0, 0.032))
+"""Where the first, second and third object are let go in the small tray: along it, and outwards from its middle [m]."""
+ROOM = 0.045
+"""How far from the middle of another object a place is free [m]."""
 INSIDE = np.array([0.165, 0.135])
 """Half size of the inside of the large tray [m]."""
 
@@ -38,7 +41,7 @@ class EmptyContainer(Task):
         self.register_waypoint_ability_start(0, self._aim_at_next_object)
         self.register_waypoint_ability_start(1, self._aim_at_next_object)
         self.register_waypoint_ability_start(3, self._aim_at_tray)
-        self.register_waypoints_should_repeat(lambda: bool(self.left))
+        self.register_waypoints_should_repeat(self._another_round)
 
     def variation_count(self) -> int:
         """One for each colour of the goal."""
@@ -52,8 +55,8 @@ class EmptyContainer(Task):
         self.trays[1 - goal].set_color(distractor_colors(rng, variation, 1)[0].rgb)
         self._drop_objects(rng)
         self.sensor = self.world.sensor(f"in_tray{goal}")
-        self.left = list(OBJECTS)
-        self.goal_y = 0.25 * (2 * goal - 1)
+        self.left, self.round = list(OBJECTS), 0
+        self.goal_side = 2 * goal - 1
         self._aim_at_tray()
         self.register_success_conditions([Detected(body, self.sensor) for body in self.objects])
         return [
@@ -65,6 +68,11 @@ class EmptyContainer(Task):
     def step(self) -> None:
         """Note which objects still have to be moved."""
         self.left[:] = [o for o in OBJECTS if not self.sensor.detects(o)]
+
+    def _another_round(self) -> bool:
+        """Count the rounds, so that a reset sees that all places can be reached; go on while something is left."""
+        self.round += 1
+        return bool(self.left)
 
     def _drop_objects(self, rng: np.random.Generator) -> None:
         self.boundary.clear()
@@ -87,5 +95,9 @@ class EmptyContainer(Task):
 
     def _aim_at_tray(self, waypoint: Waypoint | None = None) -> None:
         """Let things go beside those that lie in the tray already, not onto them."""
-        along = PLACES[len(OBJECTS) - max(len(self.left), 1)]
-        self.world.frame("waypoint3").set_local([along, self.goal_y, 0.17, 0.0, 1.0, 0.0, 0.0])
+        frame, first = self.world.frame("waypoint3"), min(self.round, len(PLACES) - 1)
+        lying = [self.world.body(name) for name in OBJECTS if name not in self.left]
+        for along, outwards in (*PLACES[first:], *PLACES[:first]):
+            frame.set_local([along, self.goal_side * (0.25 + outwards), 0.17, 0.0, 1.0, 0.0, 0.0])
+            if clearance(frame, lying) > ROOM:
+                return

@@ -32,9 +32,9 @@ class PickAndLift(Task):
             block.set_color(color)
             self.boundary.sample(block, rng, min_distance=0.1)
         return [
-            f"Carry the {name} cube to the floating ball and keep it there.",
+            f"Carry the {name} cube to the floating ring and keep it there.",
             f"Up in the air there is a marker: hold the {name} block at it.",
-            f"Raise one of the blocks, the {name} one, to where the ball floats, and do not let go.",
+            f"Raise one of the blocks, the {name} one, to where the ring floats, and do not let go.",
         ]
 
     def get_low_dim_state(self) -> np.ndarray:

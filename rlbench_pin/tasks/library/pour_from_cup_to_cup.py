@@ -20,8 +20,10 @@ TURNS = (
 """Where the hand may point when it grips and when it pours, best first, from straight away from the arm [rad].
 
 Both lie on the same side, so that the arm does not pass its stretched posture in between."""
-LANE, DEPTH = 0.14, 0.3
-"""Half breadth and length of what must be free behind a cup for the hand [m]."""
+LANE, DEPTHS = 0.14, (0.42, 0.3)
+"""Half breadth of what must be free behind a cup for hand and wrist, and its length behind source and target [m].
+
+The hand waits 0.1 before the source, and goes over cups to the target."""
 
 
 class PourFromCupToCup(Task):
@@ -62,7 +64,8 @@ class PourFromCupToCup(Task):
         """Turn the frames that the hand comes along to where no cup is in its way; say whether there are such directions."""
         for turns in TURNS:
             grip, pour = (
-                self._free_turn(cup.position, best) for cup, best in zip((self.source, self.target), turns, strict=True)
+                self._free_turn(cup.position, best, depth)
+                for cup, best, depth in zip((self.source, self.target), turns, DEPTHS, strict=True)
             )
             if grip is not None and pour is not None:
                 for name, turn in (("grip", grip), ("pour", pour)):
@@ -71,10 +74,10 @@ class PourFromCupToCup(Task):
                 return True
         return False
 
-    def _free_turn(self, place: np.ndarray, turns: tuple[float, ...]) -> float | None:
+    def _free_turn(self, place: np.ndarray, turns: tuple[float, ...], depth: float) -> float | None:
         x, y = (place - np.array(self.robot.description.base_pose[:3]))[:2]
         others = [cup.position[:2] for cup in self.cups]
-        return free_direction(place[:2], np.arctan2(y, x) + np.array(turns), others, LANE, DEPTH)
+        return free_direction(place[:2], np.arctan2(y, x) + np.array(turns), others, LANE, depth)
 
     def _fill(self, rng: np.random.Generator) -> None:
         """Create the drops in the source cup: a layer that fills its floor, one on top, turned at random."""

@@ -1,15 +1,19 @@
-"""Coloured cubes, floating balls and flat squares."""
+"""Coloured cubes, a floating ball, a floating ring and flat squares."""
 
 from __future__ import annotations
 
-from assets_lib.mesh import icosphere
+import numpy as np
+
+from assets_lib.mesh import icosphere, lathe
 from assets_lib.urdf import Link, Model, Visual, box_shape, mesh_shape
 
 RED = (0.9, 0.1, 0.1)
 CUBES = (("cube", 0.05, 0.1), ("cube_small", 0.04, 0.05), ("cube_45", 0.045, 0.06), ("block_60", 0.06, 0.12))
 """Name, side [m], mass [kg]."""
-BALLS = (("ball_marker", 0.05), ("ball_marker_60", 0.06))
-"""Name, diameter [m]."""
+BALL = 0.05
+"""Diameter of the ball [m]."""
+RING, TUBE = 0.041, 0.007
+"""Radius of the circle in the middle of the ring, and half its thickness [m]; a cube of 0.045 passes through at every yaw."""
 
 
 def cube(name: str, side: float, mass: float) -> Model:
@@ -19,11 +23,21 @@ def cube(name: str, side: float, mass: float) -> Model:
     return Model(name, f"objects/{name}", "centre", (link,), notes=(f"rests with its origin at {side / 2} m",))
 
 
-def ball_marker(name: str, diameter: float) -> Model:
+def ball_marker() -> Model:
     """Return a ball that is only seen."""
-    shape = mesh_shape("ball", icosphere(diameter / 2.0, 2))
-    link = Link(name, 0.01, (Visual(shape, RED, crease=3.0),))
-    return Model(name, f"objects/{name}", "centre", (link,), notes=("visual only: use it with fixed = true",))
+    shape = mesh_shape("ball", icosphere(BALL / 2.0, 2))
+    link = Link("ball_marker", 0.01, (Visual(shape, RED, crease=3.0),))
+    return Model("ball_marker", "objects/ball_marker", "centre", (link,), notes=("visual only: use it with fixed = true",))
+
+
+def ring_marker() -> Model:
+    """Return a level ring that is only seen, the place that something is lifted to."""
+    angles = np.pi / 3.0 * np.arange(7)
+    section = [(RING + TUBE * float(np.cos(a)), TUBE * float(np.sin(a))) for a in angles]
+    link = Link("ring_marker", 0.01, (Visual(mesh_shape("ring", lathe(section, 20)), RED, crease=3.0),))
+    across = 2.0 * (RING + TUBE)
+    notes = (f"visual only: use it with fixed = true; level, {across:.3f} across, {2.0 * (RING - TUBE):.3f} inside",)
+    return Model("ring_marker", "objects/ring_marker", "centre", (link,), notes=notes)
 
 
 def target_square() -> Model:
@@ -36,4 +50,4 @@ def target_square() -> Model:
 
 def models() -> tuple[Model, ...]:
     """Return the models of this family."""
-    return (*(cube(*c) for c in CUBES), *(ball_marker(*b) for b in BALLS), target_square())
+    return (*(cube(*c) for c in CUBES), ball_marker(), ring_marker(), target_square())

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from assets_lib.mesh import Mesh, box, cylinder, hull_of, icosphere, merge, rod
+from assets_lib.mesh import Mesh, box, cylinder, hull_of, icosphere, lathe, merge, rod
 from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
 
 SPONGE = (0.09, 0.055, 0.035)
-STAIN = 0.005
+STAIN = (0.012, 0.001)
+"""Diameter and height of a stain [m]."""
 CRUMB = 0.012
-BROWN = (0.58, 0.29, 0.0)
+BROWN = (0.30, 0.14, 0.02)
 HEAD = (0.02, 0.12, 0.05)
 HANDLE_RADIUS, HANDLE = 0.0125, 0.18
 SLOT, WALL, HOLDER_TALL = 0.0235, 0.006, 0.034
@@ -41,13 +42,16 @@ def _sponge() -> Model:
 
 
 def _stain() -> Model:
-    visual = Visual(box_shape((STAIN, STAIN, 0.001)), BROWN)
-    return Model("stain", "objects/stain", "centre", (Link("stain", 0.001, (visual,)),), notes=("visual only",))
+    """Return a round stain, a flat cone of few triangles, since fifty are drawn."""
+    across, tall = STAIN
+    visual = Visual(mesh_shape("blot", lathe([(across / 2.0, -tall / 2.0), (0.0, tall / 2.0)], 8)), BROWN)
+    notes = (f"visual only, {across} across and {tall} high",)
+    return Model("stain", "objects/stain", "centre", (Link("stain", 0.001, (visual,)),), notes=notes)
 
 
 def _crumb() -> Model:
     side = (CRUMB, CRUMB, CRUMB)
-    link = Link("crumb", 0.01, (Visual(box_shape(side), (0.45, 0.27, 0.12)),), (box_shape(side),), friction=0.6)
+    link = Link("crumb", 0.01, (Visual(box_shape(side), (0.20, 0.10, 0.05)),), (box_shape(side),), friction=0.6)
     return Model("crumb", "objects/crumb", "centre", (link,), notes=(f"rests with its origin at {CRUMB / 2.0} m",))
 
 

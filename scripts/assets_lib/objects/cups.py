@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from assets_lib.mesh import lathe
+from assets_lib.mesh import icosphere, lathe
 from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, sphere_shape
 
 SEGMENTS = 12
-DROP = 0.005
+DROP, SWELL = 0.005, 0.0025
+"""Radius of a drop, and how much larger it is seen [m]."""
+WATER = (0.20, 0.62, 1.0)
 
 
 def leaning_walls(bottom: float, top: float, height: float, wall: float, floor: float) -> tuple[Shape, ...]:
@@ -54,9 +56,11 @@ def _cup(name: str, bottom: float, top: float, height: float, wall: float) -> Mo
 
 
 def _drop() -> Model:
-    color = (0.1, 0.1, 0.9)
-    link = Link("drop", 0.001, (Visual(sphere_shape(DROP), color),), (sphere_shape(DROP),), friction=0.1, rolling=0.0002)
-    return Model("drop", "objects/drop", "centre", (link,), notes=(f"diameter {2 * DROP}",))
+    """Return a drop, seen a little larger than it is, so that drops in a cup look like one liquid."""
+    seen = mesh_shape("drop", icosphere(DROP + SWELL, 1))
+    link = Link("drop", 0.001, (Visual(seen, WATER, crease=3.0),), (sphere_shape(DROP),), friction=0.1, rolling=0.0002)
+    notes = (f"diameter {2 * DROP}; seen {SWELL} larger all round, less than the wall of a cup is thick",)
+    return Model("drop", "objects/drop", "centre", (link,), notes=notes)
 
 
 def models() -> tuple[Model, ...]:

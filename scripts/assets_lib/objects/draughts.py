@@ -15,8 +15,9 @@ BAR = (2.0 * RADIUS, 0.8 * RADIUS)
 """Sides of the two crossed boxes that stand for a disc: a cylinder on a board rocks forever in the physics, boxes rest [m]."""
 LIFT = 0.0002
 """How far the second box is off the board, so that a disc rests on four corners, not on eight [m]."""
-FRAME, DARK, LIGHT = (0.33, 0.19, 0.10), (0.36, 0.24, 0.16), (0.93, 0.85, 0.68)
-COLORS = {"light": ((0.95, 0.91, 0.80), (0.78, 0.70, 0.54)), "dark": ((0.10, 0.09, 0.09), (0.30, 0.27, 0.25))}
+FRAME, DARK, LIGHT = (0.20, 0.11, 0.06), (0.13, 0.26, 0.20), (0.80, 0.72, 0.54)
+"""Green and sand, so that white and red pieces stand out from both."""
+COLORS = {"light": ((0.98, 0.97, 0.94), (0.80, 0.78, 0.72)), "dark": ((0.80, 0.10, 0.08), (0.55, 0.05, 0.04))}
 
 
 def _squares(odd: int) -> Mesh:

@@ -1,4 +1,4 @@
-"""Wooden bricks of a tower game."""
+"""Bricks of a tower game: pale ones and blue ones for crossed layers, and a red one to take."""
 
 from __future__ import annotations
 
@@ -9,10 +9,12 @@ import numpy as np
 from assets_lib.mesh import Mesh, box, hull_of, merge
 from assets_lib.urdf import Link, Model, Visual, box_shape, mesh_shape
 
-LENGTH, WIDTH, HEIGHT = 0.075, 0.025, 0.015
-THIN = 0.014
+LENGTH, WIDTH, HEIGHT = 0.0975, 0.0325, 0.0195
+THIN = 0.0185
 """Height of a brick without load: the loose one, and those in the middle of a layer, whose outer two carry the next [m]."""
 BEVEL = 0.001
+MASS = 0.04
+PALE, BLUE, RED = (0.96, 0.88, 0.70), (0.16, 0.42, 0.68), (0.86, 0.14, 0.10)
 
 
 def _brick(height: float) -> Mesh:
@@ -29,7 +31,7 @@ def _brick(height: float) -> Mesh:
 def _end_rings(height: float) -> Mesh:
     """Return the rings that the wood shows at both ends."""
     x, t = LENGTH / 2.0, 0.0006
-    sizes = ((0.016, height * 0.55), (0.008, height * 0.25))
+    sizes = ((0.021, height * 0.55), (0.010, height * 0.25))
     boxes = []
     for side in (-1, 1):
         for w, h in sizes:
@@ -39,20 +41,22 @@ def _end_rings(height: float) -> Mesh:
 
 
 def _model(name: str, height: float, color: tuple[float, float, float]) -> Model:
+    red, green, blue = color
     visuals = (
         Visual(mesh_shape(name, _brick(height)), color),
-        Visual(mesh_shape(f"{name}_rings", _end_rings(height)), (0.55, 0.38, 0.22)),
+        Visual(mesh_shape(f"{name}_rings", _end_rings(height)), (0.65 * red, 0.65 * green, 0.65 * blue)),
     )
-    link = Link("brick", 0.02, visuals, (box_shape((LENGTH, WIDTH, height)),), friction=0.4, anchored=True)
+    link = Link("brick", MASS, visuals, (box_shape((LENGTH, WIDTH, height)),), friction=0.4, anchored=True)
     notes = (f"{LENGTH} x {WIDTH} x {height} along x, y, z",)
     return Model(name, f"objects/{name}", "centre", (link,), notes=notes)
 
 
 def models() -> tuple[Model, ...]:
     """Return the models of this family."""
-    plain, dark = (0.86, 0.70, 0.48), (0.78, 0.58, 0.36)
     return (
-        _model("jenga_brick", HEIGHT, plain),
-        _model("jenga_inner_brick", THIN, plain),
-        _model("jenga_loose_brick", THIN, dark),
+        _model("jenga_brick", HEIGHT, PALE),
+        _model("jenga_inner_brick", THIN, PALE),
+        _model("jenga_blue_brick", HEIGHT, BLUE),
+        _model("jenga_blue_inner_brick", THIN, BLUE),
+        _model("jenga_loose_brick", THIN, RED),
     )

@@ -17,7 +17,6 @@ HOLE_HEIGHT = 0.042
 FOOT, STEM, STEM_RADIUS = (0.07, 0.016), 0.28, 0.008
 SPOKES, SPOKE, SPOKE_RADIUS, SLANT, SPOKE_HEIGHT = 4, 0.08, 0.006, 0.5, 0.215
 """Number, length, radius, slope [rad] of the spokes, and the height at which their axes leave the stem [m]."""
-DARK, PAINT = (0.20, 0.22, 0.26), (0.94, 0.93, 0.89)
 
 
 def _handle_shapes() -> tuple[Shape, ...]:
@@ -74,9 +73,9 @@ def _tree() -> Model:
     stem = cylinder(STEM_RADIUS, STEM - tall, 14).moved((0.0, 0.0, (STEM + tall) / 2.0))
     top = icosphere(0.012, 2).moved((0.0, 0.0, STEM + 0.006))
     visuals = (
-        Visual(mesh_shape("foot", cylinder(radius, tall, 28, bevel=0.005).moved((0.0, 0.0, tall / 2.0))), DARK),
-        Visual(mesh_shape("stem", merge([stem, top])), PAINT),
-        Visual(mesh_shape("spokes", merge([*spokes, *knobs])), PAINT),
+        Visual(mesh_shape("foot", cylinder(radius, tall, 28, bevel=0.005).moved((0.0, 0.0, tall / 2.0))), (0.27, 0.14, 0.08)),
+        Visual(mesh_shape("stem", merge([stem, top])), (0.36, 0.19, 0.10)),
+        Visual(mesh_shape("spokes", merge([*spokes, *knobs])), (0.36, 0.19, 0.10)),
     )
     length = SPOKE + STEM_RADIUS / float(np.cos(SLANT))
     arms = []

@@ -43,9 +43,9 @@ def _rope() -> Model:
 
 
 def _mark() -> Model:
-    ring = lathe([(0.025, 0.0), (0.025, 0.0012), (0.018, 0.0012), (0.018, 0.0), (0.025, 0.0)], 28)
+    ring = lathe([(0.028, 0.0), (0.028, 0.0012), (0.015, 0.0012), (0.015, 0.0), (0.028, 0.0)], 28)
     dot = cylinder(0.006, 0.0012, 14).moved((0.0, 0.0, 0.0006))
-    visuals = (Visual(mesh_shape("ring", ring), (0.10, 0.55, 0.25)), Visual(mesh_shape("dot", dot), (0.10, 0.55, 0.25)))
+    visuals = (Visual(mesh_shape("ring", ring), (0.05, 0.62, 0.22)), Visual(mesh_shape("dot", dot), (0.05, 0.62, 0.22)))
     return Model("ring_mark", "objects/ring_mark", "bottom centre", (Link("ring_mark", 0.01, visuals),), notes=("visual only",))
 
 

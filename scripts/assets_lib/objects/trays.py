@@ -47,6 +47,6 @@ def _tray(name: str, size: Vec3, color: Vec3, rim_color: Vec3) -> Model:
 def models() -> tuple[Model, ...]:
     """Return the models of this family."""
     return (
-        _tray("tray_big", BIG, (0.72, 0.55, 0.36), (0.55, 0.38, 0.22)),
+        _tray("tray_big", BIG, (0.84, 0.87, 0.90), (0.30, 0.36, 0.43)),
         _tray("tray_small", SMALL, (0.9, 0.1, 0.1), (0.9, 0.1, 0.1)),
     )

@@ -43,7 +43,7 @@ def test_the_tip_has_to_be_in_the_asked_ball(goal: Goal) -> None:
 
 @goal_of("pick_and_lift", 0, 10, 19)
 def test_the_asked_block_has_to_be_held_at_the_marker(goal: Goal) -> None:
-    """Its side may touch the ball of 6 cm; free or another block is no success."""
+    """Its side may touch a ball of 6 cm in the ring; free or another block is no success."""
     assert colors(goal.task, "block") == [COLORS[asked_color(goal)].rgb]
     assert goal.task.marker.position[2] == pytest.approx(TABLE_HEIGHT + 0.2)
     goal.put("block", (0.0, 0.0, 0.0), on="marker")

@@ -75,33 +75,33 @@ def test_stack_blocks_retargets_its_waypoints_every_round() -> None:
 
 @goal_of("play_jenga")
 def test_the_loose_brick_has_to_come_right_out(goal: Goal) -> None:
-    """All of it 8 cm from the middle of the tower, whichever way, and let go."""
-    reach = 0.08 + 0.0375
+    """All of it 9.5 cm from the middle of the tower, whichever way, and let go."""
+    reach = 0.095 + 0.04875
     for direction in (-1.0, 1.0):
         goal.border(
-            lambda x, d=direction: goal.put("target", (d * x, 0.0252, 0.0075)), inside=reach + 0.001, outside=reach - 0.001
+            lambda x, d=direction: goal.put("target", (d * x, 0.0327, 0.00975)), inside=reach + 0.001, outside=reach - 0.001
         )
-    goal.border(lambda y: goal.put("target", (0.0, y, 0.0075)), inside=0.0935, outside=0.0915)
-    goal.put("target", (-0.2, 0.0252, 0.0075))
+    goal.border(lambda y: goal.put("target", (0.0, y, 0.00975)), inside=0.1123, outside=0.1103)
+    goal.put("target", (-0.2, 0.0327, 0.00975))
     goal.needs_release_of("target")
 
 
 @goal_of("play_jenga")
 def test_every_other_brick_has_to_stay(goal: Goal) -> None:
-    """One that lies beside the tower, flat or leaning, has fallen; so has one pushed out by 13 mm, not by 11."""
-    goal.put("target", (-0.2, 0.0252, 0.0075))
+    """One that lies beside the tower, flat or leaning, has fallen; so has one pushed out by 17 mm, not by 15."""
+    goal.put("target", (-0.2, 0.0327, 0.00975))
     assert goal.reached()
     for i in range(13):
         name = f"brick{i}"
         place = goal.world.body(name).pose
-        for fallen in ((0.0, 0.0507, 0.0075, 0.0), (0.0, -0.0507, 0.0075, 0.0), (0.0507, 0.0, 0.0075, np.pi / 2.0)):
+        for fallen in ((0.0, 0.0657, 0.00975, 0.0), (0.0, -0.0657, 0.00975, 0.0), (0.0657, 0.0, 0.00975, np.pi / 2.0)):
             goal.put(name, fallen[:3], (0.0, 0.0, fallen[3]))
             assert not goal.reached(), name
-        goal.put(name, (0.0, 0.065, 0.03), (np.deg2rad(60.0), 0.0, 0.0))
+        goal.put(name, (0.0, 0.085, 0.039), (np.deg2rad(60.0), 0.0, 0.0))
         assert not goal.reached(), name
         goal.world.body(name).set_pose(place)
         assert goal.reached()
-    goal.ends("brick12", (0.0, 0.0252, 0.0675), y=(0.0123,), x=(-0.0625, 0.0625))
+    goal.ends("brick12", (0.0, 0.0327, 0.08775), y=(0.01605,), x=(-0.08125, 0.08125))
 
 
 @goal_of("setup_checkers", 0, 1, 2)
