@@ -25,7 +25,7 @@ CELL, PICTURES, STILL, PAUSE, SEED, QUALITY = (150, 140), 44, 8, 110, 0, 40
 LIMIT = 3_000_000
 """Bytes that the file may have."""
 VIEW = CameraView(
-    pose=look_at((0.75, 1.45, 1.95), (0.1, 0.0, 1.08)), fov=float(np.radians(48.0)), size=(300, 280), near=0.05, far=6.0
+    pose=look_at((0.75, 1.45, 1.95), (0.1, 0.0, 1.15)), fov=float(np.radians(52.0)), size=(300, 280), near=0.05, far=6.0
 )
 """From ahead of the robot's left shoulder, with the whole arm and what is before it."""
 
