@@ -2,7 +2,7 @@
 
 Usage: python scripts/build_assets.py [--out FOLDER] [--only objects|panda] [--family NAME ...]
 `--family` rebuilds the named families alone and leaves the catalogue as it is; run without it before committing.
-The robot needs the package fast-simplification; the objects need numpy and scipy alone.
+It needs numpy and scipy alone; the robot takes a minute.
 """
 
 from __future__ import annotations

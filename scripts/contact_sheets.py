@@ -1,4 +1,4 @@
-"""Draw docs/images/sheets/: every task as the five cameras see a demonstration, and docs/images/looks.jpg of the settings.
+"""Draw docs/images/sheets/: every task as all cameras see a demonstration, and docs/images/looks.jpg of the settings.
 
 Usage: python scripts/contact_sheets.py [TASK ...] [--variation N] [--seed N]
 """
@@ -6,6 +6,7 @@ Usage: python scripts/contact_sheets.py [TASK ...] [--variation N] [--seed N]
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +23,7 @@ from rlbench_pin.environment import (
     RandomizeEvery,
     VisualRandomizationConfig,
 )
-from rlbench_pin.environment.presets import low_dim_config, make_environment
+from rlbench_pin.environment.presets import clear_view, low_dim_config, make_environment
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.observation import CAMERAS, Observation
 from rlbench_pin.tasks import task_names
@@ -32,22 +33,31 @@ SIZE, MOMENTS = 144, 5
 
 
 def sheet_of(name: str, variation: int, seed: int) -> Image.Image:
-    """The five cameras at the reset, at three moments of a demonstration and at its end."""
+    """All cameras at the reset, at three moments of a demonstration and at its end."""
     config = low_dim_config()
     for camera in config.cameras().values():
         camera.image_size = (SIZE, SIZE)
+    config.extra_cameras = clear_view((SIZE, SIZE))
+    for camera in config.all_cameras().values():
+        camera.set_all(False)
     with make_environment(config) as environment:
         task = environment.get_task(name)
         task.set_variation(variation)
         demo = task.get_demos(1, live_demos=True, seed=seed)[0]
         frames = moments(task, demo, config, MOMENTS)
     rows = ["reset", *(f"t = {moment:.1f} s" for moment in list(frames)[1:-1]), "end"]
-    return _sheet(list(frames.values()), rows, f"{name}: {demo.instructions[0]}", f"variation {variation}, seed {seed}")
+    return _sheet(
+        list(frames.values()),
+        list(config.all_cameras()),
+        rows,
+        f"{name}: {demo.instructions[0]}",
+        f"variation {variation}, seed {seed}",
+    )
 
 
-def _sheet(frames: list[Observation], rows: list[str], title: str, subtitle: str) -> Image.Image:
-    pictures = [[getattr(frame, f"{camera}_rgb") for camera in CAMERAS] for frame in frames]
-    return contact_sheet(pictures, rows, [camera.replace("_", " ") for camera in CAMERAS], title, subtitle)
+def _sheet(frames: list[Observation], cameras: Sequence[str], rows: list[str], title: str, subtitle: str) -> Image.Image:
+    pictures = [[getattr(frame, f"{camera}_rgb") for camera in cameras] for frame in frames]
+    return contact_sheet(pictures, rows, [camera.replace("_", " ") for camera in cameras], title, subtitle)
 
 
 def looks() -> Image.Image:
@@ -66,7 +76,7 @@ def looks() -> Image.Image:
             visual_randomization_config=VisualRandomizationConfig() if random else None,
         ) as environment:
             frames.append(environment.get_task("stack_blocks").reset(seed=seed, variation=0)[1])
-    return _sheet(frames, rows, "Looks", "stack_blocks; colours that a task gave stay")
+    return _sheet(frames, CAMERAS, rows, "Looks", "stack_blocks; colours that a task gave stay")
 
 
 def main() -> None:

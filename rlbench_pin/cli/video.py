@@ -43,8 +43,8 @@ class Video(arguments.Video):
             return 0
         for task in tasks:
             path = self.out / f"{task.get_name()}.mp4"
-            with storing(path), self._environment() as environment, VideoWriter(path, self.size, self.fps) as video:
-                self._play(environment.get_task(task), Orbit(size=self.size, step=self.speed), video.add)
+            with storing(path), self._environment() as environment, VideoWriter(path, self.size, self.fps * self.smooth) as video:
+                self._play(environment.get_task(task), Orbit(size=self.size, step=self.speed / self.smooth), video.add)
             print(path)
         return 0
 
@@ -65,10 +65,10 @@ class Video(arguments.Video):
         for task in tasks:
             reel = reels[task.get_name()] = Reel()
             with self._environment() as environment:
-                orbit = Orbit(size=_CELL, step=self.speed, fov=0.95)
+                orbit = Orbit(size=_CELL, step=self.speed / self.smooth, fov=0.95)
                 self._play(environment.get_task(task), orbit, reel.add)
         path = self.out / "grid.mp4"
-        with storing(path), VideoWriter(path, grid_size(len(reels), _CELL), self.fps) as video:
+        with storing(path), VideoWriter(path, grid_size(len(reels), _CELL), self.fps * self.smooth) as video:
             for picture in grid_frames(reels, _CELL):
                 video.add(picture)
         return path
@@ -91,7 +91,7 @@ class Video(arguments.Video):
         """Find a try that succeeds, then play it again before the camera; it goes exactly as the first time."""
         task.set_variation(self.variation)
         attempt = self._successful_attempt(task)
-        with tqdm(unit="frame", desc=task.get_name(), leave=False) as bar, _each_tick(task, orbit, add, bar):
+        with tqdm(unit="frame", desc=task.get_name(), leave=False) as bar, _each_tick(task, orbit, add, bar, self.smooth):
             task.try_demo(seed=self.seed, attempt=attempt, record=False)
 
     def _successful_attempt(self, task: TaskEnvironment) -> int:
@@ -106,20 +106,41 @@ class Video(arguments.Video):
 
 
 @contextmanager
-def _each_tick(task: TaskEnvironment, orbit: Orbit, add: Callable[[np.ndarray], None], bar: tqdm):  # type: ignore[no-untyped-def]
-    """Take a picture after every tick of the block, and hold the last one for a second."""
-    frame = 0
+def _each_tick(  # type: ignore[no-untyped-def]
+    task: TaskEnvironment, orbit: Orbit, add: Callable[[np.ndarray], None], bar: tqdm, smooth: int
+):
+    """Take `smooth` pictures of every tick of the block, the last at its end, and hold the last of all for a second."""
+    world = task.world
+    every = round(world.control_dt / world.timestep) // smooth
+    frame, steps, tick = 0, 0, -1
+    between: list[np.ndarray] = []
 
     def shoot() -> None:
         nonlocal frame
-        add(orbit.picture(task.world, frame))
-        frame += 1
-        bar.update()
+        for picture in (*between, orbit.picture(world, frame + len(between))):
+            add(picture)
+            frame += 1
+            bar.update()
+        between.clear()
+
+    def look_between() -> None:
+        """Before a physics step; what is seen in ticks without a callback, such as those of settling, is forgotten."""
+        nonlocal steps, tick
+        if world.ticks != tick:
+            steps, tick = 0, world.ticks
+            between.clear()
+        if steps and steps % every == 0:
+            between.append(orbit.picture(world, frame + len(between)))
+        steps += 1
 
     task.runtime.register_step_callback(shoot)
+    if smooth > 1:
+        world.on_physics.append(look_between)
     try:
         yield
     finally:
         task.runtime.remove_step_callback(shoot)
-    for _ in range(round(1.0 / task.world.control_dt)):
+        if smooth > 1:
+            world.on_physics.remove(look_between)
+    for _ in range(smooth * round(1.0 / world.control_dt)):
         shoot()

@@ -1,4 +1,4 @@
-"""`rlbench-pin view TASK`: one picture of a task, as the five cameras see a demonstration."""
+"""`rlbench-pin view TASK`: one picture of a task, as the five cameras and the clear view see a demonstration."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ from rlbench_pin.environment.observations import (
     ObservationConfig,
     rgb_handles_to_mask,
 )
-from rlbench_pin.environment.presets import low_dim_config, make_environment, picture_config
+from rlbench_pin.environment.presets import clear_view, low_dim_config, make_environment, picture_config
 from rlbench_pin.environment.randomization import DynamicsRandomizationConfig, RandomizeEvery, VisualRandomizationConfig
 from rlbench_pin.environment.replay import key_frame_actions, key_frames_succeed
 from rlbench_pin.environment.runtime import Runtime
@@ -86,6 +86,7 @@ __all__ = [
     "TaskEnvironment",
     "VisualRandomizationConfig",
     "calculate_delta_pose",
+    "clear_view",
     "key_frame_actions",
     "key_frames_succeed",
     "library_versions",

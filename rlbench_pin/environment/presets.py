@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+import numpy as np
+
 from rlbench_pin.environment.actions.action_mode import MoveArmThenGripper
 from rlbench_pin.environment.actions.gripper import Discrete
 from rlbench_pin.environment.actions.joint import JointPosition
 from rlbench_pin.environment.environment import Environment
+from rlbench_pin.environment.observations.camera_config import CameraConfig
 from rlbench_pin.environment.observations.config import ObservationConfig
+from rlbench_pin.environment.observations.extra_cameras import ExtraCamera
 from rlbench_pin.errors import InvalidCamera
 from rlbench_pin.observation import CAMERAS
-from rlbench_pin.sim import RendererName
+from rlbench_pin.sim import RendererName, look_at
+from rlbench_pin.spatial import above_table
 from rlbench_pin.values import as_names
 
 
@@ -38,6 +43,24 @@ def picture_config(
         camera = config.camera(name)
         camera.rgb, camera.depth, camera.mask, camera.image_size = True, depth, mask, image_size
     return config
+
+
+def clear_view(image_size: tuple[int, int] = (128, 128)) -> dict[str, ExtraCamera]:
+    """Two cameras for all who are not bound to the known poses; assigned to `extra_cameras`, they stand beside the five.
+
+    At the reset `front` cuts the hand off and `overhead` looks over the arm's shoulder. `clear_front` has the whole arm and the
+    whole table top, `clear_overhead` stands ahead of the arm and looks back down, so that the arm hides little.
+
+    Args:
+        image_size: Width and height [px].
+    """
+    ahead = look_at((1.5, 0.0, above_table(1.1)), (0.12, 0.0, above_table(0.38)))
+    above = look_at((0.8, 0.0, above_table(1.7)), (0.22, 0.0, above_table(0.1)))
+    sizes = (CameraConfig(image_size=image_size), CameraConfig(image_size=image_size))
+    return {
+        "clear_front": ExtraCamera(pose=ahead, config=sizes[0], fov=float(np.radians(46.0))),
+        "clear_overhead": ExtraCamera(pose=above, config=sizes[1], fov=float(np.radians(44.0))),
+    }
 
 
 def make_environment(

@@ -18,7 +18,7 @@ FILM_SIZE = (640, 480)
 """Width and height [px]."""
 
 FILM_VIEW = CameraView(
-    pose=look_at((-0.05, 1.62, 1.80), (0.15, 0.0, 1.09)), fov=float(np.radians(54.0)), size=FILM_SIZE, near=0.05, far=6.0
+    pose=look_at((-0.05, 1.62, 1.80), (0.15, 0.0, 1.16)), fov=float(np.radians(54.0)), size=FILM_SIZE, near=0.05, far=6.0
 )
 """From the robot's left, with the whole arm, the table top and what the robot itself has before it."""
 

@@ -1,4 +1,4 @@
-"""Make meshes small: drop what is never seen, weld, decimate, and enclose in a hull with few vertices."""
+"""Make meshes small: weld, drop what is never seen, and enclose in a hull with few vertices."""
 
 from __future__ import annotations
 
@@ -19,13 +19,41 @@ def weld(mesh: Mesh, digits: int = 6) -> Mesh:
     return Mesh(keys[used], renumber[faces])
 
 
-def seen_from_outside(meshes: list[Mesh], cell: float = 0.0015, tolerance: float = 0.003) -> list[Mesh]:
-    """Drop the faces of parts that no far viewer sees, by point depth images from 162 directions."""
+def without_small_holes(mesh: Mesh, size: float) -> Mesh:
+    """Close the holes whose border has a diagonal below `size` [m] with a fan around their middle."""
+    sides = {edge for a, b, c in mesh.faces.tolist() for edge in ((a, b), (b, c), (c, a))}
+    ahead: dict[int, list[int]] = {}
+    for a, b in sorted(sides):
+        if (b, a) not in sides:
+            ahead.setdefault(b, []).append(a)
+    points, faces = [mesh.vertices], [mesh.faces]
+    count = len(mesh.vertices)
+    for first in sorted(ahead):
+        loop = _loop(ahead, first)
+        corners = mesh.vertices[loop]
+        if len(loop) > 2 and np.linalg.norm(np.ptp(corners, axis=0)) < size:
+            points.append(corners.mean(axis=0, keepdims=True))
+            faces.append(np.column_stack([loop, np.roll(loop, -1), np.full(len(loop), count)]))
+            count += 1
+    return Mesh(np.concatenate(points), np.concatenate(faces))
+
+
+def _loop(ahead: dict[int, list[int]], first: int) -> list[int]:
+    """Take the border that begins at a point; nothing where it does not come back or branches."""
+    loop, here = [first], ahead.pop(first, [])
+    while len(here) == 1 and here[0] != first and here[0] in ahead:
+        loop.append(here[0])
+        here = ahead.pop(here[0])
+    return loop if here == [first] else []
+
+
+def seen_from_outside(meshes: list[Mesh], cell: float = 0.002, tolerance: float = 0.0014) -> list[Mesh]:
+    """Drop the faces of parts that no far viewer sees, by point depth images from 42 directions."""
     owner = np.concatenate([np.full(len(m.faces), i) for i, m in enumerate(meshes)])
     corners = np.concatenate([m.vertices[m.faces] for m in meshes])
-    points, face_of = _samples(corners, cell)
+    points, face_of = samples(corners, cell)
     visible = np.zeros(len(corners), dtype=bool)
-    for direction in icosphere(1.0, 2).vertices:
+    for direction in icosphere(1.0, 1).vertices:
         helper = np.array([1.0, 0.0, 0.0]) if abs(direction[0]) < 0.7 else np.array([0.0, 1.0, 0.0])
         u = np.cross(direction, helper)
         u /= np.linalg.norm(u)
@@ -44,7 +72,7 @@ def seen_from_outside(meshes: list[Mesh], cell: float = 0.0015, tolerance: float
     return result
 
 
-def _samples(corners: FloatArray, cell: float) -> tuple[FloatArray, np.ndarray]:
+def samples(corners: FloatArray, cell: float) -> tuple[FloatArray, np.ndarray]:
     """Spread points over triangles (m, 3, 3), about one per half cell; return them and the face of each."""
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     steps = np.clip(np.ceil(sides / (0.5 * cell)), 1, 60).astype(int)
@@ -58,19 +86,6 @@ def _samples(corners: FloatArray, cell: float) -> tuple[FloatArray, np.ndarray]:
         points.append(np.einsum("wk,fkx->fwx", weights, corners[chosen]).reshape(-1, 3))
         faces.append(np.repeat(chosen, len(weights)))
     return np.concatenate(points), np.concatenate(faces)
-
-
-def decimate(mesh: Mesh, target: int, aggression: float = 5.0) -> Mesh:
-    """Return about `target` faces; needs the package fast-simplification."""
-    import fast_simplification
-
-    mesh = weld(mesh, 5)
-    if len(mesh.faces) <= target:
-        return mesh
-    points, faces = fast_simplification.simplify(
-        mesh.vertices.astype(np.float64), mesh.faces.astype(np.int32), target_count=target, agg=aggression
-    )
-    return weld(Mesh(np.asarray(points, dtype=float), np.asarray(faces, dtype=np.int64)), 5)
 
 
 def small_hull(points: FloatArray, count: int) -> Mesh:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from assets_lib.mesh import Mesh, corner_normals
+from assets_lib.mesh import FloatArray, Mesh, corner_normals
 
 
 def number(value: float, digits: int = 6) -> str:
@@ -30,13 +30,14 @@ def numbers(values: Iterable[float], digits: int = 6) -> str:
     return " ".join(number(value, digits) for value in values)
 
 
-def obj_text(mesh: Mesh, *, crease: float | None, texture: str | None = None) -> str:
+def obj_text(mesh: Mesh, *, crease: float | None, texture: str | None = None, normals: FloatArray | None = None) -> str:
     """Return a mesh as OBJ.
 
     Args:
         mesh: The mesh; its `uv` are written when there is a texture.
         crease: Angle below which neighbouring faces are shaded smoothly [rad]; None writes no normals (collision).
         texture: Name of the MTL file and material, without ending.
+        normals: Of the corners of the faces, shape (m, 3, 3), in place of those of the mesh.
     """
     lines = ["# made by scripts/build_assets.py"]
     if texture is not None:
@@ -47,7 +48,8 @@ def obj_text(mesh: Mesh, *, crease: float | None, texture: str | None = None) ->
     if crease is None:
         lines += ["f {} {} {}".format(*(face + 1)) for face in mesh.faces]
         return "\n".join(lines) + "\n"
-    rows = [numbers(n, 3) for n in corner_normals(mesh, crease).reshape(-1, 3)]
+    at_corners = corner_normals(mesh, crease) if normals is None else normals
+    rows = [numbers(n, 3) for n in at_corners.reshape(-1, 3)]
     order = {row: i + 1 for i, row in enumerate(dict.fromkeys(rows))}
     lines += [f"vn {row}" for row in order]
     for face, corners in enumerate(mesh.faces.tolist()):

@@ -10,10 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
+from assets_lib.arm_looks import Look, light_looks
 from assets_lib.dae import Rgb, read_dae
-from assets_lib.decimate import decimate, seen_from_outside, small_hull
+from assets_lib.decimate import small_hull
 from assets_lib.files import numbers, obj_text, write_text
-from assets_lib.mesh import FloatArray, Mesh, merge
+from assets_lib.mesh import FloatArray, merge
 
 FOLDER = "robots/panda"
 HULL_VERTICES = 64
@@ -21,19 +22,14 @@ COLORS: dict[str, Rgb] = {
     "white": (0.93, 0.94, 0.95),
     "dark": (0.16, 0.16, 0.18),
     "gray": (0.66, 0.67, 0.69),
-    "blue": (0.04, 0.54, 0.78),
-    "red": (0.8, 0.1, 0.1),
-    "green": (0.1, 0.7, 0.2),
 }
-BUDGET: dict[str, int] = {
-    "link0": 460, "link1": 290, "link2": 290, "link3": 350, "link4": 350,
-    "link5": 540, "link6": 480, "link7": 260, "hand": 240, "finger": 70,
-}  # fmt: skip
-"""Visual triangles of each part."""
-
-
-REPAINT = {("hand", "white"): "dark", ("hand", "gray"): "dark", ("finger", "white"): "gray"}
-"""The hand is dark with light fingers, so that its opening is seen in small pictures."""
+PARTS = (*(f"link{i}" for i in range(8)), "hand", "finger")
+TRIANGLES = 4600
+"""Of all visual meshes; a finger counts once."""
+WEIGHTS = {"hand": 4.0, "finger": 10.0, "link7": 1.5, "link0": 0.3}
+"""How much more than others a part counts: the wrist camera looks at hand and fingers, nobody at the sockets of the base."""
+REPAINT = {("finger", "white"): "gray"}
+"""The fingers are darker than the hand, so that its opening is seen in small pictures; their pads are black."""
 
 
 def source_folder() -> Path:
@@ -46,8 +42,8 @@ def source_folder() -> Path:
 def build_panda(assets: Path) -> None:
     """Write the robot's URDF, SRDF, meshes and licence below `assets`."""
     source, target = source_folder(), assets / FOLDER
-    visuals = {part: _build_visuals(source, target, part) for part in BUDGET}
-    for part in BUDGET:
+    visuals = _build_visuals(source, target)
+    for part in PARTS:
         if part != "finger":
             points = _read_stl(source / f"meshes/collision/{part}.stl")
             hull = small_hull(points, HULL_VERTICES)
@@ -57,42 +53,20 @@ def build_panda(assets: Path) -> None:
     write_text(target / "LICENSE", (source / "LICENSE").read_text())
 
 
-def _build_visuals(source: Path, target: Path, part: str) -> list[tuple[str, Rgb]]:
-    """Write `<part>_<color>.obj` files and return their names and colours."""
-    pieces = read_dae(source / f"meshes/visual/{part}.dae")
-    seen = seen_from_outside([mesh for _, mesh in pieces])
-    groups: dict[str, list[Mesh]] = {}
-    for (color, _), mesh in zip(pieces, seen, strict=True):
-        if len(mesh.faces):
-            name = _color_name(color)
-            groups.setdefault(REPAINT.get((part, name), name), []).append(mesh)
-    merged = {name: merge(meshes) for name, meshes in sorted(groups.items())}
-    areas = {name: _area(mesh) for name, mesh in merged.items()}
-    result = []
-    for name, mesh in merged.items():
-        share = (areas[name] / sum(areas.values())) ** 0.75
-        total = sum((a / sum(areas.values())) ** 0.75 for a in areas.values())
-        light = decimate(mesh, max(12, int(BUDGET[part] * share / total)))
-        if name == "dark" and len(merged) > 1:
-            light = _grown(light, 0.0012)
-        write_text(target / f"meshes/visual/{part}_{name}.obj", obj_text(light, crease=0.8))
-        result.append((f"{part}_{name}", COLORS[name]))
+def _build_visuals(source: Path, target: Path) -> dict[str, list[tuple[str, Rgb]]]:
+    """Write `<part>_<color>.obj` files and return their names and colours for each part."""
+    looks = light_looks({part: read_dae(source / f"meshes/visual/{part}.dae") for part in PARTS}, WEIGHTS, TRIANGLES)
+    groups: dict[tuple[str, str], list[Look]] = {}
+    for look in looks:
+        part, name = look.piece.part, _color_name(look.piece.color)
+        groups.setdefault((part, REPAINT.get((part, name), name)), []).append(look)
+    result: dict[str, list[tuple[str, Rgb]]] = {part: [] for part in PARTS}
+    for (part, name), same in sorted(groups.items()):
+        mesh = merge([look.piece.mesh for look in same])
+        text = obj_text(mesh, crease=0.8, normals=np.concatenate([look.normals for look in same]))
+        write_text(target / f"meshes/visual/{part}_{name}.obj", text)
+        result[part].append((f"{part}_{name}", COLORS[name]))
     return result
-
-
-def _grown(mesh: Mesh, distance: float) -> Mesh:
-    """Shift every vertex outwards, so that thin dark covers stay above the white shells that they lie on."""
-    normals = np.zeros_like(mesh.vertices)
-    a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
-    for i in range(3):
-        np.add.at(normals, mesh.faces[:, i], np.cross(b - a, c - a))
-    lengths = np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
-    return Mesh(mesh.vertices + distance * normals / lengths, mesh.faces)
-
-
-def _area(mesh: Mesh) -> float:
-    a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
-    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0)
 
 
 def _color_name(color: Rgb) -> str:

@@ -12,7 +12,7 @@ from rlbench_pin.assets import ASSETS
 from tests.assets.support import OBJECTS, PANDA, URDFS, label, meshes_of, read_obj
 
 OBJECT_TRIANGLES = 1100
-PANDA_TRIANGLES = 3600
+PANDA_TRIANGLES = 5000
 HULL_VERTICES = 64
 
 

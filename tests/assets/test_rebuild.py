@@ -35,6 +35,5 @@ def test_objects_rebuild_to_the_same_bytes(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_robot_rebuilds_to_the_same_bytes(tmp_path: Path) -> None:
     """The robot, from the files of example-robot-data."""
-    pytest.importorskip("fast_simplification")
     subprocess.run([sys.executable, str(SCRIPT), "--only", "panda", "--out", str(tmp_path)], check=True)
     _assert_same(_files(tmp_path, ("robots/panda",)), _files(ASSETS, ("robots/panda",)))

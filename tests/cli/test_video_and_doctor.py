@@ -8,8 +8,10 @@ import av
 import numpy as np
 import pytest
 
+from rlbench_pin.checking.judge import demo_bytes
 from rlbench_pin.cli.doctor import check_picture
 from rlbench_pin.cli.main import main
+from rlbench_pin.environment import low_dim_config, make_environment
 from rlbench_pin.errors import CameraError
 from rlbench_pin.recording.films.grid import Reel, grid_frames, grid_size
 from rlbench_pin.recording.films.orbit import Orbit
@@ -46,6 +48,41 @@ def test_video_writes_a_film_that_moves(tmp_path):
     assert len(frames) > 25 and frames[0].shape == (64, 96, 3)
     assert min(frame.mean() for frame in frames) > 20
     assert np.abs(frames[0].astype(int) - frames[-1].astype(int)).mean() > 1.0
+
+
+def test_a_smooth_film_has_pictures_between_the_ticks(tmp_path):
+    """`--smooth 3` makes three times as many pictures for the same time; every third is that of the plain film."""
+    films = {}
+    for smooth in (1, 3):
+        out = tmp_path / str(smooth)
+        assert main(["video", "reach_target", "--size", "96", "64", "--smooth", str(smooth), "--out", str(out)]) == 0
+        with av.open(str(out / "reach_target.mp4")) as film:
+            stream = film.streams.video[0]
+            assert float(stream.average_rate) == 20.0 * smooth
+            films[smooth] = [frame.to_ndarray(format="rgb24").astype(int) for frame in film.decode(video=0)]
+    moving = len(films[1]) - 20
+    assert len(films[3]) == 3 * len(films[1])
+    for tick in range(5, moving, 5):
+        assert np.abs(films[3][3 * tick + 2] - films[1][tick]).mean() < 4.0
+
+
+def test_pictures_between_physics_steps_change_nothing():
+    """A demonstration that is looked at before every physics step is the same to the last byte."""
+    with make_environment(low_dim_config()) as environment:
+        task = environment.get_task("pick_and_lift")
+        plain = task.try_demo(seed=2).demo
+        looks = []
+
+        def look():
+            if len(looks) % 4 == 0:
+                Orbit(size=(32, 24)).picture(task.world, 0)
+            looks.append(1)
+
+        task.world.on_physics.append(look)
+        seen = task.try_demo(seed=2).demo
+        task.world.on_physics.remove(look)
+    assert len(looks) > 500 and plain is not None and seen is not None
+    assert demo_bytes(plain) == demo_bytes(seen)
 
 
 def test_doctor_tries_every_renderer(capsys):

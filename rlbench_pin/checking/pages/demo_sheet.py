@@ -1,4 +1,4 @@
-"""One demonstration as a contact sheet: the five cameras at the reset and at moments up to the end."""
+"""One demonstration as a contact sheet: the five cameras and the clear view at the reset and at moments up to the end."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from PIL import Image
 
 from rlbench_pin.checking.pages.sheet import contact_sheet
 from rlbench_pin.environment import ObservationConfig, TaskEnvironment
-from rlbench_pin.environment.presets import low_dim_config, make_environment
+from rlbench_pin.environment.presets import clear_view, low_dim_config, make_environment
 from rlbench_pin.errors import DemoError
-from rlbench_pin.observation import CAMERAS, Demo, Observation
+from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.tasks import Task
 
 MOMENTS = 5
@@ -33,13 +33,16 @@ def demo_sheet(
     config = low_dim_config()
     for camera in config.cameras().values():
         camera.image_size = (size, size)
+    config.extra_cameras = clear_view((size, size))
     with make_environment(config) as environment:
         task_environment = environment.get_task(task)
+        for camera in config.all_cameras().values():
+            camera.set_all(False)
         demo = _demonstrate(task_environment, seed, variation, attempt)
         frames = moments(task_environment, demo, config)
     times = ["reset", *(f"t = {moment:.1f} s" for moment in list(frames)[1:])]
-    pictures = [[getattr(obs, f"{camera}_rgb") for camera in CAMERAS] for obs in frames.values()]
-    names = [camera.replace("_", " ") for camera in CAMERAS]
+    pictures = [[getattr(obs, f"{camera}_rgb") for camera in config.all_cameras()] for obs in frames.values()]
+    names = [camera.replace("_", " ") for camera in config.all_cameras()]
     subtitle = f"variation {demo.variation_number}, seed {seed}, {len(demo)} frames"
     return contact_sheet(pictures, times, names, f"{demo.task_name}: {demo.instructions[0]}", subtitle), demo.task_name
 
@@ -73,10 +76,11 @@ def moments(task: TaskEnvironment, demo: Demo, config: ObservationConfig, count:
         nonlocal frame, began
         began = began if frame else task.world.time
         if frame in wanted:
-            for camera in config.cameras().values():
+            for camera in config.all_cameras().values():
                 camera.rgb = True
             seen[task.world.time - began] = task.get_observation()
-            config.set_all_high_dim(False)
+            for camera in config.all_cameras().values():
+                camera.set_all(False)
         frame += 1
 
     assert demo.seed is not None

@@ -26,9 +26,11 @@ class Video:
     size: Size = (1280, 720)
     """Width and height of a film of one task [px], even numbers."""
     speed: float = 0.005
-    """Angle that the camera moves between two pictures [rad]."""
+    """Angle that the camera moves in a tick [rad]."""
     fps: int = 20
-    """Pictures per second; 20 is real time."""
+    """Control ticks per second; 20 is real time."""
+    smooth: Literal[1, 2, 3] = 1
+    """Pictures of each tick, taken between its physics steps: 3 makes a film with 60 pictures per second."""
     domain_randomization: bool = False
     """Change textures and lights every ten ticks."""
     textures_path: MaybePath = None

@@ -21,7 +21,7 @@ class Orbit:
     """Angle between two pictures [rad]."""
     start: float = 1.0
     """First angle, from straight ahead of the robot towards its left [rad]."""
-    center: tuple[float, float, float] = (0.12, 0.0, 1.12)
+    center: tuple[float, float, float] = (0.12, 0.0, 1.22)
     """What it looks at [m]."""
     radius: float = 1.6
     """Distance from the centre, seen from above [m]."""

@@ -1,0 +1,77 @@
+"""Draw an animated picture of every task of the library, each from the beginning of a demonstration to its end.
+
+Usage: python scripts/readme_film.py [TASK ...] [--out FILE.webp]    docs/images/tasks.webp by default
+All tasks take as long in the picture, so that they do not go at the same speed; the last moment stands still for a while.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from rlbench_pin.environment.observations.cameras import look_at
+from rlbench_pin.environment.presets import low_dim_config, make_environment
+from rlbench_pin.recording.film import side_picture
+from rlbench_pin.recording.films.grid import Reel, grid_frames
+from rlbench_pin.sim import CameraView
+from rlbench_pin.tasks import library_names
+
+OUT = Path(__file__).resolve().parents[1] / "docs" / "images" / "tasks.webp"
+CELL, PICTURES, STILL, PAUSE, SEED, QUALITY = (150, 140), 44, 8, 110, 0, 40
+"""Size of a task [px], pictures of a demonstration, of its end, time of each [ms], seed, quality of WebP."""
+LIMIT = 3_000_000
+"""Bytes that the file may have."""
+VIEW = CameraView(
+    pose=look_at((0.75, 1.45, 1.95), (0.1, 0.0, 1.15)), fov=float(np.radians(52.0)), size=(300, 280), near=0.05, far=6.0
+)
+"""From ahead of the robot's left shoulder, with the whole arm and what is before it."""
+
+
+def reel_of(name: str) -> Reel:
+    """Play a demonstration of a task and keep pictures at equal intervals, first and last among them."""
+    reel = Reel()
+    with make_environment(low_dim_config()) as environment:
+        task = environment.get_task(name)
+        demo = task.get_demos(1, live_demos=True, seed=SEED)[0]
+        wanted = np.linspace(0, len(demo) - 1, PICTURES).round().astype(int).tolist()
+        frame = 0
+
+        def look(_: object) -> None:
+            nonlocal frame
+            shown = wanted.count(frame)
+            if shown:
+                small = Image.fromarray(side_picture(task.world, VIEW)).resize(CELL, Image.Resampling.LANCZOS)
+                for _ in range(shown):
+                    reel.add(np.asarray(small))
+            frame += 1
+
+        task.try_demo(seed=SEED, attempt=demo.attempt, on_frame=look)
+    for _ in range(STILL):
+        reel.add(np.asarray(reel.frame(len(reel) - 1)))
+    return reel
+
+
+def main() -> None:
+    """Film some or all tasks and write the animation."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("tasks", nargs="*")
+    parser.add_argument("--out", type=Path, default=OUT)
+    options = parser.parse_args()
+    reels = {}
+    for name in options.tasks or library_names():
+        reels[name] = reel_of(name)
+        print(f"{name}: {len(reels[name])} pictures", flush=True)
+    first, *rest = (Image.fromarray(picture) for picture in grid_frames(reels, CELL))
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    first.save(options.out, save_all=True, append_images=rest, duration=PAUSE, loop=0, quality=QUALITY, method=4)
+    size = options.out.stat().st_size
+    print(options.out, size // 1024, "KiB")
+    if size > LIMIT:
+        raise SystemExit(f"{options.out} is larger than {LIMIT} bytes: lower QUALITY, PICTURES or CELL.")
+
+
+if __name__ == "__main__":
+    main()
