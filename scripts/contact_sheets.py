@@ -35,7 +35,7 @@ def sheet_of(name: str, variation: int, seed: int) -> Image.Image:
     """The five cameras at the reset, at three moments of a demonstration and at its end."""
     config = low_dim_config()
     for camera in config.cameras().values():
-        camera.image_size = (SIZE, SIZE)
+        camera.image_size, camera.antialiasing = (SIZE, SIZE), True
     with make_environment(config) as environment:
         task = environment.get_task(name)
         task.set_variation(variation)
@@ -56,7 +56,7 @@ def looks() -> Image.Image:
     for row, seed in zip(rows, (3, 3, 3, 4)):
         config = ObservationConfig()
         for camera in config.cameras().values():
-            camera.image_size = (SIZE, SIZE)
+            camera.image_size, camera.antialiasing = (SIZE, SIZE), True
             camera.render_mode = "opengl" if row == "opengl" else "opengl3"
         random = row == "randomized"
         with Environment(

@@ -32,7 +32,7 @@ def demo_sheet(
     """
     config = low_dim_config()
     for camera in config.cameras().values():
-        camera.image_size = (size, size)
+        camera.image_size, camera.antialiasing = (size, size), True
     with make_environment(config) as environment:
         task_environment = environment.get_task(task)
         demo = _demonstrate(task_environment, seed, variation, attempt)

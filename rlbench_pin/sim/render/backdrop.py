@@ -19,6 +19,8 @@ from rlbench_pin.sim.render.canvas import Canvas, Panel, sights_of
 from rlbench_pin.sim.render.lighting import Lighting
 
 _OUTSIDE = (118, 128, 138)
+_ON_WALLS = 0.65
+"""By how much more of the ambient light upright sides of the room get, as from lamps along the ceiling."""
 PIXEL = np.dtype("V3")
 """Three bytes that are moved as one."""
 
@@ -134,7 +136,8 @@ def _bases(edges: NDArray[np.float64]) -> NDArray[np.float64]:
 def _light_on(panel: Panel, lighting: Lighting) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Colour (3,) of the rectangle in the key light, and in its shadow."""
     normal, tint = panel.normal, np.array(panel.color)
-    shaded = lighting.ambient + sum(float(fill.on(normal)) * np.array(fill.color) for fill in lighting.fills)
+    ambient = lighting.ambient * (1.0 + _ON_WALLS * (1.0 - abs(float(normal[2]))))
+    shaded = ambient + sum(float(fill.on(normal)) * np.array(fill.color) for fill in lighting.fills)
     key = float(lighting.key.on(normal)) * np.array(lighting.key.color)
     ambient_color = np.array(lighting.key.color) * 0.5 + 0.5
     shaded = shaded * ambient_color

@@ -51,7 +51,7 @@ class KeptBackdrop:
 
 
 def shade_rooms(images: Sequence[NDArray[np.uint8]], backdrops: Sequence[KeptBackdrop], shadows: ShadowMap) -> None:
-    """Darken the room in images (h, w, 3) where moving things stand in the key light.
+    """Darken the room in images (h, w, 3) where moving things stand in the key light, and around their feet on the table.
 
     Args:
         images: The pictures, of all cameras.
@@ -62,14 +62,15 @@ def shade_rooms(images: Sequence[NDArray[np.uint8]], backdrops: Sequence[KeptBac
         return
     spots = [backdrop.spots(shadows.view) for backdrop in backdrops]
     near = [shadows.is_near.take(each.first).nonzero()[0] for each in spots]
-    share = shadows.lit(joined_spots([each.at(pixels) for each, pixels in zip(spots, near, strict=True)]))
+    places = joined_spots([each.at(pixels) for each, pixels in zip(spots, near, strict=True)])
+    share, open_ = shadows.lit(places), shadows.open(places)
     ends = np.cumsum([0, *(len(pixels) for pixels in near)])
-    shaded = (share < 1.0).nonzero()[0]
+    shaded = (np.minimum(share, open_) < 1.0).nonzero()[0]
     parts = np.searchsorted(shaded, ends)
     chosen = [pixels.take(shaded[a:b] - end) for pixels, a, b, end in zip(near, parts, parts[1:], ends)]
     low = np.concatenate([backdrop.dark(pixels) for backdrop, pixels in zip(backdrops, chosen, strict=True)])
     high = np.concatenate([image.reshape(-1).view(PIXEL).take(pixels) for image, pixels in zip(images, chosen, strict=True)])
-    mixed = _mixed(low, high, share.take(shaded))
+    mixed = _mixed(low, high, share.take(shaded), open_.take(shaded))
     for image, pixels, a, b in zip(images, chosen, parts, parts[1:]):
         put_pixels(image, pixels, mixed[a:b])
 
@@ -89,8 +90,21 @@ def as_bytes(colors: NDArray[np.float32]) -> NDArray[np.uint8]:
     return result
 
 
-def _mixed(low: NDArray[np.void], high: NDArray[np.void], share: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Colours (n, 3) between those of two arrays (n,) of type `PIXEL`."""
+def halved(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """An image (h, w, 3) of the means of two by two pixels of one of twice the size."""
+    sums = image[:, 0::2].astype(np.uint16)
+    sums += image[:, 1::2]
+    pairs = sums[0::2]
+    pairs += sums[1::2]
+    pairs += np.uint16(2)
+    pairs >>= np.uint16(2)
+    return pairs.astype(np.uint8)
+
+
+def _mixed(
+    low: NDArray[np.void], high: NDArray[np.void], share: NDArray[np.float32], factor: NDArray[np.float32]
+) -> NDArray[np.uint8]:
+    """Colours (n, 3) between those of two arrays (n,) of type `PIXEL`, times a factor (n,)."""
     colors = np.empty((3, len(share)), dtype=np.float32)
     first, last = low.view(np.uint8).reshape(-1, 3), high.view(np.uint8).reshape(-1, 3)
     for channel, values in enumerate(colors):
@@ -98,4 +112,5 @@ def _mixed(low: NDArray[np.void], high: NDArray[np.void], share: NDArray[np.floa
         np.subtract(last[:, channel], start, out=values)
         values *= share
         values += start
+        values *= factor
     return as_bytes(colors)
