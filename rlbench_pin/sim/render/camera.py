@@ -76,6 +76,15 @@ class CameraView:
         return self._intrinsics @ np.linalg.inv(self._extrinsics)[:3]
 
     @cached_property
+    def sides(self) -> FloatArray:
+        """Planes (5, 4) of all that is seen and a pixel more: products with (x, y, z, 1) are the distances inside them [m]."""
+        (x, y, z), (width, height) = self.to_picture, self.size
+        planes = np.stack([x + z, width * z - x, y + z, height * z - y, z])
+        planes[4, 3] -= self.near
+        sides: FloatArray = planes / np.linalg.norm(planes[:, :3], axis=1, keepdims=True)
+        return sides
+
+    @cached_property
     def rays(self) -> NDArray[np.float32]:
         """Direction (h * w, 3) in the world of every pixel's ray, of depth 1; read-only."""
         width, height = self.size

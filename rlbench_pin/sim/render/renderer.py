@@ -21,7 +21,7 @@ from rlbench_pin.sim.render.camera import CameraView, Pictures
 from rlbench_pin.sim.render.lighting import Light, Lighting
 from rlbench_pin.sim.render.masks import bodies_of, rows_of
 from rlbench_pin.sim.render.raster.drawing import Sight
-from rlbench_pin.sim.render.shading import KeptBackdrop, as_bytes, halved, put_pixels, shade_rooms
+from rlbench_pin.sim.render.shading import KeptBackdrop, as_bytes, darken_feet, halved, put_pixels, shade_rooms
 from rlbench_pin.sim.render.shadows import ShadowMap, light_view
 from rlbench_pin.sim.render.shots import BulletRasterizer, MixedColors, NumpyRasterizer, Rasterizer, Shot
 from rlbench_pin.sim.render.surfaces import LinkTexture, colors_in_light, put_textures, surfaces_of
@@ -45,13 +45,15 @@ class Request:
     shadows: bool = False
     """Draw shadows and fill lights."""
     antialiasing: bool = False
-    """Take each colour as the mean of two by two; depth and mask are the same with and without."""
+    """Take each colour as the mean of two by two, and darken the table around what stands on it; depth and mask stay the same."""
+    feet: bool = False
+    """Darken the table around what stands on it, if shadows are drawn."""
 
     def parts(self) -> tuple[Request, ...]:
         """What is drawn for it: itself, or its colours at twice the size, and depth and mask if they are wanted."""
         if not (self.antialiasing and self.rgb):
             return (self,)
-        colors = Request(self.view.finer, rgb=True, depth=False, mask=False, shadows=self.shadows)
+        colors = Request(self.view.finer, rgb=True, depth=False, mask=False, shadows=self.shadows, feet=True)
         rest = Request(self.view, rgb=False, depth=self.depth, mask=self.mask)
         return (colors, rest) if self.depth or self.mask else (colors,)
 
@@ -212,6 +214,9 @@ class Renderer:
             pictures = [image for n in chosen if (image := images[n]) is not None]
             if is_shaded and shadows is not None:
                 shade_rooms(pictures, [backdrops[n] for n in chosen], shadows)
+                for image, n in zip(pictures, chosen, strict=True):
+                    if requests[n].feet:
+                        darken_feet(image, backdrops[n], shadows)
             colors = colors_in_light(surfaces, self.lighting, shadows if is_shaded else None)
             for image, own, seen in zip(pictures, colors, surfaces, strict=True):
                 if self._link_textures:
@@ -268,6 +273,6 @@ def _sight_of_light(view: CameraView) -> Sight:
 
 
 def _shadow_map(view: CameraView, shot: Shot) -> ShadowMap:
-    depth = np.full(view.size[0] * view.size[1], view.far, dtype=np.float32)
+    depth = np.full(view.size[0] * view.size[1], np.inf, dtype=np.float32)
     depth[shot.pixels] = shot.depth
     return ShadowMap(view, depth.reshape(view.size))

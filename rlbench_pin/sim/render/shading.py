@@ -51,7 +51,7 @@ class KeptBackdrop:
 
 
 def shade_rooms(images: Sequence[NDArray[np.uint8]], backdrops: Sequence[KeptBackdrop], shadows: ShadowMap) -> None:
-    """Darken the room in images (h, w, 3) where moving things stand in the key light, and around their feet on the table.
+    """Darken the room in images (h, w, 3) where moving things stand in the key light.
 
     Args:
         images: The pictures, of all cameras.
@@ -61,18 +61,29 @@ def shade_rooms(images: Sequence[NDArray[np.uint8]], backdrops: Sequence[KeptBac
     if shadows.is_empty or not images:
         return
     spots = [backdrop.spots(shadows.view) for backdrop in backdrops]
-    near = [shadows.is_near.take(each.first).nonzero()[0] for each in spots]
-    places = joined_spots([each.at(pixels) for each, pixels in zip(spots, near, strict=True)])
-    share, open_ = shadows.lit(places), shadows.open(places)
+    near = [shadows.is_near.take(each.texel).nonzero()[0] for each in spots]
+    share = shadows.lit(joined_spots([each.at(pixels) for each, pixels in zip(spots, near, strict=True)]))
     ends = np.cumsum([0, *(len(pixels) for pixels in near)])
-    shaded = (np.minimum(share, open_) < 1.0).nonzero()[0]
+    shaded = (share < 1.0).nonzero()[0]
     parts = np.searchsorted(shaded, ends)
     chosen = [pixels.take(shaded[a:b] - end) for pixels, a, b, end in zip(near, parts, parts[1:], ends)]
-    low = np.concatenate([backdrop.dark(pixels) for backdrop, pixels in zip(backdrops, chosen, strict=True)])
+    colors = np.concatenate([backdrop.dark(pixels) for backdrop, pixels in zip(backdrops, chosen, strict=True)])
+    share = share.take(shaded)
+    between = (share > 0.0).nonzero()[0]
     high = np.concatenate([image.reshape(-1).view(PIXEL).take(pixels) for image, pixels in zip(images, chosen, strict=True)])
-    mixed = _mixed(low, high, share.take(shaded), open_.take(shaded))
+    colors[between] = _mixed(colors.take(between), high.take(between), share.take(between)).reshape(-1).view(PIXEL)
     for image, pixels, a, b in zip(images, chosen, parts, parts[1:]):
-        put_pixels(image, pixels, mixed[a:b])
+        image.reshape(-1).view(PIXEL)[pixels] = colors[a:b]
+
+
+def darken_feet(image: NDArray[np.uint8], backdrop: KeptBackdrop, shadows: ShadowMap) -> None:
+    """Darken the table in an image (h, w, 3) around the feet of what stands on it."""
+    if shadows.is_empty:
+        return
+    spots = backdrop.spots(shadows.view)
+    pixels = shadows.is_dim.take(spots.texel).nonzero()[0]
+    colors = image.reshape(-1, 3).take(pixels, axis=0).T * shadows.open(spots.at(pixels))
+    put_pixels(image, pixels, as_bytes(colors))
 
 
 def put_pixels(image: NDArray[np.uint8], pixels: NDArray[np.int64], colors: NDArray[np.uint8]) -> None:
@@ -101,10 +112,8 @@ def halved(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return pairs.astype(np.uint8)
 
 
-def _mixed(
-    low: NDArray[np.void], high: NDArray[np.void], share: NDArray[np.float32], factor: NDArray[np.float32]
-) -> NDArray[np.uint8]:
-    """Colours (n, 3) between those of two arrays (n,) of type `PIXEL`, times a factor (n,)."""
+def _mixed(low: NDArray[np.void], high: NDArray[np.void], share: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """Colours (n, 3) between those of two arrays (n,) of type `PIXEL`."""
     colors = np.empty((3, len(share)), dtype=np.float32)
     first, last = low.view(np.uint8).reshape(-1, 3), high.view(np.uint8).reshape(-1, 3)
     for channel, values in enumerate(colors):
@@ -112,5 +121,4 @@ def _mixed(
         np.subtract(last[:, channel], start, out=values)
         values *= share
         values += start
-        values *= factor
     return as_bytes(colors)
