@@ -40,6 +40,7 @@ def sheet_of(name: str, variation: int, seed: int) -> Image.Image:
     config.extra_cameras = clear_view((SIZE, SIZE))
     for camera in config.all_cameras().values():
         camera.set_all(False)
+        camera.antialiasing = True
     with make_environment(config) as environment:
         task = environment.get_task(name)
         task.set_variation(variation)
@@ -66,7 +67,7 @@ def looks() -> Image.Image:
     for row, seed in zip(rows, (3, 3, 3, 4)):
         config = ObservationConfig()
         for camera in config.cameras().values():
-            camera.image_size = (SIZE, SIZE)
+            camera.image_size, camera.antialiasing = (SIZE, SIZE), True
             camera.render_mode = "opengl" if row == "opengl" else "opengl3"
         random = row == "randomized"
         with Environment(

@@ -217,10 +217,9 @@ def render_from_side(world: World, render_mode: str | None, window: Window | Non
     if render_mode is None:
         gymnasium.logger.warn("render() without a render_mode shows nothing. Pass render_mode='rgb_array' to make().")
         return None
-    picture = world.render(CINEMATIC, rgb=True, depth=False, mask=False, shadows=True).rgb
+    picture = world.renderer.picture(CINEMATIC)
     if window is None:
         return picture
-    assert picture is not None
     window.show(picture)
     return None
 

@@ -25,9 +25,7 @@ FILM_VIEW = CameraView(
 
 def side_picture(world: World, view: CameraView = FILM_VIEW) -> np.ndarray:
     """Picture of the whole world, uint8 (h, w, 3)."""
-    rgb = world.render(view, rgb=True, depth=False, mask=False, shadows=True).rgb
-    assert rgb is not None
-    return rgb
+    return world.renderer.picture(view)
 
 
 class Film:

@@ -34,18 +34,20 @@ def _paint(color: tuple[float, float, float], shade: FloatArray) -> NDArray[np.u
 
 
 def wood(size: int = 512) -> NDArray[np.uint8]:
-    """Return boards with grain."""
+    """Return a pale table top of narrow boards, each with a grain and a tone of its own."""
     rng = np.random.default_rng(3)
-    boards = 9
-    shade = np.ones((size, size))
-    grain = 0.05 * _noise(rng, size, size, (96, 4)) + 0.03 * _noise(rng, size, size, (256, 10))
+    boards, seam = 10, 2
     board = np.arange(size) * boards // size
-    tone = 1.0 + rng.uniform(-0.07, 0.07, boards)
-    shade *= tone[board][:, None]
-    shade += grain + 0.02 * _noise(rng, size, size, (6, 3))
-    edge = (np.arange(size) * boards % size) < 2 * boards
-    shade[edge] *= 0.80
-    return _paint((0.72, 0.55, 0.37), np.round(shade, 2))
+    shade = 1.0 + rng.uniform(-0.022, 0.022, boards)[board][:, None] + np.zeros((size, size))
+    grain = 0.016 * _noise(rng, size, size, (128, 5)) + 0.008 * _noise(rng, size, size, (256, 12))
+    # each board is cut from another place, so that no grain runs over a seam
+    shifts = rng.integers(0, size, boards)[board]
+    shade += np.take_along_axis(grain, (np.arange(size)[None, :] + shifts[:, None]) % size, axis=1)
+    row = np.arange(size) - np.ceil(board * size / boards).astype(int)
+    shade[row < seam] *= 0.89
+    for number, end in enumerate(rng.integers(0, size - seam, boards)):
+        shade[board == number, end : end + seam] *= 0.90
+    return _paint((0.785, 0.755, 0.71), np.round(shade, 2))
 
 
 def tiles(size: int = 128) -> NDArray[np.uint8]:
@@ -56,20 +58,18 @@ def tiles(size: int = 128) -> NDArray[np.uint8]:
     shade = tone + 0.03 * _noise(rng, size, size, (16, 16))
     seam = (np.arange(size) * 2 % size) < 4
     shade[seam, :] = shade[:, seam] = 0.78
-    return _paint((0.50, 0.51, 0.53), np.round(shade, 2))
+    return _paint((0.58, 0.59, 0.60), np.round(shade, 2))
 
 
 def wall(height: int = 128, width: int = 128) -> NDArray[np.uint8]:
-    """Return a plastered wall: warm grey above, a darker panelled dado and a skirting board below."""
-    rng = np.random.default_rng(9)
-    image = _paint((0.80, 0.77, 0.70), np.round(1.0 + 0.02 * _noise(rng, height, width, (16, 16)), 2))
+    """Return a painted wall: off-white above, a panelled dado in light grey and a skirting board below."""
+    image = _paint((0.885, 0.885, 0.875), np.ones((height, width)))
     low = int(0.62 * height)
-    dado = 1.0 + 0.02 * _noise(rng, height, width, (24, 6))
-    seams = (np.arange(width) * 5 % width) < 5
-    dado[:, seams] *= 0.88
-    image[low:] = _paint((0.50, 0.57, 0.60), np.round(dado, 2))[low:]
-    image[low - 3 : low] = (222, 216, 204)
-    image[int(0.95 * height) :] = (232, 228, 220)
+    dado = np.ones((height, width))
+    dado[:, (np.arange(width) * 5 % width) < 5] = 0.93
+    image[low:] = _paint((0.69, 0.715, 0.735), dado)[low:]
+    image[low - 3 : low] = (236, 236, 234)
+    image[int(0.95 * height) :] = (236, 236, 234)
     return image
 
 

@@ -38,6 +38,7 @@ def demo_sheet(
         task_environment = environment.get_task(task)
         for camera in config.all_cameras().values():
             camera.set_all(False)
+            camera.antialiasing = True
         demo = _demonstrate(task_environment, seed, variation, attempt)
         frames = moments(task_environment, demo, config)
     times = ["reset", *(f"t = {moment:.1f} s" for moment in list(frames)[1:])]

@@ -88,7 +88,7 @@ class Observer:
             observation.misc["mask_names"] = dict(self._world.masks)
         used = {name: (config, self._view(name)) for name, config in cameras.items() if config.is_used}
         requests = [
-            Request(view, config.rgb, config.depth or config.point_cloud, config.mask, config.draws_shadows)
+            Request(view, config.rgb, config.depth or config.point_cloud, config.mask, config.draws_shadows, config.antialiasing)
             for config, view in used.values()
         ]
         for (name, (config, view)), pictures in zip(used.items(), renderer.render_all(requests), strict=True):

@@ -39,6 +39,4 @@ class Orbit:
 
     def picture(self, world: World, frame: int) -> np.ndarray:
         """Picture number `frame` of what happens now, uint8 (h, w, 3)."""
-        rgb = world.render(self.view(frame), rgb=True, depth=False, mask=False, shadows=True).rgb
-        assert rgb is not None
-        return rgb
+        return world.renderer.picture(self.view(frame))

@@ -7,7 +7,7 @@ still sees of the room is drawn once and kept.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,19 +18,34 @@ from rlbench_pin.sim.render.camera import CameraView
 from rlbench_pin.sim.render.canvas import Canvas, Panel, sights_of
 from rlbench_pin.sim.render.lighting import Lighting
 
-_OUTSIDE = (118, 128, 138)
+_ON_WALLS = 0.65
+"""By how much more of the ambient light upright sides of the room get, as from lamps along the ceiling."""
 PIXEL = np.dtype("V3")
 """Three bytes that are moved as one."""
+_OUTSIDE = np.array((118, 128, 138), dtype=np.uint8).view(PIXEL)[0]
 
 
-@dataclass(frozen=True, eq=False)
-class _Paint:
-    """The colours of one rectangle, rgb bytes of type `PIXEL`; one texel where it has no texture."""
+class Paints:
+    """The colours of all rectangles that were seen so far, rgb bytes of type `PIXEL`; the first is that of emptiness.
 
-    lit: NDArray[np.void]
-    """Texels (t,) in the key light."""
-    dark: NDArray[np.void]
-    """In its shadow."""
+    Attributes:
+        lit: Texels (t,) in the key light.
+        dark: In its shadow.
+    """
+
+    def __init__(self) -> None:
+        self.lit = self.dark = np.array([_OUTSIDE], dtype=PIXEL)
+        self._starts: dict[int, int] = {}
+
+    def start(self, number: int, panel: Panel, lighting: Lighting) -> int:
+        """Number of the first texel of a rectangle, one texel where it has no texture; added when it is asked for first."""
+        if number not in self._starts:
+            self._starts[number] = len(self.lit)
+            texels = np.ones((1, 3), dtype=np.float32) if panel.texture is None else panel.texture.texels
+            bright, shaded = _light_on(panel, lighting)
+            self.lit = np.concatenate([self.lit, _packed(texels * bright)])
+            self.dark = np.concatenate([self.dark, _packed(texels * shaded)])
+        return self._starts[number]
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,34 +58,19 @@ class Backdrop:
     """Depth [m], `far` where nothing is in range, (h, w)."""
     mask: NDArray[np.int32]
     """Ids, 0 where nothing is in range, (h, w)."""
-    owner: NDArray[np.int32]
-    """Number of the rectangle that each pixel sees, -1 for none, (h * w,)."""
     texel: NDArray[np.int32]
-    """Its texel (h * w,)."""
-    paints: Mapping[int, _Paint]
-    """The colours of the rectangles that are seen, by number."""
+    """Number of the texel that each pixel sees (h * w,)."""
+    paints: Paints
+    """The colours of the texels."""
 
     def dark(self, pixels: NDArray[np.int64]) -> NDArray[np.void]:
         """Colours (n,), of type `PIXEL`, of some pixels in the shadow of the key light."""
-        texel = self.texel.take(pixels)
-        if len(self.paints) == 1 and self.is_full:
-            return next(iter(self.paints.values())).dark.take(texel)
-        owner = self.owner.take(pixels)
-        colors = self.rgb.reshape(-1).view(PIXEL).take(pixels)
-        for number, paint in self.paints.items():
-            chosen = (owner == number).nonzero()[0]
-            colors[chosen] = paint.dark.take(texel.take(chosen))
-        return colors
-
-    @cached_property
-    def is_full(self) -> bool:
-        """Whether every pixel sees a rectangle."""
-        return bool(self.owner.min() >= 0)
+        return self.paints.dark.take(self.texel.take(pixels))
 
     @cached_property
     def all_dark(self) -> NDArray[np.void]:
         """Colours (h * w,), of type `PIXEL`, of all pixels in the shadow of the key light."""
-        return self.dark(np.arange(self.owner.size))
+        return self.paints.dark.take(self.texel)
 
 
 class Painter:
@@ -86,7 +86,7 @@ class Painter:
         self._ids = np.array([*(panel.id for panel in panels), 0], dtype=np.int32)
         self._corners, self._edges = np.array([p.corner for p in panels]), np.array([p.edges for p in panels])
         self._bases = _bases(self._edges)
-        self._paints: dict[int, _Paint] = {}
+        self._paints = Paints()
 
     def draw(self, view: CameraView) -> Backdrop:
         """Draw all rectangles as a camera sees them."""
@@ -94,33 +94,24 @@ class Painter:
         to_camera = np.linalg.inv(view.extrinsics())
         rotation, shift = to_camera[:3, :3], to_camera[:3, 3]
         corners, edges = self._corners @ rotation.T + shift, self._edges @ rotation.T
-        for sight in sights_of(canvas, corners, edges, self._bases @ rotation.T):
-            canvas.add(sight)
+        canvas.draw(sights_of(canvas, corners, edges, self._bases @ rotation.T))
         owner, inverse = canvas.owner, canvas.inverse
-        colors, texel = (
-            np.full(owner.size, np.array(_OUTSIDE, dtype=np.uint8).view(PIXEL)[0]),
-            np.zeros(owner.size, dtype=np.int32),
-        )
-        paints: dict[int, _Paint] = {}
+        texel = np.zeros(owner.size, dtype=np.int32)
         for number, pixels in canvas.visible():
-            paints[number] = paint = self._paint(number)
-            texels = canvas.texels(self._panels[number], pixels)
-            colors[pixels], texel[pixels] = paint.lit.take(texels), texels
+            panel = self._panels[number]
+            texels = canvas.texels(panel, pixels)
+            texels += np.int32(self._paints.start(number, panel, self._lighting))
+            if isinstance(pixels, slice):
+                texel = texels
+            else:
+                texel[pixels] = texels
         with np.errstate(divide="ignore"):
             depth: NDArray[np.float32] = np.float32(1.0) / inverse
         ids = self._ids.take(owner, mode="wrap")
-        if len(outside := np.flatnonzero((owner < 0) | (inverse * np.float32(view.far) < 1.0))):
+        if len(outside := (inverse.ravel() * np.float32(view.far) < 1.0).nonzero()[0]):
             depth.ravel()[outside], ids.ravel()[outside] = view.far, 0
-        return Backdrop(colors.view(np.uint8).reshape(*owner.shape, 3), depth, ids, owner.ravel(), texel, paints)
-
-    def _paint(self, number: int) -> _Paint:
-        """All texels of a rectangle in the key light and in its shadow."""
-        if number not in self._paints:
-            panel = self._panels[number]
-            texels = np.ones((1, 3), dtype=np.float32) if panel.texture is None else panel.texture.texels
-            bright, shaded = _light_on(panel, self._lighting)
-            self._paints[number] = _Paint(_packed(texels * bright), _packed(texels * shaded))
-        return self._paints[number]
+        rgb = self._paints.lit.take(texel).view(np.uint8).reshape(*owner.shape, 3)
+        return Backdrop(rgb, depth, ids, texel, self._paints)
 
 
 def _bases(edges: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -134,7 +125,8 @@ def _bases(edges: NDArray[np.float64]) -> NDArray[np.float64]:
 def _light_on(panel: Panel, lighting: Lighting) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Colour (3,) of the rectangle in the key light, and in its shadow."""
     normal, tint = panel.normal, np.array(panel.color)
-    shaded = lighting.ambient + sum(float(fill.on(normal)) * np.array(fill.color) for fill in lighting.fills)
+    ambient = lighting.ambient * (1.0 + _ON_WALLS * (1.0 - abs(float(normal[2]))))
+    shaded = ambient + sum(float(fill.on(normal)) * np.array(fill.color) for fill in lighting.fills)
     key = float(lighting.key.on(normal)) * np.array(lighting.key.color)
     ambient_color = np.array(lighting.key.color) * 0.5 + 0.5
     shaded = shaded * ambient_color

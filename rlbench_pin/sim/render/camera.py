@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,8 @@ class CameraView:
     """Nearest distance along z that is seen [m]."""
     far: float
     """Farthest distance along z that is seen [m]."""
+    shift: ClassVar[float] = 0.0
+    """How far the principal point lies to the right of and below half the resolution [px]."""
 
     def __post_init__(self) -> None:
         for name in ("fov", "near", "far"):
@@ -46,7 +49,12 @@ class CameraView:
     @cached_property
     def key(self) -> tuple[object, ...]:
         """All that makes the view, to compare."""
-        return (np.asarray(self.pose, dtype=float).tobytes(), self.fov, tuple(self.size), self.near, self.far)
+        return (np.asarray(self.pose, dtype=float).tobytes(), self.fov, tuple(self.size), self.near, self.far, self.shift)
+
+    @cached_property
+    def finer(self) -> CameraView:
+        """The view of twice the size, two by two of whose pixels lie around the middle of each pixel of this one."""
+        return _FinerView(self.pose, self.fov, (2 * self.size[0], 2 * self.size[1]), self.near, self.far)
 
     def extrinsics(self) -> FloatArray:
         """Matrix (4, 4) from camera to world coordinates."""
@@ -56,7 +64,7 @@ class CameraView:
     def _intrinsics(self) -> FloatArray:
         width, height = self.size
         focal = -max(width, height) / (2.0 * np.tan(self.fov / 2.0))
-        return np.array([[focal, 0.0, width / 2.0], [0.0, focal, height / 2.0], [0.0, 0.0, 1.0]])
+        return np.array([[focal, 0.0, width / 2.0 + self.shift], [0.0, focal, height / 2.0 + self.shift], [0.0, 0.0, 1.0]])
 
     @cached_property
     def _extrinsics(self) -> FloatArray:
@@ -66,6 +74,15 @@ class CameraView:
     def to_picture(self) -> FloatArray:
         """Matrix (3, 4) from world coordinates to u z, v z and z, where z is the depth."""
         return self._intrinsics @ np.linalg.inv(self._extrinsics)[:3]
+
+    @cached_property
+    def sides(self) -> FloatArray:
+        """Planes (5, 4) of all that is seen and a pixel more: products with (x, y, z, 1) are the distances inside them [m]."""
+        (x, y, z), (width, height) = self.to_picture, self.size
+        planes = np.stack([x + z, width * z - x, y + z, height * z - y, z])
+        planes[4, 3] -= self.near
+        sides: FloatArray = planes / np.linalg.norm(planes[:, :3], axis=1, keepdims=True)
+        return sides
 
     @cached_property
     def rays(self) -> NDArray[np.float32]:
@@ -83,6 +100,16 @@ class CameraView:
         """World to OpenGL camera (x right, y up, z backward), column by column."""
         turn = np.diag([-1.0, 1.0, -1.0, 1.0])
         return np.linalg.inv(self._extrinsics @ turn).T.ravel().tolist()
+
+
+@dataclass(frozen=True, eq=False)
+class _FinerView(CameraView):
+    """A view that `CameraView.finer` made."""
+
+    shift: ClassVar[float] = 0.5
+
+    def __post_init__(self) -> None:
+        """All was checked when the coarser view was made."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,10 +161,8 @@ def projection_matrix(view: CameraView, hardware: bool = False) -> list[float]:
     near, far = view.near, view.far
     matrix = np.zeros((4, 4))
     matrix[0, 0], matrix[1, 1] = 2.0 * focal / width, 2.0 * focal / height
-    if hardware:
-        matrix[0, 2], matrix[1, 2] = -1.0 / width, 1.0 / height
-    else:
-        matrix[1, 2] = 2.0 / height
+    right, down = (0.5, 0.5) if hardware else (0.0, 1.0)
+    matrix[0, 2], matrix[1, 2] = -2.0 * (right + view.shift) / width, 2.0 * (down + view.shift) / height
     matrix[2, 2], matrix[2, 3] = -(far + near) / (far - near), -2.0 * far * near / (far - near)
     matrix[3, 2] = -1.0
     return matrix.T.ravel().tolist()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,6 +60,7 @@ class Canvas:
         view: The same.
         owner: Number of the rectangle that each pixel sees, -1 for none, (h, w).
         inverse: Its inverse depth (h, w) [1/m].
+        only: The rectangle that fills the picture, if one does.
     """
 
     def __init__(self, view: CameraView) -> None:
@@ -67,8 +69,28 @@ class Canvas:
         self.columns, self.rows = pixel_rays(view)
         self.owner = np.full(self._shape, -1, dtype=np.int32)
         self.inverse, self._s, self._t = (np.zeros(self._shape, dtype=np.float32) for _ in range(3))
+        self.only: Sight | None = None
+        self._drawn: list[int] = []
 
-    def add(self, sight: Sight) -> None:
+    def draw(self, sights: Sequence[Sight]) -> None:
+        """Draw rectangles, the nearest first."""
+        if sights and self._hides(sights[0], sights[1:]):
+            self.only = sights[0]
+            self.owner[:] = self.only.number
+            self.inverse = self._affine(self.only.forms[0], self.only.window)
+            return
+        for sight in sights:
+            self._add(sight)
+
+    def _hides(self, sight: Sight, others: Sequence[Sight]) -> bool:
+        """Whether a rectangle fills the picture and lies before all others; if its corners do, all of the picture does."""
+        rays = np.array([[x, y, 1.0] for x in self.columns[[0, -1]] for y in self.rows[[0, -1]]])
+        inverse, s, t = sight.forms @ rays.T
+        beside = np.minimum(np.minimum(s, t), inverse - np.maximum(s, t)).min()
+        nearest = max((other.nearest for other in others), default=0.0)
+        return bool(beside > 0.0 and inverse.max() * self.view.near * _SLACK < 1.0 and inverse.min() > nearest * _SLACK)
+
+    def _add(self, sight: Sight) -> None:
         """Draw one rectangle where it is nearer than what is there."""
         window = sight.window
         there = self.inverse[window]
@@ -77,6 +99,9 @@ class Canvas:
         inverse, s, t = (self._affine(form, window) for form in sight.forms)
         seen = (inverse > there) & (s >= 0.0) & (s <= inverse) & (t >= 0.0) & (t <= inverse)
         seen &= inverse * np.float32(self.view.near) < 1.0
+        if not seen.any():
+            return
+        self._drawn.append(sight.number)
         np.copyto(self.owner[window], sight.number, where=seen)
         for target, value in ((self.inverse, inverse), (self._s, s), (self._t, t)):
             np.copyto(target[window], value, where=seen)
@@ -88,10 +113,14 @@ class Canvas:
 
     def visible(self) -> Iterator[tuple[int, NDArray[np.int64] | slice]]:
         """Rectangles that are seen, each with the flat indices of its pixels."""
+        if self.only is not None:
+            yield self.only.number, slice(None)
+            return
         owner = self.owner.ravel()
-        counts = np.bincount(owner + 1)[1:]
-        for number in np.flatnonzero(counts).tolist():
-            yield number, slice(None) if counts[number] == len(owner) else np.flatnonzero(owner == number)
+        for number in self._drawn:
+            pixels = (owner == number).nonzero()[0]
+            if len(pixels):
+                yield number, pixels
 
     def texels(self, panel: Panel, pixels: NDArray[np.int64] | slice) -> NDArray[np.int32]:
         """Rows (n,) of the texture of a rectangle that its pixels show."""
@@ -101,11 +130,19 @@ class Canvas:
             return np.zeros(len(inverse), dtype=np.int32)
         assert panel.uv is not None
         depth = np.float32(1.0) / inverse
-        s, t = self._s.ravel()[pixels] * depth, self._t.ravel()[pixels] * depth
-        (u0, v0), (us, vs), (ut, vt) = panel.uv.astype(np.float32)
-        density = texture.size * np.linalg.norm(panel.uv[1]) / np.linalg.norm(panel.edges[0])  # [texels/m]
+        density = texture.size * math.hypot(*panel.uv[1]) / math.hypot(*panel.edges[0])  # [texels/m]
         per_depth = np.float32(1.4 * density / -self.view.intrinsics()[0, 0])
-        return texture.indices(u0 + us * s + ut * t, v0 + vs * s + vt * t, depth * per_depth)
+        if self.only is not None:
+            forms = panel.uv.T @ self.only.forms
+            u, v = (self._affine(form, self.only.window).ravel() for form in forms)
+        else:
+            (u0, v0), (us, vs), (ut, vt) = panel.uv.astype(np.float32)
+            s, t = self._s.ravel()[pixels], self._t.ravel()[pixels]
+            u, v = us * s + ut * t + u0 * inverse, vs * s + vt * t + v0 * inverse
+        u *= depth
+        v *= depth
+        depth *= per_depth
+        return texture.indices(u, v, depth)
 
 
 def sights_of(canvas: Canvas, corners: NDArray, edges: NDArray, bases: NDArray) -> list[Sight]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from rlbench_pin.sim.render.camera import CameraView, Pictures
 from rlbench_pin.sim.render.lighting import Light, Lighting
 from rlbench_pin.sim.render.masks import bodies_of, rows_of
 from rlbench_pin.sim.render.raster.drawing import Sight
-from rlbench_pin.sim.render.shading import KeptBackdrop, as_bytes, put_pixels, shade_rooms
+from rlbench_pin.sim.render.shading import KeptBackdrop, as_bytes, darken_feet, halved, put_pixels, shade_rooms
 from rlbench_pin.sim.render.shadows import ShadowMap, light_view
 from rlbench_pin.sim.render.shots import BulletRasterizer, MixedColors, NumpyRasterizer, Rasterizer, Shot
 from rlbench_pin.sim.render.surfaces import LinkTexture, colors_in_light, put_textures, surfaces_of
@@ -44,6 +44,18 @@ class Request:
     """Deliver mask ids."""
     shadows: bool = False
     """Draw shadows and fill lights."""
+    antialiasing: bool = False
+    """Take each colour as the mean of two by two, and darken the table around what stands on it; depth and mask stay the same."""
+    feet: bool = False
+    """Darken the table around what stands on it, if shadows are drawn."""
+
+    def parts(self) -> tuple[Request, ...]:
+        """What is drawn for it: itself, or its colours at twice the size, and depth and mask if they are wanted."""
+        if not (self.antialiasing and self.rgb):
+            return (self,)
+        colors = Request(self.view.finer, rgb=True, depth=False, mask=False, shadows=self.shadows, feet=True)
+        rest = Request(self.view, rgb=False, depth=self.depth, mask=self.mask)
+        return (colors, rest) if self.depth or self.mask else (colors,)
 
     @property
     def is_shaded(self) -> bool:
@@ -107,7 +119,9 @@ class Renderer:
         view = self._view_of_light()
         return _shadow_map(view, self._rasterizer.shoot([_sight_of_light(view)], self.lighting)[0])
 
-    def render(self, view: CameraView, *, rgb: bool, depth: bool, mask: bool, shadows: bool | ShadowMap) -> Pictures:
+    def render(
+        self, view: CameraView, *, rgb: bool, depth: bool, mask: bool, shadows: bool | ShadowMap, antialiasing: bool = False
+    ) -> Pictures:
         """Take the pictures of one camera.
 
         Args:
@@ -116,12 +130,21 @@ class Renderer:
             depth: Deliver metric depth.
             mask: Deliver mask ids.
             shadows: Draw shadows and fill lights; a map from `shadow_map` of this instant saves making one.
+            antialiasing: Take each colour as the mean of two by two, so that edges and thin lines are smooth.
         """
         as_record(view, CameraView, "camera")
-        rgb, depth, mask = (as_flag(wanted, what) for wanted, what in ((rgb, "rgb"), (depth, "depth"), (mask, "mask")))
+        flags = ((rgb, "rgb"), (depth, "depth"), (mask, "mask"), (antialiasing, "antialiasing"))
+        rgb, depth, mask, antialiasing = (as_flag(wanted, what) for wanted, what in flags)
         shadows = shadows if isinstance(shadows, ShadowMap) else as_flag(shadows, "shadows")
         light = shadows if isinstance(shadows, ShadowMap) else None
-        return self.render_all([Request(view, rgb, depth, mask, shadows is not False)], light)[0]
+        return self.render_all([Request(view, rgb, depth, mask, shadows is not False, antialiasing)], light)[0]
+
+    def picture(self, view: CameraView) -> NDArray[np.uint8]:
+        """Return a picture for people, uint8 (h, w, 3): with shadows, and with smooth edges."""
+        as_record(view, CameraView, "camera")
+        image = self.render_all([Request(view, depth=False, mask=False, shadows=True, antialiasing=True)])[0].rgb
+        assert image is not None
+        return image
 
     def render_all(self, requests: Sequence[Request], shadows: ShadowMap | None = None) -> list[Pictures]:
         """Take the pictures of some cameras at this instant, cheaper than one after the other and the same.
@@ -130,6 +153,12 @@ class Renderer:
             requests: What each is to deliver.
             shadows: The shadows, from `shadow_map` of this instant; made where they are needed when None.
         """
+        parts = [request.parts() for request in requests]
+        taken = iter(self._take([part for group in parts for part in group], shadows))
+        return [_joined(request, [next(taken) for _ in group]) for request, group in zip(requests, parts, strict=True)]
+
+    def _take(self, requests: Sequence[Request], shadows: ShadowMap | None) -> list[Pictures]:
+        """Take the pictures of some cameras at their own size."""
         if not requests:
             return []
         painter = self._present_painter()
@@ -185,6 +214,9 @@ class Renderer:
             pictures = [image for n in chosen if (image := images[n]) is not None]
             if is_shaded and shadows is not None:
                 shade_rooms(pictures, [backdrops[n] for n in chosen], shadows)
+                for image, n in zip(pictures, chosen, strict=True):
+                    if requests[n].feet:
+                        darken_feet(image, backdrops[n], shadows)
             colors = colors_in_light(surfaces, self.lighting, shadows if is_shaded else None)
             for image, own, seen in zip(pictures, colors, surfaces, strict=True):
                 if self._link_textures:
@@ -229,11 +261,18 @@ class Renderer:
         return made
 
 
+def _joined(request: Request, parts: Sequence[Pictures]) -> Pictures:
+    """Return what a request is to deliver from the pictures of its parts."""
+    if parts[0].rgb is None or not request.antialiasing:
+        return parts[0]
+    return replace(parts[-1], rgb=halved(parts[0].rgb))
+
+
 def _sight_of_light(view: CameraView) -> Sight:
     return Sight(view, None)
 
 
 def _shadow_map(view: CameraView, shot: Shot) -> ShadowMap:
-    depth = np.full(view.size[0] * view.size[1], view.far, dtype=np.float32)
+    depth = np.full(view.size[0] * view.size[1], np.inf, dtype=np.float32)
     depth[shot.pixels] = shot.depth
     return ShadowMap(view, depth.reshape(view.size))

@@ -61,17 +61,29 @@ def shade_rooms(images: Sequence[NDArray[np.uint8]], backdrops: Sequence[KeptBac
     if shadows.is_empty or not images:
         return
     spots = [backdrop.spots(shadows.view) for backdrop in backdrops]
-    near = [shadows.is_near.take(each.first).nonzero()[0] for each in spots]
+    near = [shadows.is_near.take(each.texel).nonzero()[0] for each in spots]
     share = shadows.lit(joined_spots([each.at(pixels) for each, pixels in zip(spots, near, strict=True)]))
     ends = np.cumsum([0, *(len(pixels) for pixels in near)])
     shaded = (share < 1.0).nonzero()[0]
     parts = np.searchsorted(shaded, ends)
     chosen = [pixels.take(shaded[a:b] - end) for pixels, a, b, end in zip(near, parts, parts[1:], ends)]
-    low = np.concatenate([backdrop.dark(pixels) for backdrop, pixels in zip(backdrops, chosen, strict=True)])
+    colors = np.concatenate([backdrop.dark(pixels) for backdrop, pixels in zip(backdrops, chosen, strict=True)])
+    share = share.take(shaded)
+    between = (share > 0.0).nonzero()[0]
     high = np.concatenate([image.reshape(-1).view(PIXEL).take(pixels) for image, pixels in zip(images, chosen, strict=True)])
-    mixed = _mixed(low, high, share.take(shaded))
+    colors[between] = _mixed(colors.take(between), high.take(between), share.take(between)).reshape(-1).view(PIXEL)
     for image, pixels, a, b in zip(images, chosen, parts, parts[1:]):
-        put_pixels(image, pixels, mixed[a:b])
+        image.reshape(-1).view(PIXEL)[pixels] = colors[a:b]
+
+
+def darken_feet(image: NDArray[np.uint8], backdrop: KeptBackdrop, shadows: ShadowMap) -> None:
+    """Darken the table in an image (h, w, 3) around the feet of what stands on it."""
+    if shadows.is_empty:
+        return
+    spots = backdrop.spots(shadows.view)
+    pixels = shadows.is_dim.take(spots.texel).nonzero()[0]
+    colors = image.reshape(-1, 3).take(pixels, axis=0).T * shadows.open(spots.at(pixels))
+    put_pixels(image, pixels, as_bytes(colors))
 
 
 def put_pixels(image: NDArray[np.uint8], pixels: NDArray[np.int64], colors: NDArray[np.uint8]) -> None:
@@ -87,6 +99,17 @@ def as_bytes(colors: NDArray[np.float32]) -> NDArray[np.uint8]:
     for channel, values in enumerate(colors):
         result[:, channel] = values.astype(np.uint8)
     return result
+
+
+def halved(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """An image (h, w, 3) of the means of two by two pixels of one of twice the size."""
+    sums = image[:, 0::2].astype(np.uint16)
+    sums += image[:, 1::2]
+    pairs = sums[0::2]
+    pairs += sums[1::2]
+    pairs += np.uint16(2)
+    pairs >>= np.uint16(2)
+    return pairs.astype(np.uint8)
 
 
 def _mixed(low: NDArray[np.void], high: NDArray[np.void], share: NDArray[np.float32]) -> NDArray[np.uint8]:

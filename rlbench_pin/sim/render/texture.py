@@ -65,15 +65,20 @@ class Texture:
             texels_per_pixel: Texels of the finest level that one pixel covers (n,); picks the level.
         """
         # the exponent of a number of at least 1 is its logarithm to base 2, rounded down
-        level = np.maximum(texels_per_pixel, 1.0).astype(np.float32).view(np.int32) >> 23
+        level = np.maximum(texels_per_pixel, np.float32(1.0)).astype(np.float32, copy=False).view(np.int32) >> 23
         level -= 127
         np.minimum(level, len(self._sides) - 1, out=level)
-        sides, last = self._float_sides.take(level), self._lasts.take(level)
-        column = np.floor(u * sides).astype(np.int32) & last
-        row = np.floor(v * -sides).astype(np.int32) & last
+        lowest, highest = (int(level.min()), int(level.max())) if len(level) else (0, 0)
+        chosen: NDArray[np.int32] | int = lowest if lowest == highest else level
+        sides, last, start = (values.take(chosen) for values in (self._float_sides, self._lasts, self._starts))
+        column, row = u * sides, v * -sides
+        column = np.floor(column, out=column).astype(np.int32)
+        row = np.floor(row, out=row).astype(np.int32)
+        column &= last
+        row &= last
         row *= last + np.int32(1)
         row += column
-        row += self._starts.take(level)
+        row += start
         return row
 
 

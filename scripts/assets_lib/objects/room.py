@@ -25,18 +25,24 @@ def quad(corners: list[tuple[float, float, float]], repeat: tuple[float, float])
 def _table() -> Model:
     (x0, x1), (y0, y1) = TABLE_X, TABLE_Y
     size, center = (x1 - x0, y1 - y0, 0.04), ((x0 + x1) / 2.0, (y0 + y1) / 2.0, TABLE_HEIGHT - 0.02)
-    top = quad([(x0, y0, TABLE_HEIGHT), (x1, y0, TABLE_HEIGHT), (x1, y1, TABLE_HEIGHT), (x0, y1, TABLE_HEIGHT)], (1.0, 1.0))
-    apron = box((size[0], size[1], 0.0398), (center[0], center[1], TABLE_HEIGHT - 0.0201))
+    top = quad([(x0, y0, TABLE_HEIGHT), (x1, y0, TABLE_HEIGHT), (x1, y1, TABLE_HEIGHT), (x0, y1, TABLE_HEIGHT)], (2.0, 2.0))
+    apron = _without_top(box((size[0], size[1], 0.0398), (center[0], center[1], TABLE_HEIGHT - 0.0201)))
     feet = [(x, y) for x in (x0 + 0.06, x1 - 0.06) for y in (y0 + 0.06, y1 - 0.06)]
-    legs = merge(box((0.06, 0.06, TABLE_HEIGHT - 0.04), (x, y, (TABLE_HEIGHT - 0.04) / 2.0)) for x, y in feet)
+    legs = merge(_without_top(box((0.06, 0.06, TABLE_HEIGHT - 0.04), (x, y, (TABLE_HEIGHT - 0.04) / 2.0))) for x, y in feet)
     visuals = (
         Visual(mesh_shape("table_top", top), (1.0, 1.0, 1.0), texture="wood"),
-        Visual(mesh_shape("table_edge", apron), (0.52, 0.36, 0.22)),
-        Visual(mesh_shape("table_legs", legs), (0.40, 0.27, 0.16)),
+        Visual(mesh_shape("table_edge", apron), (0.60, 0.57, 0.53)),
+        Visual(mesh_shape("table_legs", legs), (0.36, 0.36, 0.37)),
     )
     link = Link("table", 40.0, visuals, (box_shape(size, center),), friction=0.8)
     notes = (f"top at z = {TABLE_HEIGHT}, spans x {x0}..{x1}, y {y0}..{y1}; the legs are only seen",)
     return Model("table", "room", "world", (link,), notes=notes)
+
+
+def _without_top(mesh: Mesh) -> Mesh:
+    """Return a mesh without the triangles that lie at its greatest height, which the table top hides."""
+    heights = mesh.vertices[mesh.faces][..., 2]
+    return Mesh(mesh.vertices, mesh.faces[heights.min(axis=1) < mesh.vertices[:, 2].max()], mesh.uv)
 
 
 def _floor() -> Model:
@@ -67,9 +73,9 @@ def models() -> tuple[Model, ...]:
     return (
         _table(),
         _floor(),
-        _wall("wall_front", [(x1, y1, 0.0), (x1, y0, 0.0), (x1, y0, h), (x1, y1, h)], 0.97),
-        _wall("wall_back", [(x0, y0, 0.0), (x0, y1, 0.0), (x0, y1, h), (x0, y0, h)], 0.94),
+        _wall("wall_front", [(x1, y1, 0.0), (x1, y0, 0.0), (x1, y0, h), (x1, y1, h)], 1.0),
+        _wall("wall_back", [(x0, y0, 0.0), (x0, y1, 0.0), (x0, y1, h), (x0, y0, h)], 0.97),
         _wall("wall_left", [(x0, y1, 0.0), (x1, y1, 0.0), (x1, y1, h), (x0, y1, h)], 1.0),
-        _wall("wall_right", [(x1, y0, 0.0), (x0, y0, 0.0), (x0, y0, h), (x1, y0, h)], 0.9),
+        _wall("wall_right", [(x1, y0, 0.0), (x0, y0, 0.0), (x0, y0, h), (x1, y0, h)], 0.98),
         _ceiling(),
     )

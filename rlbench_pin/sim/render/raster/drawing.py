@@ -111,7 +111,7 @@ def _from_layers(
             layer.links[missing[number]] = True
         own[:] = layer.nearest
         left[number] = ~layer.links
-    return left.take(link, axis=1)
+    return (left & projection.reached).take(link, axis=1)
 
 
 def _draw_into(nearest: NDArray[np.int64], starts: NDArray[np.int64], projection: Projection, wanted: NDArray[np.bool_]) -> None:

@@ -41,6 +41,7 @@ class Projection:
         normals: Normals of the corners in the world, (3 corners, 3, m).
         corner_points: Numbers (3, m) of the points at the corners of the triangles.
         facing: Whether each camera (c, m) is on the side from which a triangle is seen.
+        reached: Whether something of each link (l,) may be in the picture of each camera, (c, l).
     """
 
     def __init__(self, placed: Placed, views: Sequence[CameraView]) -> None:
@@ -51,6 +52,7 @@ class Projection:
         eyes = np.ones((len(views), 1, 4), dtype=np.float32)
         eyes[:, 0, :3] = [view.pose[:3] for view in views]
         self.facing: NDArray[np.bool_] = np.matmul(eyes, placed.planes)[:, 0] > 0.0
+        self.reached = _reached(views, placed)
         self._count = points.shape[2]
         self._points = points.ravel()
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -74,6 +76,14 @@ class Projection:
         for i in range(3):
             result[:, i] = self._points.take(place + i * self._count)
         return result
+
+
+def _reached(views: Sequence[CameraView], placed: Placed) -> NDArray[np.bool_]:
+    """Whether the ball around each link may reach into the pyramid of each camera (c, l), with a pixel to spare."""
+    sides = np.stack([view.sides for view in views]).astype(np.float32)
+    inside = np.matmul(sides, placed.middles) + placed.parts.balls[:, 3]
+    result: NDArray[np.bool_] = inside.min(axis=1) > 0.0
+    return result
 
 
 def outlines_of(projection: Projection, wanted: NDArray[np.bool_]) -> Outlines:

@@ -55,6 +55,8 @@ class Parts:
     """Number of the visual of each triangle (m,), in PyBullet's order."""
     link: NDArray[np.int64]
     """Number of the link of each triangle (m,)."""
+    balls: NDArray[np.float32]
+    """Middle and radius of a ball around each link (l, 4), in its frame [m]."""
 
 
 def join(shapes: Mapping[Link, Sequence[tuple[int, Triangles]]], segments: Sequence[int]) -> Parts:
@@ -87,7 +89,14 @@ def join(shapes: Mapping[Link, Sequence[tuple[int, Triangles]]], segments: Seque
         normals=np.ascontiguousarray(normals.transpose(1, 2, 0), dtype=np.float32),
         shape=np.repeat([number for number, _ in every], [len(t.corners) for _, t in every]).astype(np.int64),
         link=np.repeat(np.arange(len(shapes)), np.diff(ends)),
+        balls=np.array([_ball(own) for own in points], dtype=np.float32).reshape(-1, 4),
     )
+
+
+def _ball(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Middle and radius (4,) of a ball around points (n, 3) [m]."""
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    return np.append(middle, np.linalg.norm(points - middle, axis=1).max() + 1e-4)
 
 
 def _ends(counts: Sequence[int]) -> list[int]:
@@ -117,12 +126,14 @@ class Placed:
         points: x, y, z, 1 of every point (4, p) in the world [m].
         planes: Planes (4, m) of the triangles in the world.
         normals: Normals (3, 3, m) of their corners in the world.
+        middles: x, y, z, 1 of the middles of the balls around the links (4, l) in the world [m].
         still: Whether each link (l,) has not moved for some time; longer for those that moved again.
     """
 
     def __init__(self, parts: Parts) -> None:
         self.parts = parts
         self.points, self.planes, self.normals = parts.points.copy(), parts.planes.copy(), parts.normals.copy()
+        self.middles = np.ones((4, len(parts.links)), dtype=np.float32)
         self._frames: list[bytes] = [b""] * len(parts.links)
         self.still = np.zeros(len(parts.links), dtype=np.bool_)
         self._rested, self._rests_after = [0] * len(parts.links), [_LEAST_REST] * len(parts.links)
@@ -146,6 +157,7 @@ class Placed:
             points, triangles = parts.point_slices[number], parts.slices[number]
             for_planes = np.zeros((4, 4), dtype=np.float32)
             for_planes[:3, :3], for_planes[3, :3], for_planes[3, 3] = frame[:3, :3], -(frame[:3, 3] @ frame[:3, :3]), 1.0
+            self.middles[:3, number] = frame[:3, :3] @ parts.balls[number, :3] + frame[:3, 3]
             turn = frame.astype(np.float32)
             np.matmul(turn, parts.points[:, points], out=self.points[:, points])
             np.matmul(for_planes, parts.planes[:, triangles], out=self.planes[:, triangles])
