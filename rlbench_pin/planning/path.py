@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import cached_property, lru_cache
 
@@ -23,12 +24,17 @@ class JointPath:
 
     def __init__(self, spline: BSpline) -> None:
         """Take a cubic spline on 0..1 with values of shape (n,), [rad]."""
-        as_record(spline, BSpline, "spline")
-        self._orders = (spline, spline.derivative(1), spline.derivative(2))
+        slope = _derivative(as_record(spline, BSpline, "spline"))
+        self._orders = (spline, slope, _derivative(slope))
 
     def __call__(self, s: FloatArray | float, order: int = 0) -> FloatArray:
         """Return q, dq/ds or d2q/ds2 at parameters `s`, shape (m, n)."""
         return self._orders[order](s)
+
+    @property
+    def spline(self) -> BSpline:
+        """The spline itself."""
+        return self._orders[0]
 
     @property
     def start(self) -> FloatArray:
@@ -63,8 +69,9 @@ class JointPath:
     def first_collision(self, is_free: IsFree, step: float) -> float | None:
         """Return the parameter of a configuration that is not free, looking every `step` [rad]; None when there is none."""
         s, q = self.spread(step)
-        for i in coarse_to_fine(len(s)):
-            if not is_free(q[i]):
+        order = list(coarse_to_fine(len(s)))
+        for i, row in zip(order, q[order], strict=True):
+            if not is_free(row):
                 return float(s[i])
         return None
 
@@ -79,18 +86,30 @@ class JointPath:
         Returns:
             Control points (m, 4, n), [rad].
         """
-        q, slope = self(low), self(low, 1)
-        ends, slope_there = self(high), self(high, 1)
+        both, count = np.concatenate([low, high]), len(low)
+        q, slopes = self(both), self(both, 1)
         third = (high - low)[:, None] / 3.0
-        return np.stack([q, q + third * slope, ends - third * slope_there, ends], axis=1)
+        control = np.empty((count, 4, q.shape[1]))
+        control[:, 0], control[:, 3] = q[:count], q[count:]
+        control[:, 1] = control[:, 0] + third * slopes[:count]
+        control[:, 2] = control[:, 3] - third * slopes[count:]
+        return control
 
     def length(self) -> float:
         """Return the length in joint space [rad]."""
         return self._length
 
+    def points(self) -> FloatArray:
+        """Return configurations (m, n) along the path, its ends among them, about 0.05 rad of joint motion apart."""
+        return self._points.copy()
+
+    @cached_property
+    def _points(self) -> FloatArray:
+        return self.spread(0.05)[1]
+
     @cached_property
     def _length(self) -> float:
-        return float(np.linalg.norm(np.diff(self.spread(0.05)[1], axis=0), axis=1).sum())
+        return float(np.linalg.norm(np.diff(self._points, axis=0), axis=1).sum())
 
 
 def through(points: FloatArray, s: FloatArray | None = None) -> JointPath:
@@ -117,7 +136,21 @@ def along(vertices: FloatArray, radius: float | FloatArray) -> JointPath:
     control = _control_points(vertices, np.asarray(radius))
     chord = _chord(control)
     inner = (chord[1:-3] + chord[2:-2] + chord[3:-1]) / 3.0
-    return JointPath(BSpline(np.concatenate([np.zeros(4), inner, np.ones(4)]), control, 3))
+    return JointPath(BSpline.construct_fast(np.concatenate([np.zeros(4), inner, np.ones(4)]), control, 3))
+
+
+def _derivative(spline: BSpline) -> BSpline:
+    """Return the derivative of a spline, to the last bit as `BSpline.derivative`, which takes five times as long.
+
+    Raises:
+        ValueError: Inner knots are repeated.
+    """
+    knots, degree, count = spline.t, spline.k, len(spline.t) - spline.k - 1
+    width = knots[degree + 1 : -1] - knots[1 : -degree - 1]
+    if not width.all():
+        raise ValueError("the spline has repeated inner knots, and cannot be differentiated there")
+    control = (spline.c[1:count] - spline.c[: count - 1]) * degree / width[:, None]
+    return BSpline.construct_fast(knots[1:-1], control, degree - 1)
 
 
 def round_off(
@@ -170,8 +203,8 @@ def distinct(points: FloatArray) -> FloatArray:
 def edge_is_free(a: FloatArray, b: FloatArray, is_free: IsFree, step: float) -> bool:
     """Say whether the straight joint-space line from `a` to `b` is free, ends excluded, looking every `step` [rad]."""
     way = b - a
-    count = int(np.ceil(np.abs(way).max() / step)) + 1
-    return all(map(is_free, a + _shares(count) * way))
+    count = math.ceil(max(map(abs, way.tolist())) / step) + 1
+    return count < 3 or all(map(is_free, a + _shares(count) * way))
 
 
 @lru_cache(maxsize=1024)

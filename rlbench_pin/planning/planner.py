@@ -289,7 +289,7 @@ class MotionPlanner:
             certified=rules.world and self.config.certify,
             doubts=rules.doubts,
         )
-        stages.plan = Plan(trajectory, found.path.spread(0.05)[1], report)
+        stages.plan = Plan(trajectory, found.path.points(), report)
         return stages.plan
 
     def _clearance(self, path: JointPath) -> float:

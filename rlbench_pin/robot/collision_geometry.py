@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -86,6 +87,7 @@ class CollisionGeometry:
         self.ends: NDArray[np.intp] = np.array(self.pairs, dtype=np.intp).reshape(-1, 2).T
         """The first and the second shapes of all pairs, shape (2, pairs)."""
         self.data = self.model.createData()
+        _forget_guesses(self.data)
         moves = np.array([owner.moves for owner in self.owners])
         self.crosses = moves[:, None] != moves[None, :]
         """Which pairs are of the arm or a held body with the world, shape (m, m)."""
@@ -177,3 +179,11 @@ def body_distance(body: BodySnapshot, point: FloatArray) -> float:
             local = pose_to_se3(pose).actInv(point)
             least = min(least, float(np.linalg.norm(np.maximum(0.0, np.maximum(box[0] - local, local - box[1])))))
     return least
+
+
+def _forget_guesses(data: pin.GeometryData) -> None:
+    """Let every query start afresh, so that a distance depends on poses alone, not on the query before, to the last bit."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # Coal's new name for this setting leaves the old one switched on
+        for request in data.distanceRequests:
+            request.enable_cached_gjk_guess = False

@@ -13,7 +13,6 @@ Measuring costs; `motion_bounds` finds without it which pairs are far enough.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Collection
 
 import numpy as np
@@ -53,7 +52,6 @@ class DistanceModel:
         if not same:
             self._geometry = CollisionGeometry(self.model, bodies, snapshot.attached)
             self._layout = layout
-            _forget_guesses(self._geometry.data)
             self._results = list(self._geometry.data.distanceResults)  # views, which later queries renew
         pin.forwardKinematics(self.model.full, self._data, self._q)
         self._geometry.place(bodies, self._data.oMi[self._geometry.hand_joint])
@@ -156,11 +154,3 @@ def _as_slice(indices: FloatArray) -> slice | FloatArray:
     """Return indices that follow each other as a slice, which numpy takes faster."""
     first, count = int(indices[0]), len(indices)
     return slice(first, first + count) if np.array_equal(indices, np.arange(first, first + count)) else indices
-
-
-def _forget_guesses(data: pin.GeometryData) -> None:
-    """Let every query start afresh, so that a distance depends on poses alone, not on the query before, to the last bit."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # Coal's new name for this setting leaves the old one switched on
-        for request in data.distanceRequests:
-            request.enable_cached_gjk_guess = False

@@ -21,6 +21,7 @@ LONGEST_NAME, LONGEST_PATH = 255, 4095
 """Bytes of file names and paths of Linux."""
 _NO_NUMBERS = (bool, np.bool_, np.timedelta64)
 """What numpy and Python count among their whole numbers, and we do not."""
+_NUMBERS = (float, int, np.floating, np.integer)
 _MADE_BY = {
     "Generator": "`np.random.default_rng(seed)` makes one.",
     "Demo": "`task.get_demos(1)` and `read_demo(path)` return some.",
@@ -52,14 +53,13 @@ def as_number(
     Raises:
         InvalidValue: It is no number, or outside the range.
     """
-    wanted = f"has to be a {'finite ' if finite else ''}number{_range_text(least, most, above)}"
-    if isinstance(value, _NO_NUMBERS) or not isinstance(value, int | float | np.integer | np.floating):
-        raise error(what, value, wanted)
+    good = isinstance(value, _NUMBERS) and not isinstance(value, _NO_NUMBERS)
     try:
-        number = float(value)
-    except OverflowError as failure:
-        raise error(what, value, wanted) from failure
-    if math.isnan(number) or (finite and math.isinf(number)) or not (least <= number <= most and number > above):
+        number = float(value) if good else math.nan  # type: ignore[arg-type]
+    except OverflowError:
+        number = math.nan
+    if not (least <= number <= most and number > above) or (finite and math.isinf(number)):
+        wanted = f"has to be a {'finite ' if finite else ''}number{_range_text(least, most, above)}"
         raise error(what, value, wanted)
     return number
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.interpolate import BSpline
 
-from rlbench_pin.planning.path import along, coarse_to_fine, edge_is_free, round_off, through
+from rlbench_pin.planning.path import JointPath, along, coarse_to_fine, edge_is_free, round_off, through
 
 CORNER = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
 
@@ -99,3 +100,39 @@ def test_corners_are_rounded_as_far_as_is_free() -> None:
     assert tight.first_collision(is_free, 0.005) is None
     shut = round_off(CORNER, lambda path: path.first_collision(lambda q: bool(np.linalg.norm(q - [1.0, 0.0]) > 0.1), 0.005))
     assert shut is None
+
+
+@pytest.mark.parametrize("corners", [2, 3, 7])
+def test_derivatives_are_those_of_scipy_to_the_last_bit(corners: int) -> None:
+    """They are made without its checks, of rounded polylines and of curves through points alike."""
+    points, s = np.random.default_rng(corners).normal(size=(corners, 7)), np.linspace(0.0, 1.0, 50)
+    for path in (along(points, 0.3), through(points)):
+        spline = path.spline
+        for order in (1, 2):
+            np.testing.assert_array_equal(path(s, order), spline.derivative(order)(s))
+
+
+def test_a_path_with_a_corner_is_none() -> None:
+    """A spline whose inner knots are repeated has no second derivative there."""
+    knots = np.array([0.0, 0.0, 0.0, 0.0, 0.5, 0.5, 0.5, 1.0, 1.0, 1.0, 1.0])
+    with pytest.raises(ValueError, match="repeated"):
+        JointPath(BSpline(knots, np.zeros((7, 2)), 3))
+
+
+def test_pieces_are_bezier_curves_of_the_path() -> None:
+    """Control points of any part of a piece give the path back."""
+    path = along(CORNER, 0.4)
+    low, high = path.knots[:-1], path.knots[1:]
+    for a, b in ((low, high), (low, 0.5 * (low + high)), (0.3 * low + 0.7 * high, high)):
+        control, t = path.bezier(a, b), 0.37
+        weights = np.array([(1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t**2 * (1 - t), t**3])
+        np.testing.assert_allclose(np.einsum("k,mkn->mn", weights, control), path(a + t * (b - a)), atol=1e-12)
+
+
+def test_points_are_near_each_other_and_may_be_changed() -> None:
+    """What a plan shows of its path is a copy."""
+    path = along(CORNER, 0.4)
+    points = path.points()
+    assert np.abs(np.diff(points, axis=0)).max() < 0.055
+    points[:] = 9.0
+    np.testing.assert_allclose(path.points()[[0, -1]], CORNER[[0, -1]])

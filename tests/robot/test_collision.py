@@ -203,3 +203,12 @@ def test_a_goal_may_be_near_things(collision: CollisionModel, boxes: Boxes, mode
     assert not collision.goal_in_collision(goal)
     collision.relax(goal)
     assert not collision.in_collision(goal)
+
+
+def test_distances_do_not_depend_on_what_was_asked_before(collision: CollisionModel, boxes: Boxes, model: RobotModel) -> None:
+    """To the last bit, so that a motion that is planned again is the same."""
+    collision.update(boxes.snapshot(boxes.screen(), *boxes.cubes(4)))
+    first = [d.distance for d in collision.distances(HOME)]
+    for q in np.random.default_rng(0).uniform(model.limits.lower, model.limits.upper, (30, 7)):
+        collision.distances(q)
+    assert [d.distance for d in collision.distances(HOME)] == first

@@ -19,8 +19,6 @@ from rlbench_pin.planning.proof.poses import Poses
 from rlbench_pin.planning.proof.shapes import IndexArray
 from rlbench_pin.spatial import FloatArray
 
-_NEVER = 1e-12
-
 
 def advances(poses: Poses, piece: IndexArray, pair: IndexArray, normal: FloatArray) -> FloatArray:
     """Return how far the farther shapes of pairs come along normals (e, 3) on their pieces at most, equation (1), (e,), [m]."""
@@ -34,18 +32,3 @@ def advances(poses: Poses, piece: IndexArray, pair: IndexArray, normal: FloatArr
     rotation, half = poses.box(piece, pair)
     moved = shifts + across @ poses.centers(piece, pair)[:, :, None] + np.abs(across @ rotation) @ half[:, :, None]
     return moved[:, :, 0].max(axis=1) + rest
-
-
-def least_gaps(poses: Poses, piece: IndexArray, pair: IndexArray) -> FloatArray:
-    """Return lower bounds of the distances of pairs on whole pieces, shape (e,), [m]; minus infinity where boxes overlap.
-
-    They hold along the way from the box of one shape, turned with it, to a box around the other.
-    """
-    rotation, half = poses.box(piece, pair)
-    other_rotation, other_half = poses.other_box(piece, pair)
-    way = (poses.way(piece, pair)[:, None] @ rotation)[:, 0]
-    reach = half + (np.abs(rotation.swapaxes(1, 2) @ other_rotation) @ other_half[:, :, None])[:, :, 0]
-    gap = np.maximum(np.abs(way) - reach, 0.0)
-    length = np.sqrt((gap * gap).sum(axis=1))
-    normal = (rotation @ (np.copysign(gap, way) / np.maximum(length, _NEVER)[:, None])[:, :, None])[:, :, 0]
-    return np.where(length > 0.0, length - advances(poses, piece, pair, normal), -np.inf)

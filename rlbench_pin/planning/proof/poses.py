@@ -83,10 +83,6 @@ class Poses:
         piece, at = np.nonzero((gap[0] + gap[1] + gap[2] < needed * needed) | (needed < 0.0))
         return piece, pairs[at]
 
-    def way(self, piece: IndexArray, pair: IndexArray) -> FloatArray:
-        """Return the way from the farther shape's centre to the other one's, shape (e, 3), [m]."""
-        return (self._centers[:, piece, self.shapes.near[pair]] - self._centers[:, piece, self.shapes.far[pair]]).T
-
     def centers(self, piece: IndexArray, pair: IndexArray) -> FloatArray:
         """Return the centres of the farther shapes of pairs in the world, shape (e, 3), [m]."""
         return self._centers[:, piece, self.shapes.far[pair]].T
@@ -96,11 +92,3 @@ class Poses:
         far = self.shapes.far[pair]
         rotations = self.arm.rotations[piece, self.shapes.depth[far] - 1] @ self.shapes.rotation[far]
         return rotations, self.shapes.half[far]
-
-    def other_box(self, piece: IndexArray, pair: IndexArray) -> tuple[FloatArray, FloatArray]:
-        """Return the same of the other shapes of pairs."""
-        near = self.shapes.near[pair]
-        joint, rotations = self.shapes.depth[near] - 1, self.shapes.rotation[near]
-        carried = np.flatnonzero(joint >= 0)
-        rotations[carried] = self.arm.rotations[piece[carried], joint[carried]] @ rotations[carried]
-        return rotations, self.shapes.half[near]

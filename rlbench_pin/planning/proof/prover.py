@@ -2,18 +2,17 @@
 
 A path is a sequence of Bezier pieces. No configuration of a piece is farther from its middle, joint by joint, than one of its
 control points, which bounds how far each shape moves against each other one. A pair of shapes is settled for a whole piece by the
-first of three bounds that is large enough:
+first of two bounds that is large enough:
 
-1. the gap between their boxes along the world's axes in the middle of the piece, less how far they can move (`poses`);
-2. the gap between tighter boxes, less what of their motion closes it (`planes`);
-3. their distance there, by Coal, less what of their motion closes it.
+1. the gap between their boxes along the world's axes in the middle of the piece, less how far they can move (`poses`), for all
+   pieces in one go;
+2. their distance there, by Coal, less what of their motion closes it (`planes`).
 
-The first two are computed for all pieces in one go. Pieces with pairs that are left are cut, and only these are looked at again.
+Pieces with pairs that are left are cut, and only these are looked at again.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -22,7 +21,7 @@ import pinocchio as pin
 
 from rlbench_pin.planning.path import JointPath
 from rlbench_pin.planning.proof.pieces import Pieces
-from rlbench_pin.planning.proof.planes import advances, least_gaps
+from rlbench_pin.planning.proof.planes import advances
 from rlbench_pin.planning.proof.poses import Poses
 from rlbench_pin.planning.proof.shapes import ArmShapes, IndexArray, Shapes
 from rlbench_pin.robot.collision import CollisionModel
@@ -63,11 +62,6 @@ class Prover:
     def _shapes(self) -> Shapes:
         return Shapes(self._arm, self._collision)
 
-    @cached_property
-    def _work_space(self) -> tuple[pin.Data, pin.GeometryData]:
-        """Work space of this motion alone: Coal begins a query where the last one of a pair ended."""
-        return self._collision.model.full.createData(), self._collision.geometry.model.createData()
-
     def prove(self, path: JointPath, checks: int) -> Certificate:
         """Try to prove that `path` stays free of forbidden contacts, everywhere between its ends.
 
@@ -79,14 +73,15 @@ class Prover:
         floors, pieces, spent = floors + SURE, self._begin(path), 0
         poses = Poses(self._shapes, pieces)
         piece, pair = poses.close(np.flatnonzero(counts), floors)
-        close = least_gaps(poses, piece, pair) < floors[pair]
-        piece, pair = piece[close], pair[close]
         while len(pair):
             spent += len(pieces.low)
             distance, normal = self._measure(pieces.middles, piece, pair)
-            closing = np.minimum(poses.moves(piece, pair), advances(poses, piece, pair, normal))
-            left = np.flatnonzero(distance - closing < floors[pair])
-            piece, pair, closing, room = piece[left], pair[left], closing[left], (distance - floors[pair])[left]
+            room, moves = distance - floors[pair], poses.moves(piece, pair)
+            left = np.flatnonzero(room < moves)
+            piece, pair, room, moves, normal = piece[left], pair[left], room[left], moves[left], normal[left]
+            closing = np.minimum(moves, advances(poses, piece, pair, normal))
+            left = np.flatnonzero(room < closing)
+            piece, pair, room, closing = piece[left], pair[left], room[left], closing[left]
             hopeless = (room <= 0.0) | (closing < LEAST)
             if hopeless.any() or (len(left) and spent > checks):
                 return Certificate(float(pieces.low[piece[hopeless] if hopeless.any() else piece].min()), spent)
@@ -106,19 +101,18 @@ class Prover:
         Returns:
             Distances (e,), [m], negative where shapes overlap; normals (e, 3) from the farther shape to the other one.
         """
-        rows = [(result.min_distance, result.normal) for result in self._results(q, piece, pair)]
-        normal = np.array([row[1] for row in rows])
-        normal[self._shapes.second_farther[pair]] *= -1.0  # Coal's point from the first to the second shape
-        return np.array([row[0] for row in rows]), normal
-
-    def _results(self, q: FloatArray, piece: IndexArray, pair: IndexArray) -> Iterator[pin.DistanceResult]:
-        collision, (data, placed) = self._collision, self._work_space
-        model, geometry, last = collision.model.full, collision.geometry.model, -1
+        distances, normals = [], []
+        geometry, placed, last = self._collision.geometry.model, self._collision.geometry.data, -1
         for i, k in zip(piece.tolist(), pair.tolist(), strict=True):
             if i != last:
-                pin.updateGeometryPlacements(model, data, geometry, placed, collision.configuration(q[i]))
+                self._arm.place(self._collision, q[i])
                 last = i
-            yield pin.computeDistance(geometry, placed, k)
+            result = pin.computeDistance(geometry, placed, k)
+            distances.append(result.min_distance)
+            normals.append(result.normal)
+        normal = np.array(normals)
+        normal[self._shapes.second_farther[pair]] *= -1.0  # Coal's point from the first to the second shape
+        return np.array(distances), normal
 
 
 def _cut(pieces: Pieces, piece: IndexArray, pair: IndexArray, shares: FloatArray) -> tuple[Pieces, IndexArray, IndexArray]:

@@ -63,6 +63,11 @@ class ArmShapes:
             self._fingers, self._own = q.tobytes(), [self._shape(objects[k], *self._solids[k]) for k in range(own)]
         return [*self._own, *(self._shape(objects[k], *self._solids[k]) for k in range(own, len(objects)))]
 
+    def place(self, collision: CollisionModel, q: FloatArray) -> None:
+        """Put the shapes of a collision model where they are with the arm at `q` (n,), [rad]."""
+        geometry = collision.geometry
+        pin.updateGeometryPlacements(self._model.full, self._data, geometry.model, geometry.data, collision.configuration(q))
+
     def _shape(self, item: pin.GeometryObject, center: FloatArray, half: FloatArray, radius: float) -> _Shape:
         """Return a shape; `center` (3,) of its box in its own frame, `half` its edges (3,), `radius` of its ball [m]."""
         T, joint, depth, reach = item.placement, item.parentJoint, 0, self._still

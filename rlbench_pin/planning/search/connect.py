@@ -8,13 +8,12 @@ shrink where they fail were tried: the 95th percentile became twenty times longe
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
 from rlbench_pin.planning.path import IsFree, coarse_to_fine
 from rlbench_pin.spatial import FloatArray
-
-_ORDERS = [[0], [0]] + [[i for i in coarse_to_fine(n) if i > 0] for n in range(2, 400)]
 
 _DRAWS = 64
 
@@ -122,12 +121,18 @@ class Connector:
 
     def _edge(self, a: FloatArray, way: FloatArray, length: float) -> bool:
         """Say whether the line of a length from free `a` along `way` is free, its end included."""
-        count = int(length / self.step) + 2
-        share = 1.0 / (count - 1)
-        for i in _ORDERS[count]:
+        for q in a + _shares(int(length / self.step) + 2) * way:
             self.left -= 1
             if self.left < 0:
                 raise OutOfBudget
-            if not self.is_free(a + (i * share) * way):
+            if not self.is_free(q):
                 return False
         return True
+
+
+@lru_cache(maxsize=1024)
+def _shares(count: int) -> FloatArray:
+    """Return where all but the first of `count` even samples of an edge are (count - 1, 1), widely spaced ones first, 0..1."""
+    shares = np.array([i for i in coarse_to_fine(count) if i > 0])[:, None] * (1.0 / (count - 1))
+    shares.flags.writeable = False
+    return shares

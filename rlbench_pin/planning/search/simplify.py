@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from bisect import bisect_right
+
 import numpy as np
 
 from rlbench_pin.planning.path import IsFree, edge_is_free
@@ -52,23 +55,25 @@ def leave_out(path: FloatArray, is_free: IsFree, step: float) -> FloatArray:
     return path[kept]
 
 
-def _along(path: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the length of each edge of a polyline (m, n), (m - 1,), and the way to each of its vertices (m,), [rad]."""
-    lengths = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    return lengths, np.concatenate([[0.0], np.cumsum(lengths)])
+def _along(path: FloatArray) -> tuple[list[float], list[float]]:
+    """Return the length of each edge of a polyline (m, n), and the way to each of its vertices, [rad]."""
+    way = np.diff(path, axis=0)
+    lengths = np.sqrt((way * way).sum(axis=1))
+    return lengths.tolist(), [0.0, *np.cumsum(lengths).tolist()]
 
 
 def _cut(
-    path: FloatArray, along: tuple[FloatArray, FloatArray], is_free: IsFree, rng: np.random.Generator, step: float
+    path: FloatArray, along: tuple[list[float], list[float]], is_free: IsFree, rng: np.random.Generator, step: float
 ) -> FloatArray | None:
     """Try to replace the part between two random points of the polyline by one edge; None when nothing is gained."""
     lengths, total = along
-    low, high = np.sort(rng.uniform(0.0, total[-1], size=2))
-    i, j = np.searchsorted(total, [low, high], side="right") - 1
+    low, high = sorted((total[-1] * rng.random(), total[-1] * rng.random()))
+    i, j = (bisect_right(total, where, hi=len(lengths)) - 1 for where in (low, high))
     if i == j:
         return None
     a = path[i] + (low - total[i]) / lengths[i] * (path[i + 1] - path[i])
     b = path[j] + (high - total[j]) / lengths[j] * (path[j + 1] - path[j])
-    if np.linalg.norm(b - a) > 0.98 * (high - low) or not edge_is_free(a, b, is_free, step):
+    way = b - a
+    if math.sqrt(way @ way) > 0.98 * (high - low) or not edge_is_free(a, b, is_free, step):
         return None
     return np.concatenate([path[: i + 1], [a, b], path[j + 1 :]])
