@@ -58,7 +58,9 @@ def se3_to_pose(transform: pin.SE3) -> FloatArray:
     if not isinstance(transform, pin.SE3):
         raise InvalidValue("A transform", transform, "has to be a `pin.SE3`")
     pose = np.asarray(pin.SE3ToXYZQUAT(transform))
-    return pose if pose[6] >= 0 else np.concatenate([pose[:3], -pose[3:]])
+    if not pose[6] >= 0:
+        pose[3:] *= -1.0
+    return pose
 
 
 def pose_to_matrix(pose: PoseLike) -> FloatArray:

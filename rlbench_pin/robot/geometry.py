@@ -150,10 +150,10 @@ def volume_contains(shape: VolumeShape, size: Sequence[float], T_world_volume: p
     """Say whether a world point (3,) lies in a sensor volume."""
     x = T_world_volume.actInv(np.asarray(point, dtype=float))
     if shape == "box":
-        return bool(np.all(np.abs(x) <= 0.5 * np.asarray(size)))
+        return all(abs(along) <= 0.5 * side for along, side in zip(x.tolist(), size, strict=True))
     if shape == "cylinder":
         return bool(np.hypot(x[0], x[1]) <= 0.5 * size[0] and abs(x[2]) <= 0.5 * size[1])
-    return bool(np.linalg.norm(x) <= 0.5 * size[0])
+    return math.sqrt(x @ x) <= 0.5 * size[0]
 
 
 def radius(shape: coal.ShapeBase) -> float:

@@ -106,8 +106,7 @@ class RobotModel:
     def joint_poses(self, q: ArrayLike) -> list[FloatArray]:
         """Return the pose (7,) in the world of every arm joint's frame, base first; the joints turn or slide along its axes."""
         pin.forwardKinematics(self.arm, self.data, self._joints(q))
-        placements = self.data.oMi
-        return [se3_to_pose(placements[i]) for i in range(1, self.size + 1)]
+        return [se3_to_pose(placement) for placement in self.data.oMi.tolist()[1 : self.size + 1]]
 
     def jacobian(self, q: ArrayLike, frame: FrameChoice = "world") -> FloatArray:
         """Return J (6, n) with v_tip = J dq, `[linear, angular]`, along world axes or in tip axes."""

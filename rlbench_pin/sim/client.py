@@ -7,6 +7,8 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, NoReturn
 
+import pinocchio as pin
+
 from rlbench_pin.errors import AssetInvalid, AssetNotFound, EnvironmentClosed, UnknownName
 from rlbench_pin.sim.bodies.urdf import check_urdf
 from rlbench_pin.sim.render.egl import RENDERERS, EglMissing, RendererName, plugin_file
@@ -29,8 +31,8 @@ _GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
 class PhysicsClient:
     """One physics server in this process; every call passes its `id`.
 
-    Calls that change a world while it is built go through `change`, so that `build_again` can repeat them. Calls that only read,
-    step or restore use `bullet` directly.
+    Calls that change a world while it is built go through `change`, so that `build_again` can repeat them. What moves something
+    goes through `change`, `step` or `restore`; calls that only read use `bullet` directly.
 
     Args:
         timestep: Length of one physics step [s].
@@ -38,6 +40,7 @@ class PhysicsClient:
 
     Attributes:
         journal: The calls that built the world.
+        placements: T_world_link by body and link number, as far as they were read since something last moved.
 
     Raises:
         EglMissing: There is no EGL here.
@@ -49,6 +52,7 @@ class PhysicsClient:
         if hardware:
             self._plugin = self._load_egl()
         self.journal = Journal()
+        self.placements: dict[tuple[int, int], pin.SE3] = {}
         self._printed, self._passes = False, PASSES
         self.change(bullet.setTimeStep, timestep)
         self.change(bullet.setGravity, *_GRAVITY)
@@ -65,7 +69,18 @@ class PhysicsClient:
             *positional: Its arguments.
             **named: Its named arguments, without `physicsClientId`.
         """
+        self.placements.clear()
         return self.journal.call(function, *positional, **named, physicsClientId=self.id)
+
+    def step(self) -> None:
+        """Advance one physics step."""
+        self.placements.clear()
+        bullet.stepSimulation(physicsClientId=self.id)
+
+    def restore(self, **state: Any) -> None:
+        """Go back to a state of this server; takes the arguments of PyBullet's `restoreState`."""
+        self.placements.clear()
+        bullet.restoreState(**state, physicsClientId=self.id)
 
     def end_building(self) -> None:
         """Record no more calls: the world is built."""
@@ -80,6 +95,7 @@ class PhysicsClient:
         Raises:
             RlbenchPinError: A call returned something else than the first time; the server is closed then.
         """
+        self.placements.clear()
         bullet.resetSimulation(physicsClientId=self.id)
         self._passes = PASSES
         try:
@@ -125,6 +141,7 @@ class PhysicsClient:
 
     def close(self) -> None:
         """Free the physics server; may be called again."""
+        self.placements.clear()
         if self._id is not None:
             identifier, self._id = self._id, None
             with captured_output() if self.hardware else nullcontext():

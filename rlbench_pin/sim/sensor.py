@@ -67,11 +67,9 @@ def volume_meets(volume: object, reach: float, T_world_volume: pin.SE3, body: Bo
         T_world_volume: Its placement.
         body: What may touch it.
     """
-    model = body.model
-    balls = geometry.solid_balls(model.urdf, model.scale)
-    for link, parts in geometry.solid_geometry(model.urdf, model.scale).items():
-        T_world_link = model.placement(model.links[link])
-        if geometry.is_near(balls[link], T_world_link, T_world_volume, reach) and geometry.overlaps(
+    for index, ball, parts in body.model.solids:
+        T_world_link = body.model.placement(index)
+        if geometry.is_near(ball, T_world_link, T_world_volume, reach) and geometry.overlaps(
             volume, T_world_volume, parts, T_world_link
         ):
             return True

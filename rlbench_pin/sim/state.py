@@ -107,7 +107,7 @@ class Physics:
         if client is not self.client:
             raise RlbenchPinError("This state was saved by another world. Use arrays() and set_arrays() between worlds.")
         if self._number is not None:
-            bullet.restoreState(self._number, physicsClientId=self.client.id)
+            self.client.restore(stateId=self._number)
             return
         restore_bytes(self.client, self._bytes)
         if not self._portable:

@@ -19,7 +19,7 @@ from rlbench_pin.sim.bodies.body import Body
 from rlbench_pin.sim.bodies.joint import ObjectJoint
 from rlbench_pin.sim.capture import capture
 from rlbench_pin.sim.checks import whole_ratio
-from rlbench_pin.sim.client import bullet, open_client
+from rlbench_pin.sim.client import open_client
 from rlbench_pin.sim.contacts import Contact
 from rlbench_pin.sim.contents import Contents
 from rlbench_pin.sim.dynamics_overrides import DynamicsOverrides
@@ -162,7 +162,6 @@ class World:
     def step(self) -> None:
         """Advance one control tick."""
         self.end_building()
-        identifier = self.client.id
         self.robot.begin_tick()
         self.gripper.begin_tick()
         for substep in range(self._substeps):
@@ -172,7 +171,7 @@ class World:
             self.gripper.drive(substep)
             for joint in self._springs:
                 joint.pull(self.timestep)
-            bullet.stepSimulation(physicsClientId=identifier)
+            self.client.step()
         self._ticks += 1
         self.robot.forget_measurements()
         for callback in self.on_step:

@@ -57,7 +57,8 @@ class ActionMode(SpecifiedMode):
         Raises:
             InvalidActionError: The shape is wrong, a number is not finite, or the arm or gripper mode refuses its numbers.
         """
-        size, whole = self.arm_action_mode.action_shape(runtime)[0], self.action_shape(runtime)
+        size = self.arm_action_mode.action_shape(runtime)[0]
+        whole = size + self.gripper_action_mode.action_shape(runtime)[0]
         more = self.arm_action_mode.optional_values if isinstance(self.arm_action_mode, PartMode) else 0
         values = as_action(action, whole, type(self).__name__, more)
         arm, gripper = np.concatenate([values[:size], values[whole:]]), values[size:whole]

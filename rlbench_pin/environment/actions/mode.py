@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
@@ -24,7 +25,7 @@ def as_action(action: object, size: int, what: str, more: int = 0) -> FloatArray
     if array.shape not in ((size,), (size + more,)):
         shapes = f"({size},)" if more == 0 else f"({size},) or ({size + more},)"
         raise InvalidActionError(f"{what} takes an array of shape {shapes}, not {array.shape}.")
-    if not np.isfinite(array).all():
+    if not all(map(math.isfinite, array.tolist())):
         bad = ", ".join(str(i) for i in np.flatnonzero(~np.isfinite(array)))
         raise InvalidActionError(f"{what} got NaN or infinity at index {bad}. Check the policy's output.")
     return array.copy()

@@ -66,24 +66,22 @@ def _per_joint(value: float) -> Callable[[Instant], FloatArray]:
 
 
 LOW_DIM_FIELDS: Mapping[str, LowDimField] = {
-    "joint_velocities": LowDimField(lambda now: np.array(now.world.robot.joint_velocities), _per_joint(JOINT_SPEED)),
-    "joint_positions": LowDimField(lambda now: np.array(now.world.robot.joint_positions), _per_joint(2.0 * np.pi)),
-    "joint_forces": LowDimField(
-        lambda now: np.array(now.world.robot.joint_torques), lambda now: np.array(now.model.limits.effort)
-    ),
+    "joint_velocities": LowDimField(lambda now: now.world.robot.joint_velocities, _per_joint(JOINT_SPEED)),
+    "joint_positions": LowDimField(lambda now: now.world.robot.joint_positions, _per_joint(2.0 * np.pi)),
+    "joint_forces": LowDimField(lambda now: now.world.robot.joint_torques, lambda now: np.array(now.model.limits.effort)),
     "gripper_open": LowDimField(
         lambda now: float(now.world.robot.fingers[0] / now.model.description.gripper_open > OPEN), lambda now: np.ones(1), 0.0
     ),
-    "gripper_pose": LowDimField(lambda now: np.array(now.world.robot.tip_pose()), lambda now: TIP_POSE),
+    "gripper_pose": LowDimField(lambda now: now.world.robot.tip_pose(), lambda now: TIP_POSE),
     "gripper_matrix": LowDimField(
         lambda now: pose_to_matrix(now.world.robot.tip_pose()), lambda now: np.append(TIP_POSE[:3], 1.0)
     ),
     "gripper_joint_positions": LowDimField(
-        lambda now: np.array(now.world.robot.fingers),
+        lambda now: now.world.robot.fingers,
         lambda now: np.full(len(now.model.description.gripper_joints), 2.0 * now.model.description.gripper_open),
     ),
     "gripper_touch_forces": LowDimField(
-        lambda now: np.array(now.world.robot.touch_forces()),
+        lambda now: now.world.robot.touch_forces(),
         lambda now: np.full(3 * len(now.model.description.finger_links), TOUCH_FORCE),
     ),
     "task_low_dim_state": LowDimField(

@@ -15,7 +15,7 @@ Everything is written to `Observation.misc` under the names of the settings:
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 from rlbench_pin.robot.collision_geometry import Distance
@@ -52,7 +52,7 @@ class ModelObservationConfig:
     @property
     def is_used(self) -> bool:
         """Whether anything is wanted."""
-        return any(getattr(self, f.name) for f in fields(self))
+        return any(vars(self).values())
 
 
 class ModelObserver:

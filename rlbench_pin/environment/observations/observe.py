@@ -83,17 +83,24 @@ class Observer:
         """Add what the cameras see, all of them at once, and return how they stand."""
         renderer = self._world.renderer
         renderer.lighting = self.look.lighting or self.config.lighting
-        cameras = self.config.all_cameras()
+        cameras = {name: config for name, config in self.config.all_cameras().items() if config.is_used}
         if any(config.mask for config in cameras.values()):
             observation.misc["mask_names"] = dict(self._world.masks)
-        used = {name: (config, self._view(name)) for name, config in cameras.items() if config.is_used}
+        views = {name: self._view(name) for name in cameras}
         requests = [
-            Request(view, config.rgb, config.depth or config.point_cloud, config.mask, config.draws_shadows, config.antialiasing)
-            for config, view in used.values()
+            Request(
+                views[name],
+                config.rgb,
+                config.depth or config.point_cloud,
+                config.mask,
+                config.draws_shadows,
+                config.antialiasing,
+            )
+            for name, config in cameras.items()
         ]
-        for (name, (config, view)), pictures in zip(used.items(), renderer.render_all(requests), strict=True):
-            _add_pictures(observation, name, config, view, pictures, rng)
-        return {name: view for name, (_, view) in used.items()}
+        for (name, config), pictures in zip(cameras.items(), renderer.render_all(requests), strict=True):
+            _add_pictures(observation, name, config, views[name], pictures, rng)
+        return views
 
 
 def _add_pictures(

@@ -86,13 +86,13 @@ class SimGripper:
     @property
     def is_open(self) -> bool:
         """True when every finger is more than 90 % open."""
-        return bool((self.opening > _OPEN).all())
+        return all(part > _OPEN for part in self.opening.tolist())
 
     @property
     def moving(self) -> bool:
         """True when a finger moved by more than 1 mm, or by half of what its speed allows, in the last tick."""
         least = min(_MOVED, 0.5 * self._control.speed * self._robot.tick)
-        return bool((np.abs(self._robot.fingers - self._control.last) > least).any())
+        return any(abs(way) > least for way in (self._robot.fingers - self._control.last).tolist())
 
     def set_target(self, amount: float, speed: float | None = None, force: float | None = None) -> None:
         """Drive the fingers to an opening fraction in the coming ticks.
@@ -190,7 +190,7 @@ class SimGripper:
     def begin_tick(self) -> None:
         """Work out how far the fingers go in this tick."""
         control, robot = self._control, self._robot
-        here, count = robot.fingers, robot.substeps
+        here = robot.fingers
         lead, most = control.speed * robot.timestep / _GAIN, control.speed * robot.tick
         fingers = zip(control.target.tolist(), control.reference.tolist(), here.tolist(), strict=True)  # few: no arrays
         starts, ends = [], []
@@ -199,20 +199,19 @@ class SimGripper:
             starts.append(start)
             ends.append(start + min(max(target - start, -most), most))
         moves = [end - start for start, end in zip(starts, ends, strict=True)]
-        paces = [(start, move / count) for start, move in zip(starts, moves, strict=True)]
-        self._goals = [[start + k * pace for start, pace in paces] for k in range(count)]
+        self._paces = [(start, move / robot.substeps) for start, move in zip(starts, moves, strict=True)]
         self._feed = [move / robot.tick for move in moves]
         self._control = FingerControl(control.target, np.array(ends), control.speed, control.force, here)
 
     def drive(self, substep: int) -> None:
         """Command the finger motors for physics step `substep` of this tick; fingers that hold still keep their command."""
-        if substep and self._goals[substep] == self._goals[0]:
+        if substep and not any(self._feed):
             return
         bullet.setJointMotorControlArray(
             self._model.uid,
             self._joints,
             bullet.POSITION_CONTROL,
-            targetPositions=self._goals[substep],
+            targetPositions=[start + substep * pace for start, pace in self._paces],
             targetVelocities=self._feed,
             positionGains=[_GAIN] * 2,
             velocityGains=[1.0] * 2,

@@ -54,6 +54,7 @@ class SimRobot:
         self._client = model.client
         self.position_gain = POSITION_GAIN
         self.timestep, self.substeps, self.tick = timestep, substeps, timestep * substeps
+        self._counts = np.arange(substeps)[:, None]
         infos = [model.joints[name] for name in description.arm_joints]
         fingers = [model.joints[name] for name in description.gripper_joints]
         self._arm = [info.index for info in infos]
@@ -65,7 +66,6 @@ class SimRobot:
         self._finger_limits = np.array([[i.lower for i in fingers], [i.upper for i in fingers]])
         self._tip = model.link_index(description.tip_frame)
         self._states: FloatArray | None = None
-        self._tip_pose: FloatArray | None = None
         self.on_reset: list[Callable[[bool], None]] = []
         self._goals: FloatArray | None = None
         self._feed: list[float] = []
@@ -94,7 +94,7 @@ class SimRobot:
 
     def forget_measurements(self) -> None:
         """Read the joints again at the next request, because something moved."""
-        self._states = self._tip_pose = None
+        self._states = None
 
     @property
     def joint_positions(self) -> FloatArray:
@@ -125,9 +125,7 @@ class SimRobot:
 
     def tip_pose(self) -> FloatArray:
         """Pose (7,) of the tip frame in the world."""
-        if self._tip_pose is None:
-            self._tip_pose = self.model.link_pose_at(self._tip)
-        return self._tip_pose.copy()
+        return self.model.link_pose_at(self._tip)
 
     def link_pose(self, link: str) -> FloatArray:
         """Pose (7,) of the URDF frame of a link in the world."""
@@ -169,20 +167,20 @@ class SimRobot:
 
         Targets beyond a joint limit mean the limit. A jump that the velocity limits do not allow takes more ticks.
         """
-        target = np.clip(action_vector(q, len(self._arm), "joint position target"), self.lower, self.upper)
+        target = action_vector(q, len(self._arm), "joint position target").clip(self.lower, self.upper)
         reference = self._control.reference if self.mode == "position" else self.joint_positions
         self._control = ArmControl("position", target, reference, self._commanded_torques())
 
     def set_velocity_targets(self, v: Sequence[float] | FloatArray) -> None:
         """Turn the joints at velocities (n,) [rad/s] until the next command; capped at the joints' velocity limits."""
         target = action_vector(v, len(self._arm), "joint velocity target")
-        velocity = np.clip(target, -self.velocity_limits, self.velocity_limits)
+        velocity = target.clip(-self.velocity_limits, self.velocity_limits)
         self._control = ArmControl("velocity", velocity, self.joint_positions, self._commanded_torques())
 
     def set_torques(self, tau: Sequence[float] | FloatArray) -> None:
         """Apply torques (n,) [N m] in every physics step until the next command; capped at the joints' effort limits."""
         target = action_vector(tau, len(self._arm), "joint torque")
-        self._control = ArmControl("torque", np.clip(target, -self.effort_limits, self.effort_limits), self.joint_positions)
+        self._control = ArmControl("torque", target.clip(-self.effort_limits, self.effort_limits), self.joint_positions)
 
     def reset_configuration(self, q: Sequence[float] | FloatArray, fingers: Sequence[float] | FloatArray | None = None) -> None:
         """Put the arm, at rest, at joint positions without moving there, and hold them.
@@ -248,14 +246,14 @@ class SimRobot:
         control = self._control
         self._lead = self._allowed_lead(control)
         measured = self._measured()[0, : len(self._arm)]
-        start = np.clip(control.reference, measured - self._lead, measured + self._lead)
+        start = control.reference.clip(measured - self._lead, measured + self._lead)
         move = control.target - start
-        excess = float(np.max(np.abs(move) / (self.velocity_limits * self.tick)))
+        excess = float((np.abs(move) / (self.velocity_limits * self.tick)).max())
         if excess > 1.0:
             move /= excess
         feed: FloatArray = move / self.tick
-        self._goals = start + np.outer(np.arange(self.substeps), move / self.substeps)
-        self._watches = bool(np.any(np.abs(feed - velocities) > _FAST_CHANGE * self.velocity_limits))
+        self._goals = start + self._counts * (move / self.substeps)
+        self._watches = bool((np.abs(feed - velocities) > _FAST_CHANGE * self.velocity_limits).any())
         self._control = ArmControl("position", control.target, start + move if excess > 1.0 else control.target)
         return feed
 
@@ -271,12 +269,11 @@ class SimRobot:
         if self._watches and substep:
             states = bullet.getJointStates(self.model.uid, self._arm, physicsClientId=self._client.id)
             measured = np.array([s[0] for s in states])
-            wanted = np.clip(wanted, measured - self._lead, measured + self._lead)
+            wanted = wanted.clip(measured - self._lead, measured + self._lead)
         return wanted.tolist()
 
     def drive(self, substep: int) -> None:
         """Command the motors for physics step `substep` of this tick; what stays as it was is not commanded again."""
-        self._tip_pose = None  # who commands between physics steps may have read it
         if self.mode == "torque":
             self._motors.push(self._control.target.tolist())
             return

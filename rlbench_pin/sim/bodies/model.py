@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 
 from rlbench_pin.errors import UnknownName
-from rlbench_pin.robot.geometry import link_geometry, solid_geometry
+from rlbench_pin.robot.geometry import Ball, Part, link_geometry, solid_balls, solid_geometry
 from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3, se3_to_pose
 
@@ -65,8 +66,20 @@ class LoadedModel:
         shapes = solid_geometry(self.urdf, self.scale)
         return tuple(name for name in self.links if name in shapes)
 
+    @cached_property
+    def solids(self) -> tuple[tuple[int, Ball, tuple[Part, ...]], ...]:
+        """Number, surrounding ball and shapes of every link that sensors see."""
+        balls = solid_balls(self.urdf, self.scale)
+        return tuple((self.links[link], balls[link], parts) for link, parts in solid_geometry(self.urdf, self.scale).items())
+
     def placement(self, index: int = BASE) -> pin.SE3:
-        """T_world_link of the URDF frame of the link with number `index`."""
+        """T_world_link of the URDF frame of the link with number `index`; read once, until something moves."""
+        seen = self.client.placements
+        if (self.uid, index) not in seen:
+            seen[self.uid, index] = self._read_placement(index)
+        return seen[self.uid, index].copy()
+
+    def _read_placement(self, index: int) -> pin.SE3:
         if index != BASE:
             state = bullet.getLinkState(self.uid, index, computeForwardKinematics=1, physicsClientId=self.client.id)
             return _read_se3(state[4] + state[5])

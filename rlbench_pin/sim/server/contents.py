@@ -35,7 +35,7 @@ def restore_bytes(client: PhysicsClient, physics: bytes) -> None:
     with _temporary_file() as file:
         file.write_bytes(physics)
         try:
-            bullet.restoreState(fileName=str(file), physicsClientId=client.id)
+            client.restore(fileName=str(file))
         except bullet.error as error:
             raise RlbenchPinError(problem) from error
 
