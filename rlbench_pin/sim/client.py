@@ -38,6 +38,7 @@ class PhysicsClient:
 
     Attributes:
         journal: The calls that built the world.
+        changes: How many changes there were, but for those of colours.
 
     Raises:
         EglMissing: There is no EGL here.
@@ -49,7 +50,7 @@ class PhysicsClient:
         if hardware:
             self._plugin = self._load_egl()
         self.journal = Journal()
-        self._printed, self._passes = False, PASSES
+        self._printed, self._passes, self.changes = False, PASSES, 0
         self.change(bullet.setTimeStep, timestep)
         self.change(bullet.setGravity, *_GRAVITY)
         solver = {"numSolverIterations": PASSES, "solverResidualThreshold": _RESIDUAL}
@@ -65,6 +66,8 @@ class PhysicsClient:
             *positional: Its arguments.
             **named: Its named arguments, without `physicsClientId`.
         """
+        if function is not bullet.changeVisualShape:
+            self.changes += 1
         return self.journal.call(function, *positional, **named, physicsClientId=self.id)
 
     def end_building(self) -> None:
