@@ -55,7 +55,8 @@ def _cup(name: str, bottom: float, top: float, height: float, wall: float) -> Mo
 
 def _drop() -> Model:
     color = (0.1, 0.1, 0.9)
-    link = Link("drop", 0.001, (Visual(sphere_shape(DROP), color),), (sphere_shape(DROP),), friction=0.1, rolling=0.0002)
+    shape = sphere_shape(DROP)
+    link = Link("drop", 0.001, (Visual(shape, color),), (shape,), friction=0.1, rolling=0.0002, spins=True)
     return Model("drop", "objects/drop", "centre", (link,), notes=(f"diameter {2 * DROP}",))
 
 
