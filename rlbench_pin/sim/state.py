@@ -197,6 +197,8 @@ def build_again(world: World) -> None:
     write_logical_state(world, origin.logical)
     world.client.build_again()
     world.resting.forget()
+    world.robot.keep_torques(False)
+    world.robot.forget_measurements()
     assert isinstance(origin.physics, Physics)
     origin.physics.take()
     _restore_physics(world, origin)
@@ -212,6 +214,7 @@ def separate_bodies(world: World) -> None:
     would be left over from what happened before; after this they are computed afresh from the restored poses. Saving restores
     as well, so that going on after a save and after a restore is the same to the last bit.
     """
+    world.robot.keep_torques()
     world.resting.rouse()  # boxes of what sleeps do not follow
     identifier = world.client.id
     models = (world.robot.model, *(body.model for body in (*world.room.values(), *world.bodies.values())))

@@ -129,3 +129,17 @@ def test_a_state_that_says_nothing_of_sleep_wakes_all() -> None:
         world.step()
         assert not asleep(world) and world.body("t2").velocity.any()
         fall_asleep(world)
+
+
+def test_saving_changes_no_measured_torque() -> None:
+    """The step that wakes all colliders is not seen: torques are those of the last tick."""
+    with build(tower_scene()) as world:
+        world.robot.set_velocity_targets(np.full(7, 0.2))
+        fall_asleep(world)
+        before = world.robot.joint_states()
+        saved = world.save()
+        np.testing.assert_array_equal(world.robot.joint_states(), before)
+        world.restore(saved)
+        np.testing.assert_array_equal(world.robot.joint_states(), before)
+        world.step()
+        assert not np.array_equal(world.robot.joint_torques, before[2, :7])
