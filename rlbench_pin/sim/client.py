@@ -41,6 +41,7 @@ class PhysicsClient:
     Attributes:
         journal: The calls that built the world.
         placements: T_world_link by body and link number, as far as they were read since something last moved.
+        changes: How many changes there were, but for those of colours.
 
     Raises:
         EglMissing: There is no EGL here.
@@ -53,7 +54,7 @@ class PhysicsClient:
             self._plugin = self._load_egl()
         self.journal = Journal()
         self.placements: dict[tuple[int, int], pin.SE3] = {}
-        self._printed, self._passes = False, PASSES
+        self._printed, self._passes, self.changes = False, PASSES, 0
         self.change(bullet.setTimeStep, timestep)
         self.change(bullet.setGravity, *_GRAVITY)
         solver = {"numSolverIterations": PASSES, "solverResidualThreshold": _RESIDUAL}
@@ -70,6 +71,8 @@ class PhysicsClient:
             **named: Its named arguments, without `physicsClientId`.
         """
         self.placements.clear()
+        if function is not bullet.changeVisualShape:
+            self.changes += 1
         return self.journal.call(function, *positional, **named, physicsClientId=self.id)
 
     def step(self) -> None:

@@ -118,7 +118,9 @@ class DynamicsOverrides:
 
     def _apply(self, uid: int, link: int, values: dict[str, Any]) -> None:
         held = _HELD if link == BASE and uid in self._held else {}
-        bullet.changeDynamics(uid, link, physicsClientId=self._robot.model.client.id, **{**values, **held})
+        client = self._robot.model.client
+        client.changes += 1
+        bullet.changeDynamics(uid, link, physicsClientId=client.id, **{**values, **held})
 
     def _original(self, model: LoadedModel, link: int) -> dict[str, Any]:
         key = (model.uid, link)

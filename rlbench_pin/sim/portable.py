@@ -48,10 +48,11 @@ def to_arrays(world: World, exact: bool = True) -> dict[str, np.ndarray]:
         world: The world to describe.
         exact: Include `physics`.
     """
-    arrays = _readable(world, read_logical_state(world))
+    logical = read_logical_state(world)
+    arrays = _readable(world, logical)
     if exact:
         physics = to_bytes(world.client)
-        _restore_physics(world, physics)  # as the other process will, so that both go on alike
+        _restore_physics(world, physics, logical)  # as the other process will, so that both go on alike
         arrays["physics"] = _bytes(zlib.compress(physics))
     return arrays
 
@@ -96,6 +97,7 @@ def _meta(world: World, logical: LogicalState) -> dict[str, Any]:
         "frames": {name: parent for name, (parent, _) in logical.frames.items()},
         "attachments": [a.body for a in logical.attachments],
         "spawned": [spec.model_dump(mode="json") for spec in logical.spawned.values()],
+        "quiet": dict(logical.quiet),
     }
 
 
@@ -139,7 +141,7 @@ def _continue_from(world: World, arrays: Mapping[str, np.ndarray]) -> None:
     if not reader.eof:
         raise RlbenchPinError("The array 'physics' is damaged: it was cut off, or is too large.")
     write_logical_state(world, logical)
-    _restore_physics(world, physics)
+    _restore_physics(world, physics, logical)
     world.robot.forget_measurements()
 
 
@@ -170,6 +172,7 @@ def _logical_state(meta: dict[str, Any], arrays: Mapping[str, np.ndarray]) -> Lo
         frames={n: (parent, local) for (n, parent), local in zip(meta["frames"].items(), frames, strict=True)},
         bodies={name: _body_state(entry) for name, entry in meta["bodies"].items()},
         spawned={spec.name: spec for spec in specs},
+        quiet=tuple(meta.get("quiet", {}).items()),
     )
 
 
@@ -186,9 +189,10 @@ def _check(world: World, meta: dict[str, Any], logical: LogicalState) -> None:
     check_same_scene(world, logical)
 
 
-def _restore_physics(world: World, physics: bytes) -> None:
+def _restore_physics(world: World, physics: bytes, logical: LogicalState) -> None:
     separate_bodies(world)
     restore_bytes(world.client, physics)
+    world.resting.go_on(logical.quiet)
 
 
 def _bytes(data: bytes) -> np.ndarray:

@@ -64,6 +64,8 @@ class LogicalState:
     """Parent and local pose of each frame."""
     bodies: dict[str, LogicalBodyState]
     spawned: dict[str, BodySpec]
+    quiet: tuple[tuple[str, int], ...] = ()
+    """Bodies that were at rest, and at the end of how many ticks in a row; enough of them and a body sleeps."""
     kept: tuple[object, ...] | None = None
     """What each of `World.keepers` gave; None leaves them as they are."""
 
@@ -143,9 +145,10 @@ class WorldState:
 
 def save(world: World, portable: bool = False) -> WorldState:
     """Remember this instant; the physics server frees it when the returned object is gone. Only a portable one can be pickled."""
+    logical = read_logical_state(world)
     world.gripper.set_attachments(world.gripper.attachments())  # as restoring does
     physics = Physics(world.client, portable)
-    saved = WorldState(physics, read_logical_state(world))
+    saved = WorldState(physics, logical)
     weakref.finalize(saved, physics.forget)
     world.saved_states.add(saved)
     _restore_physics(world, saved)
@@ -179,6 +182,7 @@ def check_same_scene(world: World, logical: LogicalState) -> None:
 def _restore_physics(world: World, saved: WorldState) -> None:
     separate_bodies(world)
     saved.physics.restore(world.client)
+    world.resting.go_on(saved.logical.quiet)
 
 
 def build_again(world: World) -> None:
@@ -192,6 +196,9 @@ def build_again(world: World) -> None:
         saved.physics.forget()
     write_logical_state(world, origin.logical)
     world.client.build_again()
+    world.resting.forget()
+    world.robot.keep_torques(False)
+    world.robot.forget_measurements()
     assert isinstance(origin.physics, Physics)
     origin.physics.take()
     _restore_physics(world, origin)
@@ -207,6 +214,8 @@ def separate_bodies(world: World) -> None:
     would be left over from what happened before; after this they are computed afresh from the restored poses. Saving restores
     as well, so that going on after a save and after a restore is the same to the last bit.
     """
+    world.robot.keep_torques()
+    world.resting.rouse()  # boxes of what sleeps do not follow
     identifier = world.client.id
     models = (world.robot.model, *(body.model for body in (*world.room.values(), *world.bodies.values())))
     # Each call drops about a tenth of the pairs that no longer overlap, and only when something has moved since the last one.
@@ -227,6 +236,7 @@ def read_logical_state(world: World) -> LogicalState:
         {name: frame.state() for name, frame in world.frames.items()},
         {name: _read_body(body) for name, body in (*world.bodies.items(), *world.room.items())},
         dict(world.spawned),
+        world.resting.quiet,
         tuple(keeper.state() for keeper in world.keepers),
     )
 

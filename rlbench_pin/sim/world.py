@@ -30,6 +30,7 @@ from rlbench_pin.sim.render.egl import RendererName
 from rlbench_pin.sim.render.renderer import Renderer
 from rlbench_pin.sim.render.shadows import ShadowMap
 from rlbench_pin.sim.render.texture_overrides import TextureOverrides
+from rlbench_pin.sim.resting import Resting
 from rlbench_pin.sim.sensor import Sensor
 from rlbench_pin.sim.state import WorldState
 from rlbench_pin.spatial import PoseLike
@@ -55,6 +56,7 @@ class World:
         renderer: Takes the pictures; its `lighting` may be replaced.
         texture_overrides: Textures over the colours of robot, bodies and room.
         dynamics_overrides: Scaled masses, friction, damping and gains.
+        resting: Bodies that sleep until something comes near them.
         on_step: Called after every tick.
         on_physics: Called before every physics step; may command the arm.
         keepers: What others keep beside the world and want saved and restored with it.
@@ -72,8 +74,7 @@ class World:
         renderer: RendererName = "cpu",
     ) -> None:
         self.spec, self.timestep, self.control_dt = spec, timestep, control_dt
-        self._substeps = whole_ratio(control_dt, timestep)
-        self._ticks = 0
+        self._substeps, self._ticks = whole_ratio(control_dt, timestep), 0
         self.on_step: list[Callable[[], None]] = []
         self.on_physics: list[Callable[[], None]] = []
         self.keepers: list[state.StateKeeper] = []
@@ -86,6 +87,7 @@ class World:
     def _build(self, robot: RobotDescription) -> None:
         self._contents = contents = Contents(self.client, self.spec, robot)
         self.bodies, self.room, self._places = contents.bodies, contents.room, contents.places
+        self.resting = Resting(self.client, self.bodies, self.room)
         self._springs = contents.joints_with_springs()
         self.renderer = Renderer(self.client, self.room, contents.room_ids, contents.masks.table, contents.mixed_colors)
         self.robot = SimRobot(contents.robot, robot, contents.contacts, self.timestep, self._substeps)
@@ -171,7 +173,8 @@ class World:
             self.gripper.drive(substep)
             for joint in self._springs:
                 joint.pull(self.timestep)
-            self.client.step()
+            self.resting.step()
+        self.resting.end_tick()
         self._ticks += 1
         self.robot.forget_measurements()
         for callback in self.on_step:
@@ -258,8 +261,8 @@ class World:
         """Go back to the origin, in a physics server that was emptied and built again; saved states stay valid.
 
         What follows is the same to the last bit whatever was simulated before, which `restore` cannot promise where many pieces
-        touch: PyBullet looks at their contacts in an order that depends on earlier ones. Bodies, joints and frames stay the
-        same objects; textures and changes of the physics are kept.
+        touch: PyBullet looks at their contacts in an order that depends on earlier ones. Bodies, joints, frames, textures and
+        changes of the physics are kept.
 
         With EGL this only restores the origin, because PyBullet's EGL plugin never frees the textures of what is thrown away.
         """
@@ -269,9 +272,7 @@ class World:
         state.build_again(self)
 
     def arrays(self, exact: bool = True) -> dict[str, np.ndarray]:
-        """Return this instant as plain arrays that another process can continue from: `exact` to the last bit, otherwise
-        without contact forces, smaller, and with the same bytes in every process.
-        """
+        """Return this instant as arrays that another process can continue from: exactly, or without contacts and smaller."""
         self.end_building()
         return portable.to_arrays(self, as_flag(exact, "exact"))
 

@@ -89,7 +89,9 @@ class Link:
     collisions: tuple[Shape, ...] = ()
     friction: float = 0.8
     rolling: float = 0.0
-    """Rolling friction [m]; spinning friction is the same."""
+    """Rolling friction [m]."""
+    spins: bool = False
+    """Whether nothing but sliding friction stops its spinning about a point of contact; else spinning friction is as rolling."""
     anchored: bool = False
     """Whether it holds on to the points where it touches, so that friction alone does not creep."""
     center: Vec3 | None = None
@@ -166,7 +168,9 @@ def _link_lines(link: Link) -> list[str]:
     clean = np.where(np.abs(inertia) < 1e-6 * np.max(np.abs(inertia)), 0.0, inertia)
     moments = " ".join(f'{n}="{significant(clean[i, j])}"' for n, i, j in names)
     lines = [f'  <link name="{link.name}">']
-    rolling = f'<rolling_friction value="{number(link.rolling)}"/><spinning_friction value="{number(link.rolling)}"/>'
+    rolling = f'<rolling_friction value="{number(link.rolling)}"/>'
+    if not link.spins:
+        rolling += f'<spinning_friction value="{number(link.rolling)}"/>'
     more = (rolling if link.rolling else "") + ("<friction_anchor/>" if link.anchored else "")
     lines.append(f'    <contact><lateral_friction value="{number(link.friction)}"/>{more}</contact>')
     lines += ["    <inertial>", f"      {_origin(center, ZERO)}"]

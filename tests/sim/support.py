@@ -16,6 +16,10 @@ ABOVE = np.array([0.0, 0.327683, 0.0, -2.135615, 0.0, 2.463298, 0.785398])
 AROUND = np.array([0.0, 0.599395, 0.0, -2.100885, 0.0, 2.700281, 0.785398])
 """The same, 0.025 m above the table: around a cube that stands there."""
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
+SIDE = 0.05
+"""Of a cube [m]."""
+FAR = (0.1, 0.35)
+"""Where towers stand, away from the arm."""
 
 
 def cube(name: str, x: float, y: float, z: float = above_table(0.025), **keys: object) -> BodySpec:
@@ -96,3 +100,23 @@ def digest(world: World) -> bytes:
     parts = [np.concatenate([body.pose, body.velocity]) for body in world.bodies.values()]
     joints = [np.array(joint.state()) for body in world.bodies.values() for joint in body.joints.values()]
     return b"".join(a.tobytes() for a in (*parts, *joints, world.robot.joint_states()))
+
+
+def tower_scene(height: int = 3) -> SceneSpec:
+    """A tower of cubes, and a cube beside it."""
+    cubes = [cube(f"t{k}", *FAR, above_table(SIDE * (k + 0.5))) for k in range(height)]
+    return cube_scene(*cubes, cube("beside", 0.1, -0.35))
+
+
+def asleep(world: World) -> set[str]:
+    """Names of what sleeps."""
+    return set(world.resting.asleep)
+
+
+def fall_asleep(world: World, ticks: int = 40) -> None:
+    """Step until everything sleeps."""
+    for _ in range(ticks):
+        world.step()
+        if asleep(world) == set(world.bodies):
+            return
+    raise AssertionError(f"only {asleep(world)} sleep after {ticks} ticks")

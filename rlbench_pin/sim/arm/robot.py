@@ -66,6 +66,7 @@ class SimRobot:
         self._finger_limits = np.array([[i.lower for i in fingers], [i.upper for i in fingers]])
         self._tip = model.link_index(description.tip_frame)
         self._states: FloatArray | None = None
+        self._kept_torques: FloatArray | None = None
         self.on_reset: list[Callable[[bool], None]] = []
         self._goals: FloatArray | None = None
         self._feed: list[float] = []
@@ -90,11 +91,17 @@ class SimRobot:
             states = bullet.getJointStates(self.model.uid, self._measures, physicsClientId=self._client.id)
             self._states = np.array([(s[0], s[1], s[3]) for s in states]).T
             self._states[2, : len(self._arm)] += self._later.torques
+            if self._kept_torques is not None:
+                self._states[2] = self._kept_torques
         return self._states
 
     def forget_measurements(self) -> None:
         """Read the joints again at the next request, because something moved."""
         self._states = None
+
+    def keep_torques(self, keep: bool = True) -> None:
+        """Report the motor torques of now until the next tick, or until they are not to be kept, whatever the server does."""
+        self._kept_torques = self._measured()[2].copy() if keep else None
 
     @property
     def joint_positions(self) -> FloatArray:
@@ -226,6 +233,7 @@ class SimRobot:
 
     def begin_tick(self) -> None:
         """Compute what the motors do in this tick."""
+        self._kept_torques = None
         if self._control.torques is not None:  # the motors report those of this tick
             self._control = replace(self._control, torques=None)
         self._goals, self._watches = None, False

@@ -58,7 +58,9 @@ def _cup(name: str, bottom: float, top: float, height: float, wall: float) -> Mo
 def _drop() -> Model:
     """Return a drop, seen a little larger than it is, so that drops in a cup look like one liquid."""
     seen = mesh_shape("drop", icosphere(DROP + SWELL, 1))
-    link = Link("drop", 0.001, (Visual(seen, WATER, crease=3.0),), (sphere_shape(DROP),), friction=0.1, rolling=0.0002)
+    link = Link(
+        "drop", 0.001, (Visual(seen, WATER, crease=3.0),), (sphere_shape(DROP),), friction=0.1, rolling=0.0002, spins=True
+    )
     notes = (f"diameter {2 * DROP}; seen {SWELL} larger all round, less than the wall of a cup is thick",)
     return Model("drop", "objects/drop", "centre", (link,), notes=notes)
 
