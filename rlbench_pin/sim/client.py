@@ -50,10 +50,10 @@ class PhysicsClient:
     def __init__(self, timestep: float, hardware: bool = False) -> None:
         self.hardware = hardware
         self._id: int | None = bullet.connect(bullet.DIRECT)
-        if hardware:
-            self._plugin = self._load_egl()
         self.journal = Journal()
         self.placements: dict[tuple[int, int], pin.SE3] = {}
+        if hardware:
+            self._plugin = self._load_egl()
         self._printed, self._passes, self.changes = False, PASSES, 0
         self.change(bullet.setTimeStep, timestep)
         self.change(bullet.setGravity, *_GRAVITY)

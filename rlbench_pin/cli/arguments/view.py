@@ -11,7 +11,7 @@ from rlbench_pin.cli.process.words import MaybePath, TaskName
 
 @dataclass(frozen=True)
 class View:
-    """Draw a contact sheet: the five cameras and the clear view at the reset and at four moments of a demonstration."""
+    """Draw a contact sheet: seven cameras at the reset and at four moments of a demonstration."""
 
     task: tyro.conf.Positional[TaskName]
     """Task name, as `rlbench-pin list` prints it, or a task file."""

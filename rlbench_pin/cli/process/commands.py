@@ -68,7 +68,11 @@ COMMANDS: dict[str, Home] = {
         "Check",
         "Judge tasks: demonstrations succeed and replay, resets repeat and rest, doing nothing and random actions solve nothing.",
     ),
-    "view": Home("view", "View", "Draw a contact sheet: the five cameras at the reset and at four moments of a demonstration."),
+    "view": Home(
+        "view",
+        "View",
+        "Draw a contact sheet: seven cameras at the reset and at four moments of a demonstration.",
+    ),
     "video": Home(
         "video", "Video", "Film demonstrations of one or more tasks: one film per task, or one film of all of them in a grid."
     ),

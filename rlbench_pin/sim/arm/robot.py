@@ -15,6 +15,7 @@ from rlbench_pin.sim.checks import action_vector, finite_vector
 from rlbench_pin.sim.client import PASSES, bullet
 from rlbench_pin.sim.contacts import ContactReader
 from rlbench_pin.spatial import FloatArray, pose_to_se3
+from rlbench_pin.values import as_flag
 
 POSITION_GAIN = 0.2
 """Share of the position error that a motor removes in one physics step."""
@@ -101,7 +102,7 @@ class SimRobot:
 
     def keep_torques(self, keep: bool = True) -> None:
         """Report the motor torques of now until the next tick, or until they are not to be kept, whatever the server does."""
-        self._kept_torques = self._measured()[2].copy() if keep else None
+        self._kept_torques = self._measured()[2].copy() if as_flag(keep, "keep") else None
 
     @property
     def joint_positions(self) -> FloatArray:
