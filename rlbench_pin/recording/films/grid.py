@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-_GAP, _TEXT = 4, 14
+_GAP, _TEXT, _MARGIN = 4, 14, 6
 
 
 class Reel:
@@ -47,12 +47,23 @@ def grid_size(count: int, cell: tuple[int, int]) -> tuple[int, int]:
 def grid_frames(reels: Mapping[str, Reel], cell: tuple[int, int]) -> Iterator[np.ndarray]:
     """Yield the pictures of all reels side by side, with captions, until the longest has ended."""
     columns, _ = grid_shape(len(reels))
-    font = ImageFont.load_default(_TEXT)
+    fonts = {name: _font(name, cell[0] - 2 * _MARGIN) for name in reels}
     for number in range(max(len(reel) for reel in reels.values())):
         sheet = Image.new("RGB", grid_size(len(reels), cell), (20, 20, 20))
         draw = ImageDraw.Draw(sheet)
         for i, (name, reel) in enumerate(reels.items()):
             corner = (i % columns) * (cell[0] + _GAP), (i // columns) * (cell[1] + _GAP)
             sheet.paste(reel.frame(number), corner)
-            draw.text((corner[0] + 6, corner[1] + 4), name.replace("_", " "), fill=(255, 255, 255), font=font)
+            place = corner[0] + _MARGIN, corner[1] + 4
+            draw.text(place, _caption(name), fill=(30, 30, 30), font=fonts[name], stroke_width=1, stroke_fill=(245, 245, 245))
         yield np.asarray(sheet)
+
+
+def _caption(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _font(name: str, width: float) -> ImageFont.ImageFont | ImageFont.FreeTypeFont:
+    """Return the largest font in which the caption is at most `width` [px] wide; 7 at least."""
+    sizes = (ImageFont.load_default(size) for size in range(_TEXT, 7, -1))
+    return next((font for font in sizes if font.getlength(_caption(name)) <= width), ImageFont.load_default(7))
