@@ -4,9 +4,10 @@
     python benchmarks/bench_record.py --every-task --out docs/results/record_tasks.json
 
 The second measures the first variation of every task with five cameras by processor time in one process: episodes that one core
-makes in a minute, and kilobytes a frame, in the mean over the tasks. It goes on where it was stopped. The first compares workers:
-rates are those between the first and the last episode, so the start of the workers is left out; a figure by processor time (which
-other programs on the machine do not change) stands beside those by the clock. Both write a table beside the JSON.
+makes in a minute, and kilobytes a frame, in the mean over the tasks. It goes on where it was stopped, as long
+as the sources are the same. The first compares workers: rates are those between the first and the last episode, so the start of
+the workers is left out; a figure by processor time (which other programs on the machine do not change) stands beside those by the
+clock. Both write a table beside the JSON.
 """
 
 from __future__ import annotations
@@ -22,6 +23,8 @@ import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+
+from harness import fingerprint
 
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.recording.config import PictureConfig, RecordConfig, WorkItem
@@ -141,10 +144,12 @@ def measure_task(task: str, episodes: int) -> TaskFigures:
 
 
 def measure_tasks(tasks: Sequence[str], episodes: int, kept: Path | None) -> list[TaskFigures]:
-    """Measure tasks; those that the file `kept` has are taken from it, and each is added to it at once."""
+    """Measure tasks; those that the file `kept` has of the same sources are taken from it, and each is added to it at once."""
     results: list[TaskFigures] = []
+    sources = fingerprint()
     if kept is not None and kept.exists():
-        results = [TaskFigures(**figures) for figures in json.loads(kept.read_text(encoding="utf-8"))["results"]]
+        content = json.loads(kept.read_text(encoding="utf-8"))
+        results = [TaskFigures(**figures) for figures in content["results"] if content.get("sources") == sources]
     done = {figures.task for figures in results if figures.episodes == episodes}
     results = [figures for figures in results if figures.task in done]
     for number, task in enumerate(tasks, start=1):
@@ -154,7 +159,8 @@ def measure_tasks(tasks: Sequence[str], episodes: int, kept: Path | None) -> lis
         print(f"{number}/{len(tasks)} {results[-1]}", flush=True)
         if kept is not None:
             kept.parent.mkdir(parents=True, exist_ok=True)
-            content = {"machine": _machine(), "versions": library_versions(), "results": [asdict(f) for f in results]}
+            about = {"machine": _machine(), "versions": library_versions(), "sources": sources}
+            content = about | {"results": [asdict(f) for f in results]}
             kept.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
     return [figures for figures in results if figures.task in tasks]
 

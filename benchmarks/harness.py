@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import hashlib
 import json
 import platform
 import time
@@ -14,6 +15,9 @@ import numpy as np
 
 from rlbench_pin.environment import Discrete, Environment, JointVelocity, MoveArmThenGripper, ObservationConfig
 from rlbench_pin.environment.demos import library_versions
+
+ROOT = Path(__file__).resolve().parents[1]
+SOURCES = (("rlbench_pin", "*.py"), ("rlbench_pin", "*.toml"), ("benchmarks", "*.py"), (".", "constraints.txt"))
 
 
 @dataclass(frozen=True)
@@ -53,6 +57,15 @@ def measure(operation: Callable[[int], object], repeats: int, warm_up: int = 3) 
         operation(i)
         durations.append(time.process_time() - began)
     return durations
+
+
+def fingerprint() -> str:
+    """Return a digest of everything that a figure depends on, the machine apart."""
+    digest = hashlib.sha256()
+    for folder, pattern in SOURCES:
+        for file in sorted((ROOT / folder).rglob(pattern) if folder != "." else (ROOT / folder).glob(pattern)):
+            digest.update(f"{file.relative_to(ROOT)}\0".encode() + file.read_bytes())
+    return digest.hexdigest()
 
 
 def state_only() -> ObservationConfig:

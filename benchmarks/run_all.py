@@ -7,7 +7,6 @@ python benchmarks/run_all.py --only step reset --against OLD.json     # some of 
 from __future__ import annotations
 
 import argparse
-import hashlib
 import json
 import sys
 import time
@@ -25,7 +24,7 @@ import bench_planning_leg
 import bench_reset
 import bench_safety
 import bench_step
-from harness import Result, report
+from harness import Result, fingerprint, report
 
 BENCHMARKS: dict[str, Callable[[bool], Sequence[Result]]] = {
     "step": lambda quick: bench_step.benchmark(),
@@ -40,17 +39,6 @@ BENCHMARKS: dict[str, Callable[[bool], Sequence[Result]]] = {
     "controllers": lambda quick: bench_controllers.benchmark(("reach_target",) if quick else ("pick_and_lift", "open_drawer")),
 }
 """Name -> how to run it, quickly or as well as a run of all allows."""
-ROOT = Path(__file__).resolve().parents[1]
-SOURCES = (("rlbench_pin", "*.py"), ("rlbench_pin", "*.toml"), ("benchmarks", "*.py"), (".", "constraints.txt"))
-
-
-def fingerprint() -> str:
-    """Return a digest of everything that a figure depends on, the machine apart."""
-    digest = hashlib.sha256()
-    for folder, pattern in SOURCES:
-        for file in sorted((ROOT / folder).rglob(pattern) if folder != "." else (ROOT / folder).glob(pattern)):
-            digest.update(f"{file.relative_to(ROOT)}\0".encode() + file.read_bytes())
-    return digest.hexdigest()
 
 
 def kept(part: Path, key: dict[str, object]) -> list[Result] | None:
