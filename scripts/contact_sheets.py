@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from rlbench_pin.checking.pages.demo_sheet import moments
+from rlbench_pin.checking.pages.demo_sheet import moments, sheet_config
 from rlbench_pin.checking.pages.sheet import contact_sheet
 from rlbench_pin.environment import (
     Discrete,
@@ -23,7 +23,7 @@ from rlbench_pin.environment import (
     RandomizeEvery,
     VisualRandomizationConfig,
 )
-from rlbench_pin.environment.presets import clear_view, low_dim_config, make_environment
+from rlbench_pin.environment.presets import make_environment
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.observation import CAMERAS, Observation
 from rlbench_pin.tasks import task_names
@@ -34,13 +34,7 @@ SIZE, MOMENTS = 144, 5
 
 def sheet_of(name: str, variation: int, seed: int) -> Image.Image:
     """All cameras at the reset, at three moments of a demonstration and at its end."""
-    config = low_dim_config()
-    for camera in config.cameras().values():
-        camera.image_size = (SIZE, SIZE)
-    config.extra_cameras = clear_view((SIZE, SIZE))
-    for camera in config.all_cameras().values():
-        camera.set_all(False)
-        camera.antialiasing = True
+    config = sheet_config(SIZE)
     with make_environment(config) as environment:
         task = environment.get_task(name)
         task.set_variation(variation)

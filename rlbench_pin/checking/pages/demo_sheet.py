@@ -30,15 +30,9 @@ def demo_sheet(
     Raises:
         DemoError: The demonstration fails.
     """
-    config = low_dim_config()
-    for camera in config.cameras().values():
-        camera.image_size = (size, size)
-    config.extra_cameras = clear_view((size, size))
+    config = sheet_config(size)
     with make_environment(config) as environment:
         task_environment = environment.get_task(task)
-        for camera in config.all_cameras().values():
-            camera.set_all(False)
-            camera.antialiasing = True
         demo = _demonstrate(task_environment, seed, variation, attempt)
         frames = moments(task_environment, demo, config)
     times = ["reset", *(f"t = {moment:.1f} s" for moment in list(frames)[1:])]
@@ -46,6 +40,16 @@ def demo_sheet(
     names = [camera.replace("_", " ") for camera in config.all_cameras()]
     subtitle = f"variation {demo.variation_number}, seed {seed}, {len(demo)} frames"
     return contact_sheet(pictures, times, names, f"{demo.task_name}: {demo.instructions[0]}", subtitle), demo.task_name
+
+
+def sheet_config(size: int) -> ObservationConfig:
+    """Return the five cameras and the clear view, of `size` px and with smooth edges, all off: `moments` turns them on."""
+    config = low_dim_config()
+    config.extra_cameras = clear_view((size, size))
+    for camera in config.all_cameras().values():
+        camera.set_all(False)
+        camera.image_size, camera.antialiasing = (size, size), True
+    return config
 
 
 def _demonstrate(task_environment: TaskEnvironment, seed: int, variation: int, attempt: int | None) -> Demo:
