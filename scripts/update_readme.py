@@ -22,8 +22,8 @@ RESULTS = ROOT / "docs" / "results"
 
 HEAD = (
     "| Task | Variations | First try (95 % interval) | Unseen seeds (95 % interval) | Same scene | Within {tries} tries | Lasts "
-    "| Replay | Rest | Flail | Length | Planning | x real time |\n"
-    "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|"
+    "| Replay | Key frames | Rest | Flail | Length | Planning | x real time |\n"
+    "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|"
 )
 NOTE = (
     "{episodes} demonstrations per task, seeds {seed} to {last}, at most {max_variations} variations each; {unseen} more on "
@@ -31,6 +31,7 @@ NOTE = (
     "*Same scene*: solved, after a failure by up to {again} plans with other draws; *within {tries} tries*: after a failure "
     "the scene is drawn again. *Lasts*: the goal still is reached 1 s later, the arm at rest. "
     "*Replay*: the recorded joint-position actions succeed again (of {replays} demonstrations or more). "
+    "*Key frames*: the poses at which a demonstration rests or moves its fingers, alone, planned anew, reach the goal. "
     "*Rest*, *flail*: goals reached by doing nothing or by random motion for 200 steps (a flailing arm may hit a reach target). "
     "*Length*, *planning*: median of a demonstration. *x real time*: simulated over process time of reset and demonstration. "
     "Written by `make sweep`; [the whole report](docs/results/demo_success.md) has variations, legs and causes of failures."
@@ -74,6 +75,7 @@ def _row(name: str, task: dict[str, Any]) -> str:
         share(task["within_tries"]),
         share(task.get("lasting")),
         share(task["replay"]),
+        share(task.get("key_frames")),
         share(task["idle"]),
         share(task["random"]),
         f"{task['median_simulated_s']:.1f} s",

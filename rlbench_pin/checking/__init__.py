@@ -10,7 +10,17 @@ from rlbench_pin.checking.journal import TrialJournal
 from rlbench_pin.checking.judge import Rest
 from rlbench_pin.checking.pool import CheckProgress, run_trials
 from rlbench_pin.checking.reach import Reach
-from rlbench_pin.checking.records import DemoTrial, IdleTrial, Part, RandomTrial, ReachTrial, RepeatTrial, Trial, WordsTrial
+from rlbench_pin.checking.records import (
+    DemoTrial,
+    IdleTrial,
+    KeyFramesTrial,
+    Part,
+    RandomTrial,
+    ReachTrial,
+    RepeatTrial,
+    Trial,
+    WordsTrial,
+)
 from rlbench_pin.checking.report import TaskReport, summarise
 from rlbench_pin.checking.statistics import Rate
 from rlbench_pin.checking.trials import Item
@@ -22,6 +32,7 @@ __all__ = [
     "Failure",
     "IdleTrial",
     "Item",
+    "KeyFramesTrial",
     "Part",
     "RandomTrial",
     "Rate",

@@ -10,7 +10,7 @@ from rlbench_pin.checking.judge import Rest
 from rlbench_pin.checking.reach import Reach
 from rlbench_pin.environment.demonstrate import LegReport
 
-Part = Literal["words", "demos", "unseen", "repeat", "idle", "random", "reach"]
+Part = Literal["words", "demos", "unseen", "repeat", "idle", "random", "reach", "key_frames"]
 
 
 @dataclass(frozen=True)
@@ -235,7 +235,33 @@ class ReachTrial(Trial):
         yield from super().incidents()
 
 
-KINDS: tuple[type[Trial], ...] = (WordsTrial, DemoTrial, UnseenTrial, RepeatTrial, IdleTrial, RandomTrial, ReachTrial)
+@dataclass(frozen=True, kw_only=True)
+class KeyFramesTrial(Trial):
+    """The key frames of a demonstration, executed alone through planning."""
+
+    part = "key_frames"
+    reached_goal: bool | None = None
+    """Whether they reached the goal; None without a demonstration."""
+    refused: str = ""
+    """Why a key frame was not executed."""
+
+    def incidents(self) -> Iterator[Incident]:
+        """Yield the error, or why the goal was missed."""
+        yield from super().incidents()
+        if self.reached_goal is False:
+            yield Incident(f"key frames: {self.refused or 'goal not reached'}")
+
+
+KINDS: tuple[type[Trial], ...] = (
+    WordsTrial,
+    DemoTrial,
+    UnseenTrial,
+    RepeatTrial,
+    IdleTrial,
+    RandomTrial,
+    ReachTrial,
+    KeyFramesTrial,
+)
 RECORDS: dict[Part, type[Trial]] = {kind.part: kind for kind in KINDS}
 """Part of the check -> its record."""
 

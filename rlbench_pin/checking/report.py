@@ -14,6 +14,7 @@ from rlbench_pin.checking.reach import Reach
 from rlbench_pin.checking.records import (
     DemoTrial,
     IdleTrial,
+    KeyFramesTrial,
     RandomTrial,
     ReachTrial,
     RepeatTrial,
@@ -29,6 +30,12 @@ from rlbench_pin.values import as_flag, as_record, as_several, as_text
 
 FIRST_TRY_FLOOR = 0.95
 REPLAY_FLOOR = 0.95
+KEY_FRAMES_FLOOR = 0.9
+_RATES = (
+    "first_try", "within_tries", "same_scene", "unseen", "lasting", "replay", "key_frames", "idle", "random", "repeat", "tidy",
+    "accepted",
+)  # fmt: skip
+"""Shares in the JSON, in its order."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +69,8 @@ class TaskReport:
     lasting: Rate
     """Goals that demonstrations reached and that were still reached 1 s later."""
     replay: Rate
+    key_frames: Rate
+    """Demonstrations whose key frames alone, planned again, reach the goal."""
     per_variation: dict[int, tuple[Rate, Rate]]
     """Variation -> first try, within the tries."""
     idle: Rate
@@ -111,24 +120,11 @@ class TaskReport:
 
     def as_dict(self) -> dict[str, object]:
         """Plain data for JSON."""
-        rates = (
-            "first_try",
-            "within_tries",
-            "same_scene",
-            "unseen",
-            "lasting",
-            "replay",
-            "idle",
-            "random",
-            "repeat",
-            "tidy",
-            "accepted",
-        )
         return {
             "passed": not self.faults,
             "faults": list(self.faults),
             "variations": list(self.variations),
-            **{name: getattr(self, name).as_dict() for name in rates},
+            **{name: getattr(self, name).as_dict() for name in _RATES},
             "per_variation": {
                 str(v): {"first_try": first.as_dict(), "within_tries": within.as_dict()}
                 for v, (first, within) in self.per_variation.items()
@@ -205,6 +201,7 @@ def _of_contract(trials: Sequence[Trial]) -> dict[str, Any]:
     idle, reaches = of_kind(trials, IdleTrial), of_kind(trials, ReachTrial)
     rests = [(trial, trial.rest) for trial in idle if trial.rest is not None]
     return {
+        "key_frames": _rate([trial.reached_goal for trial in of_kind(trials, KeyFramesTrial) if trial.reached_goal is not None]),
         "idle": _rate([trial.reached_goal for trial in idle]),
         "random": _rate([trial.reached_goal for trial in of_kind(trials, RandomTrial)]),
         "repeat": _rate([trial.repeats for trial in of_kind(trials, RepeatTrial)]),
@@ -230,6 +227,7 @@ def _faults(report: TaskReport) -> tuple[str, ...]:
         ),
         (report.within_tries.count == report.within_tries.of, "a seed failed every try"),
         (report.replay.value >= REPLAY_FLOOR or not report.replay.of, f"replay below {REPLAY_FLOOR:.0%}"),
+        (report.key_frames.value >= KEY_FRAMES_FLOOR or not report.key_frames.of, f"key frames below {KEY_FRAMES_FLOOR:.0%}"),
         (report.idle.count == 0, "resting succeeds"),
         (report.random.count == 0 or report.by_chance, "flailing succeeds"),
         (report.repeat.count == report.repeat.of, "a reset or a demonstration does not repeat"),

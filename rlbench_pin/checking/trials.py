@@ -23,6 +23,7 @@ from rlbench_pin.checking.records import (
     DemoTrial,
     FailedAttempt,
     IdleTrial,
+    KeyFramesTrial,
     Part,
     RandomTrial,
     ReachTrial,
@@ -33,11 +34,15 @@ from rlbench_pin.checking.records import (
     WordsTrial,
 )
 from rlbench_pin.checking.stopwatch import Stopwatch
-from rlbench_pin.environment import DemoOutcome, TaskEnvironment
+from rlbench_pin.environment import DemoOutcome, Environment, TaskEnvironment
 from rlbench_pin.environment.episode import drawn_variations
-from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.errors import BoundaryError, ResetError
+from rlbench_pin.environment.presets import key_frame_mode, low_dim_config, make_environment
+from rlbench_pin.environment.replay import key_frame_actions, reaches_goal
+from rlbench_pin.errors import BoundaryError, InvalidActionError, ResetError
 from rlbench_pin.tasks import find_task
+
+KEY_FRAME_TRIES = 3
+"""Attempts at a demonstration whose key frames are executed."""
 
 
 @dataclass(frozen=True)
@@ -63,11 +68,18 @@ def work(item: Item) -> list[Trial]:
     """Do one item in an environment of its own."""
     name = find_task(item.task).get_name()
     try:
-        with make_environment(low_dim_config()) as environment:
+        with _environment(item.part) as environment:
             task = environment.get_task(find_task(item.task))
             return list(_trials(task, item))
     except Exception as error:  # a user's task may raise anything; the report says what
         return [RECORDS[item.part](task=name, seed=seed, variation=0, error=_text(error)) for seed in item.seeds]
+
+
+def _environment(part: Part) -> Environment:
+    """Return what a part is tried in: key frames are poses of the tip, all else joint positions."""
+    if part == "key_frames":
+        return Environment(key_frame_mode(), obs_config=low_dim_config(), seed=0)
+    return make_environment(low_dim_config())
 
 
 def _trials(task: TaskEnvironment, item: Item) -> Iterator[Trial]:
@@ -180,6 +192,23 @@ def random_trial(task: TaskEnvironment, seed: int, variation: int) -> RandomTria
     return RandomTrial(task=task.get_name(), seed=seed, variation=variation, reached_goal=reached)
 
 
+def key_frames_trial(task: TaskEnvironment, seed: int, variation: int) -> KeyFramesTrial:
+    """Demonstrate, go back to the start, and execute the key frames alone, as agents of key frames do."""
+    demo = None
+    for attempt in range(KEY_FRAME_TRIES):
+        if demo is None:
+            demo = task.try_demo(seed=seed, variation=variation, attempt=attempt).demo
+    if demo is None:
+        return KeyFramesTrial(task=task.get_name(), seed=seed, variation=variation)
+    task.reset_to_demo(demo)
+    reached, refused = False, ""
+    try:
+        reached = reaches_goal(task, key_frame_actions(demo))
+    except InvalidActionError as error:
+        refused = _text(error)
+    return KeyFramesTrial(task=task.get_name(), seed=seed, variation=variation, reached_goal=reached, refused=refused)
+
+
 def reach_trial(task: TaskEnvironment, seed: int, variation: int) -> ReachTrial:
     """Lay the task out once, and see what the arm reaches."""
     reach = reach_of(task.runtime, seed, variation)
@@ -191,4 +220,5 @@ _TRIALS: dict[Part, Callable[[TaskEnvironment, int, int], Trial]] = {
     "idle": idle_trial,
     "random": random_trial,
     "reach": reach_trial,
+    "key_frames": key_frames_trial,
 }

@@ -23,7 +23,7 @@ from rlbench_pin.tasks import find_task, task_reference
 FORMAT = 2
 REPEATS = 4
 """Seeds whose reset and demonstration are done twice."""
-_SEEDS_PER_ITEM: dict[Part, int] = {"demos": 5, "unseen": 5, "repeat": 2, "idle": 10, "random": 5, "reach": 50}
+_SEEDS_PER_ITEM: dict[Part, int] = {"demos": 5, "unseen": 5, "repeat": 2, "idle": 10, "random": 5, "reach": 50, "key_frames": 5}
 
 
 class Check(arguments.Check):
@@ -54,7 +54,9 @@ class Check(arguments.Check):
 
     def _wanted(self) -> dict[str, str]:
         """Return task name -> name or file, in the order of the report."""
-        check_at_least(self, episodes=1, variations=1, max_attempts=1, workers=1, replays=0, seed=0, unseen=0, unseen_seed=0)
+        check_at_least(
+            self, episodes=1, variations=1, max_attempts=1, workers=1, replays=0, seed=0, unseen=0, unseen_seed=0, key_frames=0
+        )
         if self.contract:
             check_at_least(self, contract_seeds=1, placements=1)
         if self.unseen and self.seed - self.unseen < self.unseen_seed < self.seed + self.episodes:
@@ -76,7 +78,7 @@ class Check(arguments.Check):
         return TrialJournal(None if self.out is None else self.out / "trials.jsonl", list(wanted.values()))
 
     def _items(self, tasks: Iterable[str]) -> Iterator[Item]:
-        amounts: dict[Part, int] = {"demos": self.episodes, "unseen": self.unseen}
+        amounts: dict[Part, int] = {"demos": self.episodes, "unseen": self.unseen, "key_frames": self.key_frames}
         if self.contract:
             amounts |= {"repeat": min(REPEATS, self.contract_seeds), "idle": self.contract_seeds, "random": self.contract_seeds}
             amounts |= {"reach": self.placements}
@@ -91,7 +93,9 @@ class Check(arguments.Check):
                     yield Item(task, part, chosen, self.variations, self.max_attempts, first, replays)
 
     def _content(self, reports: Sequence[TaskReport]) -> dict[str, Any]:
-        settings = ("episodes", "replays", "seed", "unseen", "unseen_seed", "max_attempts", "contract_seeds", "placements")
+        settings = (
+            "episodes", "replays", "seed", "unseen", "unseen_seed", "key_frames", "max_attempts", "contract_seeds", "placements",
+        )  # fmt: skip
         return {
             "format": FORMAT,
             **{name: getattr(self, name) for name in settings},

@@ -9,6 +9,7 @@ import numpy as np
 from rlbench_pin.environment.actions.action_mode import MoveArmThenGripper
 from rlbench_pin.environment.actions.gripper import Discrete
 from rlbench_pin.environment.actions.joint import JointPosition
+from rlbench_pin.environment.actions.pose import EndEffectorPoseViaPlanning
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.observations.camera_config import CameraConfig
 from rlbench_pin.environment.observations.config import ObservationConfig
@@ -75,3 +76,11 @@ def make_environment(
         seed=0,
         renderer=renderer,
     )
+
+
+def key_frame_mode() -> MoveArmThenGripper:
+    """Return the actions of agents that predict key frames: a tip pose that is planned for, then the hand.
+
+    A leg that is refused is planned again without collision checks.
+    """
+    return MoveArmThenGripper(EndEffectorPoseViaPlanning(retry_without_checks=True), Discrete())

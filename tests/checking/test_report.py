@@ -15,6 +15,7 @@ from rlbench_pin.checking.records import (
     DemoTrial,
     FailedAttempt,
     IdleTrial,
+    KeyFramesTrial,
     RandomTrial,
     ReachTrial,
     RepeatTrial,
@@ -60,7 +61,7 @@ def test_a_good_task_passes() -> None:
     assert report.variations == (0, 1, 2)
     assert (report.frames, report.simulated, report.speed.times_real_time) == (100.0, 5.0, 20.0)
     line = " ".join(table([report]).splitlines()[1].split())
-    figures = "20/20 84%..100% 20/20 20/20 0/0 20/20 20/20 0/1 0/0 1/1 0/0 0.20 mm 0.40 mm 5.0 s 100 ms 20.0 x"
+    figures = "20/20 84%..100% 20/20 20/20 0/0 20/20 20/20 0/0 0/1 0/0 1/1 0/0 0.20 mm 0.40 mm 5.0 s 100 ms 20.0 x"
     assert line == f"push_button 3 {figures} ok"
 
 
@@ -106,6 +107,19 @@ def test_unseen_seeds_count_apart() -> None:
     report = summarise("push_button", [*_trials(20), *late, *unseen[2:]])
     assert report.faults == ("first try on unseen seeds below 95%",)
     assert report.first_try.count == 20
+
+
+def test_key_frames_have_a_floor() -> None:
+    """One of ten may miss the goal, two may not; seeds without a demonstration do not count."""
+    good = [KeyFramesTrial(task="push_button", seed=i, variation=0, reached_goal=True) for i in range(9)]
+    missed = KeyFramesTrial(task="push_button", seed=9, variation=0, reached_goal=False)
+    none = KeyFramesTrial(task="push_button", seed=10, variation=0)
+    report = summarise("push_button", [*_trials(20), *good, missed, none])
+    assert (report.key_frames.count, report.key_frames.of, report.faults) == (9, 10, ())
+    assert [failure.cause for failure in report.failures] == ["key frames: goal not reached"]
+    refused = replace(missed, seed=8, refused="InvalidActionError: no path")
+    report = summarise("push_button", [*_trials(20), *good[:8], missed, refused])
+    assert report.faults == ("key frames below 90%",)
 
 
 def test_other_plans_in_the_same_scene_count_apart() -> None:
@@ -211,10 +225,10 @@ def test_the_json_keeps_its_format() -> None:
     failed = replace(GOOD, seed=50, failed=(FailedAttempt("no path: after 7 checks", 2),), demo=replace(DEMO, replayed=False))
     plain = summarise("push_button", [*_trials(), failed]).as_dict()
     assert list(plain) == [
-        "passed", "faults", "variations", "first_try", "within_tries", "same_scene", "unseen", "lasting", "replay", "idle",
-        "random", "repeat", "tidy", "accepted", "per_variation", "drift", "penetration", "held", "left_over", "instructions",
-        "reach", "median_frames", "median_simulated_s", "p95_simulated_s", "median_planning_s", "times_real_time", "speed",
-        "legs", "failures", "errors",
+        "passed", "faults", "variations", "first_try", "within_tries", "same_scene", "unseen", "lasting", "replay", "key_frames",
+        "idle", "random", "repeat", "tidy", "accepted", "per_variation", "drift", "penetration", "held", "left_over",
+        "instructions", "reach", "median_frames", "median_simulated_s", "p95_simulated_s", "median_planning_s", "times_real_time",
+        "speed", "legs", "failures", "errors",
     ]  # fmt: skip
     where = {"seed": 50, "variation": 0}
     assert plain["failures"] == [

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 SLOWEST = 5
-SHARES = ("same_scene", "unseen", "lasting", "replay", "idle", "random", "repeat", "accepted")
+SHARES = ("same_scene", "unseen", "lasting", "replay", "key_frames", "idle", "random", "repeat", "accepted")
 Plain = Mapping[str, Any]
 
 
@@ -41,8 +41,8 @@ def overview(content: Plain) -> str:
     """Return the table of all tasks."""
     head = [
         "Task", "Variations", "First try (95 % interval)", f"Within {content['max_attempts']} tries", "In the same scene",
-        "First try, unseen seeds", "Lasts", "Replay", "Rest", "Flail", "Repeat", "Reach", "Drift", "Overlap", "Length",
-        "Planning", "x real time", "Verdict",
+        "First try, unseen seeds", "Lasts", "Replay", "Key frames", "Rest", "Flail", "Repeat", "Reach", "Drift", "Overlap",
+        "Length", "Planning", "x real time", "Verdict",
     ]  # fmt: skip
     rows = []
     for name, task in content["tasks"].items():

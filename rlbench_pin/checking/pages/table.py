@@ -8,8 +8,8 @@ from rlbench_pin.checking.report import TaskReport
 from rlbench_pin.checking.statistics import Rate
 
 HEADER = (
-    "task", "var", "first try", "95 %", "in tries", "scene", "unseen", "lasts", "replay", "rest", "flail", "repeat", "reach",
-    "drift", "overlap", "demo", "plan", "speed", "verdict",
+    "task", "var", "first try", "95 %", "in tries", "scene", "unseen", "lasts", "replay", "keys", "rest", "flail", "repeat",
+    "reach", "drift", "overlap", "demo", "plan", "speed", "verdict",
 )  # fmt: skip
 
 
@@ -22,7 +22,7 @@ def table(reports: Sequence[TaskReport]) -> str:
 
 def _row(r: TaskReport) -> tuple[str, ...]:
     low, high = r.first_try.interval
-    rates = (r.within_tries, r.same_scene, r.unseen, r.lasting, r.replay, r.idle, r.random, r.repeat, r.accepted)
+    rates = (r.within_tries, r.same_scene, r.unseen, r.lasting, r.replay, r.key_frames, r.idle, r.random, r.repeat, r.accepted)
     return (
         r.task,
         str(len(r.variations)),

@@ -23,6 +23,8 @@ class Check:
     """Number of variations of a task to test, at most."""
     replays: int = 50
     """Demonstrations whose recorded actions are played again, the first ones of a task."""
+    key_frames: int = 10
+    """Demonstrations whose key frames alone (where the arm rests or the fingers move) are executed through planning."""
     seed: int = 0
     """Seed of the first episode; episode i uses seed + i."""
     unseen: int = 0
