@@ -23,7 +23,8 @@ from tests.fuzz.doors import Door, Fresh, functions, methods, parameters_of
 SKIPPED = frozenset({
     "RandomizeEvery", "RelativeFrame",  # enumerations of Python
     "Color", "BodySnapshot", "Shape", "WorldSnapshot",  # records that files and worlds fill
-    "EpisodeEntry", "KeptTask", "Trial", "DemoTrial", "IdleTrial", "RandomTrial", "ReachTrial", "RepeatTrial", "WordsTrial",
+    "EpisodeEntry", "KeptTask", "Trial", "DemoTrial", "IdleTrial", "KeyFramesTrial", "RandomTrial", "ReachTrial",
+    "RepeatTrial", "WordsTrial",
     "Rate", "Rest", "Move", "TaskInfo", "StoredEpisode", "RecordReport", "ReplayResult", "Command", "ControllerSummary", "Leg",
     "LegTrial", "CheckProgress", "Failure", "Item", "Reach", "TaskReport", "TaskState", "DemoOutcome", "EnvironmentState",
     "LegReport", "ActionSpec",  # records that doors return
