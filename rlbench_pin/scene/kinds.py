@@ -69,7 +69,14 @@ def _full_pose(value: object) -> object:
     raise ValueError(f"a pose has 3 (x y z), 4 (x y z yaw) or 7 (x y z qx qy qz qw) numbers, not {len(numbers)}")
 
 
-Number = Annotated[float, Strict(), Kind("number")]
+def _real(value: object) -> object:
+    """Keep complex numbers of numpy out, which pass for floats."""
+    if isinstance(value, np.complexfloating):
+        raise ValueError("a complex number is none of a scene")
+    return value
+
+
+Number = Annotated[float, Strict(), BeforeValidator(_real), Kind("number")]
 """A number; truth values and text are none."""
 Switch = Annotated[bool, Strict(), Kind("switch")]
 """True or false; numbers and text are neither."""
@@ -89,7 +96,7 @@ Force = Annotated[Number, Kind("number", "N m or N")]
 Stiffness = Annotated[Number, Kind("number", "N m/rad or N/m")]
 Damping = Annotated[Number, Kind("number", "N m s/rad or N s/m")]
 Name = Annotated[str, Field(pattern=NAME_PATTERN, max_length=100), Kind("name", bounds="small letters, digits, `_`; at most 100")]
-Words = Annotated[str, Field(min_length=1, max_length=500), Kind("text", bounds="1 to 500 characters")]
+Words = Annotated[str, Strict(), Field(min_length=1, max_length=500), Kind("text", bounds="1 to 500 characters")]
 """What people read."""
 Direction = Annotated[tuple[Length, Length, Length], Kind("3 numbers", bounds="not all 0")]
 """A vector whose length does not matter."""

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import PydanticUndefined
 from tomlkit.items import AoT, InlineTable, Table
 
-from rlbench_pin.errors import SceneFileError, StorageError
+from rlbench_pin.errors import InvalidValue, SceneFileError, StorageError
 from rlbench_pin.scene.short_forms import ShortFormError, placement_for_file, write_out
 from rlbench_pin.scene.spec import (
     FORMAT,
@@ -61,10 +61,13 @@ def write_scene(spec: SceneSpec, path: Path | str) -> None:
         path: The `.toml` file; its folder must exist.
 
     Raises:
+        InvalidValue: `path` names no file.
         SceneFileError: There is a file that is no TOML; it is left as it is.
         StorageError: The file cannot be written, or the one that is there cannot be read. Nothing is left behind.
     """
     path, spec = as_path(path, "path"), as_record(spec, SceneSpec, "spec")
+    if not path.name:
+        raise InvalidValue("path", str(path), "has to name a file")
     document = _document(path) if path.is_file() else _new_document()
     _write_placement(document, spec.placement)
     for table, model in _TABLES.items():

@@ -13,7 +13,7 @@ import numpy as np
 
 from rlbench_pin.assets import asset_path
 from rlbench_pin.errors import CameraError, InvalidValue, TaskEnvironmentError, shown
-from rlbench_pin.values import FLAG, NOT_NEGATIVE, Rule, Settings, as_interval, as_names, ruled
+from rlbench_pin.values import FLAG, NOT_NEGATIVE, Rule, Settings, as_interval, as_names, as_path, ruled
 
 _PICTURES = (".png", ".jpg", ".jpeg")
 
@@ -39,6 +39,13 @@ class NoTextureFolder(CameraError, NotADirectoryError):
 
 class NoTextures(CameraError, RuntimeError):
     """The folder of textures has no pictures."""
+
+
+def _as_folder(value: object) -> Path:
+    try:
+        return as_path(value, "image_directory")
+    except InvalidValue as error:
+        raise RandomizationMisused(str(error)) from error
 
 
 def _as_patterns(value: object, what: str) -> object:
@@ -125,8 +132,8 @@ class VisualRandomizationConfig(RandomizationConfig):
         camera_shift: float = 0.0,
         camera_turn: float = 0.0,
     ) -> None:
-        if image_directory is not None and not isinstance(image_directory, str | Path):
-            raise RandomizationMisused(f"image_directory is the path of a folder, or None, not {shown(image_directory)}.")
+        if image_directory is not None:
+            image_directory = _as_folder(image_directory)
         super().__init__(whitelist=whitelist, blacklist=blacklist, randomize_arm=randomize_arm)
         self.image_directory = asset_path("textures") if image_directory is None else Path(image_directory)
         self.textures, self.light, self.camera_shift, self.camera_turn = textures, light, camera_shift, camera_turn
