@@ -46,6 +46,8 @@ class UrdfShape:
     """Placement in the link frame; None where the file has none."""
     color: tuple[float, ...] | None
     """Red, green, blue, opacity from 0 to 1 of its own material."""
+    gloss: Vector = ZERO
+    """Share of red, green, blue that its material throws back like a mirror, `<specular rgb>`."""
 
 
 @dataclass(frozen=True)
@@ -235,13 +237,14 @@ def _link(path: Path, link: ET.Element) -> UrdfLink:
 
 
 def _shape(path: Path, element: ET.Element) -> UrdfShape:
-    geometry, color = element.find("geometry"), element.find("material/color")
+    geometry, color, specular = (element.find(path) for path in ("geometry", "material/color", "material/specular"))
     shape = geometry[0] if geometry is not None and len(geometry) else None
     rgba = None if color is None else _numbers(color, "rgba", "1 1 1 1")
+    gloss = ZERO if specular is None else _vector(specular, "rgb")
     if shape is None:
-        return UrdfShape("", (), None, _origin(element), rgba)
+        return UrdfShape("", (), None, _origin(element), rgba, gloss)
     mesh = _file(path, shape) if shape.tag == "mesh" else None
-    return UrdfShape(shape.tag, _size(shape), mesh, _origin(element), rgba)
+    return UrdfShape(shape.tag, _size(shape), mesh, _origin(element), rgba, gloss)
 
 
 def _size(shape: ET.Element) -> tuple[float, ...]:

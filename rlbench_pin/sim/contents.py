@@ -8,13 +8,14 @@ from rlbench_pin.errors import RlbenchPinError, UnknownName
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
 from rlbench_pin.sim import build
-from rlbench_pin.sim.bodies.body import Body, Color
+from rlbench_pin.sim.bodies.body import Body
 from rlbench_pin.sim.bodies.joint import ObjectJoint
 from rlbench_pin.sim.bodies.model import LoadedModel
 from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.sim.contacts import ContactReader
 from rlbench_pin.sim.places import PlaceTree
 from rlbench_pin.sim.render.masks import MaskTable
+from rlbench_pin.sim.render.raster.stage import Looks, Visuals
 from rlbench_pin.values import as_record
 
 
@@ -72,9 +73,16 @@ class Contents:
         self.masks.add(body.name, body.model)
         self.contacts.add(body.name, body.model)
 
-    def mixed_colors(self) -> dict[tuple[int, int], tuple[Color, ...]]:
-        """Return the colours of links whose visuals differ, by body and link number, visuals in file order."""
+    @property
+    def looks(self) -> Looks:
+        """What PyBullet does not tell of the visuals of bodies."""
+        return Looks(self._mixed_colors, self._gloss)
+
+    def _mixed_colors(self) -> Visuals:
         return {(b.model.uid, link): colors for b in self.bodies.values() for link, colors in b.mixed_colors.items()}
+
+    def _gloss(self) -> Visuals:
+        return {(b.model.uid, link): gloss for b in self.bodies.values() for link, gloss in b.gloss.items()}
 
     # Lookup ----------------------------------------------------------------------------------------------------------
 

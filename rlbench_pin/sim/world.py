@@ -89,7 +89,7 @@ class World:
         self.bodies, self.room, self._places = contents.bodies, contents.room, contents.places
         self.resting = Resting(self.client, self.bodies, self.room)
         self._springs = contents.joints_with_springs()
-        self.renderer = Renderer(self.client, self.room, contents.room_ids, contents.masks.table, contents.mixed_colors)
+        self.renderer = Renderer(self.client, self.room, contents.room_ids, contents.masks.table, contents.looks)
         self.robot = SimRobot(contents.robot, robot, contents.contacts, self.timestep, self._substeps)
         self.texture_overrides = TextureOverrides(self.renderer, contents.robot, self.bodies, self.room)
         self.dynamics_overrides = DynamicsOverrides(self.robot)

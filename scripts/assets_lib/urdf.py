@@ -69,14 +69,50 @@ def mesh_shape(name: str, data: Mesh, xyz: Vec3 = ZERO, rpy: Vec3 = ZERO) -> Sha
 
 
 @dataclass(frozen=True)
+class Paint:
+    """A colour with a finish."""
+
+    color: Vec3
+    gloss: Vec3
+    """Share of red, green, blue that it throws back like a mirror."""
+
+
+def metal(color: Vec3) -> Paint:
+    """Return the look of metal: mirrors much, in its colour."""
+    red, green, blue = color
+    return Paint(color, (0.7 * red, 0.7 * green, 0.7 * blue))
+
+
+def glass(color: Vec3) -> Paint:
+    """Return the look of glass and glaze: mirrors some, in white."""
+    return Paint(color, (0.15, 0.15, 0.15))
+
+
+def plastic(color: Vec3) -> Paint:
+    """Return the look of polished plastic and varnish: mirrors little, in white."""
+    return Paint(color, (0.05, 0.05, 0.05))
+
+
+@dataclass(frozen=True)
 class Visual:
     """A coloured part that is seen."""
 
     shape: Shape
-    color: Vec3
+    paint: Vec3 | Paint
+    """Its colour, dull; or a finish."""
     texture: str | None = None
     """Name of a PNG beside the URDF, without ending."""
     crease: float = SMOOTH
+
+    @property
+    def color(self) -> Vec3:
+        """Red, green, blue."""
+        return self.paint.color if isinstance(self.paint, Paint) else self.paint
+
+    @property
+    def gloss(self) -> Vec3:
+        """Share of red, green, blue that it throws back like a mirror."""
+        return self.paint.gloss if isinstance(self.paint, Paint) else ZERO
 
 
 @dataclass(frozen=True)
@@ -178,7 +214,8 @@ def _link_lines(link: Link) -> list[str]:
     for i, visual in enumerate(link.visuals):
         rgba = numbers((*visual.color, 1.0), 4)
         lines += ["    <visual>", f"      {_origin(visual.shape.xyz, visual.shape.rpy)}", f"      {_geometry(visual.shape)}"]
-        lines += [f'      <material name="{link.name}_{i}"><color rgba="{rgba}"/></material>', "    </visual>"]
+        gloss = f'<specular rgb="{numbers(visual.gloss, 4)}"/>' if any(visual.gloss) else ""
+        lines += [f'      <material name="{link.name}_{i}"><color rgba="{rgba}"/>{gloss}</material>', "    </visual>"]
     for shape in link.collisions:
         lines += ["    <collision>", f"      {_origin(shape.xyz, shape.rpy)}", f"      {_geometry(shape)}", "    </collision>"]
     return [*lines, "  </link>"]

@@ -13,6 +13,7 @@ from rlbench_pin.sim.bodies.model import BASE, LoadedModel
 from rlbench_pin.sim.checks import color_values, finite_vector, pose_vector
 from rlbench_pin.sim.client import bullet
 from rlbench_pin.spatial import FloatArray, PoseLike, compose, pose_to_se3, relative
+from rlbench_pin.urdf import read_urdf
 from rlbench_pin.values import as_flag, as_record, as_rows
 
 OnMove = Callable[[str, FloatArray, FloatArray], None]
@@ -44,7 +45,7 @@ class Body:
         self.joints: dict[str, ObjectJoint] = {n: ObjectJoint(f"{name}/{n}", model, info) for n, info in model.joints.items()}
         self._on_move = on_move
         self._collides = True
-        self._visuals = visual_colors(model)
+        self._visuals, self._gloss = visual_colors(model), visual_gloss(model)
         self._colors: dict[int, Color] = {}
         self._rigid_bounds: FloatArray | None = None
         if not collides:
@@ -211,6 +212,11 @@ class Body:
         """Colours of the visuals of links that have several and show them, by link number; PyBullet tells only one of them."""
         return {link: own for link, own in self._visuals.items() if link not in self._colors and len(set(own)) > 1}
 
+    @property
+    def gloss(self) -> dict[int, tuple[tuple[float, float, float], ...]]:
+        """Share of red, green, blue that visuals throw back like mirrors, by link number, of links that have such."""
+        return self._gloss
+
     def set_colors(self, colors: dict[int, Color]) -> None:
         """Make `colors` the only ones that differ from the URDF."""
         as_record(colors, dict, "colors")
@@ -264,3 +270,9 @@ def visual_colors(model: LoadedModel) -> dict[int, tuple[Color, ...]]:
     for entry in bullet.getVisualShapeData(model.uid, physicsClientId=model.client.id):
         colors[entry[1]] = (*colors.get(entry[1], ()), tuple(round(c, 6) for c in entry[7]))
     return colors
+
+
+def visual_gloss(model: LoadedModel) -> dict[int, tuple[tuple[float, float, float], ...]]:
+    """What the URDF's visuals throw back like mirrors, of links where one does, by link number, in file order."""
+    links = ((link.name, tuple(shape.gloss for shape in link.visuals if shape.kind)) for link in read_urdf(model.urdf).links)
+    return {model.link_index(name): gloss for name, gloss in links if any(map(any, gloss))}

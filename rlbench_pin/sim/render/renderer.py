@@ -21,9 +21,10 @@ from rlbench_pin.sim.render.camera import CameraView, Pictures
 from rlbench_pin.sim.render.lighting import Light, Lighting
 from rlbench_pin.sim.render.masks import bodies_of, rows_of
 from rlbench_pin.sim.render.raster.drawing import Sight
+from rlbench_pin.sim.render.raster.stage import Looks
 from rlbench_pin.sim.render.shading import KeptBackdrop, as_bytes, darken_feet, halved, put_pixels, shade_rooms
 from rlbench_pin.sim.render.shadows import ShadowMap, light_view
-from rlbench_pin.sim.render.shots import BulletRasterizer, MixedColors, NumpyRasterizer, Rasterizer, Shot
+from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, Rasterizer, Shot
 from rlbench_pin.sim.render.surfaces import LinkTexture, colors_in_light, put_textures, surfaces_of
 from rlbench_pin.values import as_flag, as_record
 
@@ -71,7 +72,7 @@ class Renderer:
         room: What the backdrop draws.
         room_ids: Mask id of each room body.
         ids: Returns the mask ids of body b and link l at `[b, l + 1]`.
-        mixed_colors: Returns the colours of links whose visuals differ, by body and link number.
+        looks: What the server does not tell of visuals.
 
     Attributes:
         lighting: The lights; may be replaced at any time.
@@ -83,12 +84,12 @@ class Renderer:
         room: Mapping[str, RoomBody],
         room_ids: Mapping[str, int],
         ids: Callable[[], NDArray[np.int32]],
-        mixed_colors: MixedColors,
+        looks: Looks,
     ) -> None:
         self._client, self._room, self._room_ids, self._ids = client, room, room_ids, ids
         numbers = frozenset(body.model.uid for body in room.values())
         self._rasterizer: Rasterizer = (
-            BulletRasterizer(client, numbers) if client.hardware else NumpyRasterizer(client, numbers, mixed_colors)
+            BulletRasterizer(client, numbers) if client.hardware else NumpyRasterizer(client, numbers, looks)
         )
         self.lighting = Lighting()
         self._light_view: tuple[Light, CameraView] | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -16,10 +16,14 @@ from rlbench_pin.sim.render.lighting import SPECULAR, Lighting
 from rlbench_pin.sim.render.masks import bodies_of
 from rlbench_pin.sim.render.raster.drawing import TOUCHING, Drawn, Sight, draw
 from rlbench_pin.sim.render.raster.parts import Parts
-from rlbench_pin.sim.render.raster.stage import MixedColors, Stage
+from rlbench_pin.sim.render.raster.stage import Looks, Stage
 from rlbench_pin.sim.server.output import captured_output
 
 _HARDWARE_NEAR = 0.03  # its depth has so few bits that a nearer plane would cost millimetres [m]
+
+
+_NONE: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
+_DULL: NDArray[np.float32] = np.zeros((3, 0), dtype=np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +45,10 @@ class Shot:
     normals: NDArray[np.float32] | None
     """Unit normals (3, n) in the world. None when the renderer does not tell; then the colours are those in the ambient and key
     light without shadows, otherwise those of the things themselves."""
+    glossy: NDArray[np.int64] = field(default_factory=lambda: _NONE)
+    """Which of the pixels see something glossy (k,)."""
+    gloss: NDArray[np.float32] = field(default_factory=lambda: _DULL)
+    """Share of red, green, blue that it throws back like a mirror (3, k)."""
 
 
 class Rasterizer(Protocol):
@@ -57,11 +65,11 @@ class NumpyRasterizer:
     Args:
         client: The physics server.
         room: Numbers of the bodies of the room.
-        mixed_colors: Returns the colours of links whose visuals differ, by body and link number.
+        looks: What the server does not tell.
     """
 
-    def __init__(self, client: PhysicsClient, room: frozenset[int], mixed_colors: MixedColors) -> None:
-        self._stage, self._other = Stage(client, room, mixed_colors), BulletRasterizer(client, room)
+    def __init__(self, client: PhysicsClient, room: frozenset[int], looks: Looks) -> None:
+        self._stage, self._other = Stage(client, room, looks), BulletRasterizer(client, room)
 
     def shoot(self, sights: Sequence[Sight], lighting: Lighting) -> list[Shot]:
         """Return one shot for each camera."""
@@ -71,14 +79,20 @@ class NumpyRasterizer:
         colors, shape = self._stage.colors, placed.parts.shape
         drawn = draw(placed, self._stage.layers, (colors[:, 3] > 0.0).take(shape), sights)
         paint = np.ascontiguousarray((colors[:, :3] * np.float32(255.0)).T)
-        return [_shot(picture, placed.parts, paint, sight.is_lit) for picture, sight in zip(drawn, sights, strict=True)]
+        gloss = np.ascontiguousarray(self._stage.gloss.T)
+        return [_shot(picture, placed.parts, paint, gloss, sight.is_lit) for picture, sight in zip(drawn, sights, strict=True)]
 
 
-def _shot(drawn: Drawn, parts: Parts, paint: NDArray[np.float32], is_lit: bool) -> Shot:
-    """What a camera sees, in the colours (3, v) of the visuals in 0..255."""
+def _shot(drawn: Drawn, parts: Parts, paint: NDArray[np.float32], gloss: NDArray[np.float32], is_lit: bool) -> Shot:
+    """What a camera sees, in the colours (3, v) of the visuals in 0..255, and what of it is glossy (3, v)."""
     triangles = drawn.triangles
-    colors = paint.take(parts.shape.take(triangles), axis=1) if is_lit else np.zeros((3, 0), dtype=np.float32)
-    return Shot(drawn.pixels, drawn.inverse, drawn.depth, parts.segments, parts.link.take(triangles), colors, drawn.normals)
+    shot = Shot(drawn.pixels, drawn.inverse, drawn.depth, parts.segments, parts.link.take(triangles), _DULL, drawn.normals)
+    if not is_lit:
+        return shot
+    shape = parts.shape.take(triangles)
+    is_glossy = gloss.any(axis=0)
+    glossy = is_glossy.take(shape).nonzero()[0] if is_glossy.any() else _NONE
+    return replace(shot, colors=paint.take(shape, axis=1), glossy=glossy, gloss=gloss.take(shape.take(glossy), axis=1))
 
 
 class BulletRasterizer:

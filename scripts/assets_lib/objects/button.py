@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from assets_lib.mesh import Mesh, box, cylinder, lathe, merge
 from assets_lib.objects.saucepan import wall_boxes
-from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, cylinder_shape, mesh_shape
+from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, cylinder_shape, mesh_shape, plastic
 
 SIDE, HEIGHT, FLOOR = 0.08, 0.03, 0.018
 """Pedestal width, its height and the height of the floor of its well [m]."""
@@ -48,7 +48,7 @@ def models() -> tuple[Model, ...]:
     shapes = (*(box_shape(s, c) for s, c in boxes), *guard)
     base = Link("base", 0.5, (Visual(mesh_shape("pedestal", mesh), (0.5, 0.0, 0.0)),), shapes)
     parts = (cylinder_shape(0.0175, 0.012, (0.0, 0.0, -0.006)), cylinder_shape(0.025, 0.0065, (0.0, 0.0, -0.01275)))
-    cap = Link("cap", 0.02, (Visual(mesh_shape("cap", _cap()), (1.0, 0.0, 0.0)),), parts)
+    cap = Link("cap", 0.02, (Visual(mesh_shape("cap", _cap()), plastic((1.0, 0.0, 0.0))),), parts)
     joint = Joint("cap_joint", "prismatic", "base", "cap", (0.0, 0.0, 0.042), (0.0, 0.0, -1.0), 0.0, TRAVEL, damping=1.0)
     notes = (
         "link `cap` has its origin at the centre of the cap's top, 0.042 m above the table; cap_joint grows when it is pressed",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assets_lib.mesh import Mesh, box, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal
 
 DEPTH, WIDTH, HEIGHT, LEG = 0.26, 0.34, 0.36, 0.045
 SIDE, PANEL, BACK = 0.018, 0.012, 0.008
@@ -13,7 +13,7 @@ TRAVEL = 0.22
 BAR_RADIUS, BAR_LENGTH = 0.006, 0.10
 HANDLE = (-0.045, 0.0, 0.015)
 """Centre of the handle bar in the drawer frame [m]."""
-OAK, DARK_OAK, PALE, STEEL = (0.62, 0.42, 0.24), (0.46, 0.29, 0.15), (0.84, 0.69, 0.48), (0.30, 0.30, 0.32)
+OAK, DARK_OAK, PALE, STEEL = (0.62, 0.42, 0.24), (0.46, 0.29, 0.15), (0.84, 0.69, 0.48), metal((0.30, 0.30, 0.32))
 DRAWERS = ("drawer_bottom", "drawer_middle", "drawer_top")
 HALF_PI = 1.5707963267948966
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import icosphere, lathe
-from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, sphere_shape
+from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, plastic, sphere_shape
 
 SEGMENTS = 12
 DROP, SWELL = 0.005, 0.0025
@@ -44,7 +44,7 @@ def _cup(name: str, bottom: float, top: float, height: float, wall: float) -> Mo
     lip = wall / 2.0
     outer = [(0.0, 0.0), (bottom - 0.002, 0.0), (bottom, 0.002), (top, height - lip), (top - lip, height)]
     inner = [(top - wall, height - lip), (bottom - wall + (top - bottom) * floor / height, floor), (0.0, floor)]
-    body = Visual(mesh_shape("cup", lathe([*outer, *inner], 28)), (0.85, 0.20, 0.18))
+    body = Visual(mesh_shape("cup", lathe([*outer, *inner], 28)), plastic((0.85, 0.20, 0.18)))
     foot = cylinder_shape(bottom * float(np.cos(np.pi / SEGMENTS)), floor, (0.0, 0.0, floor / 2.0))
     shapes = (foot, *leaning_walls(bottom, top, height, wall, floor))
     link = Link(name, 0.08, (body,), shapes, friction=0.8, center=(0.0, 0.0, 0.4 * height))

@@ -6,7 +6,7 @@ from math import cos, sin, tan
 
 from assets_lib.mesh import Mesh, box, lathe, merge, rod
 from assets_lib.prisms import mark, rectangle, regular_polygon
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal
 
 DEPTH, WIDTH, HEIGHT, WALL = 0.36, 0.40, 0.42, 0.015
 FLOOR, CEILING = 0.10, 0.345
@@ -23,7 +23,7 @@ RIM_RADIUS = 0.005
 PLATE_PLACE, CRADLE = (-0.053, 0.06), 0.031
 """Where the plate stands in the rack, beside the place where a hand pulls; half the distance of the rods that carry it [m]."""
 PLATE_RADIUS, PLATE_HEIGHT = 0.08, 0.015
-STEEL, DARK, WIRE, SILVER = (0.86, 0.87, 0.88), (0.16, 0.17, 0.19), (0.30, 0.45, 0.70), (0.70, 0.71, 0.74)
+STEEL, DARK, WIRE, SILVER = metal((0.86, 0.87, 0.88)), (0.16, 0.17, 0.19), (0.30, 0.45, 0.70), metal((0.70, 0.71, 0.74))
 HALF_PI = 1.57079633
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]

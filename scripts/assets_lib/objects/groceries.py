@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from assets_lib.mesh import Mesh, box, lathe, merge
 from assets_lib.prisms import bevelled_box
-from assets_lib.urdf import Link, Model, Shape, Vec3, Visual, box_shape, cylinder_shape, mesh_shape
+from assets_lib.urdf import Link, Model, Shape, Vec3, Visual, box_shape, cylinder_shape, mesh_shape, metal
 
 WIDTH, DEPTH, HEIGHT, BOARD, LEGS = 0.45, 0.25, 0.50, 0.015, 0.15
 RAIL = 0.045
@@ -14,7 +14,7 @@ RAIL = 0.045
 SHELVES = (0.165, 0.4075)
 """Heights of the upper sides of the two shelves [m]."""
 WOOD, BACK, LEG = (0.85, 0.74, 0.58), (0.73, 0.60, 0.43), (0.42, 0.30, 0.20)
-METAL, WHITE, PAPER = (0.75, 0.76, 0.78), (0.96, 0.95, 0.92), (0.98, 0.97, 0.93)
+METAL, WHITE, PAPER = metal((0.75, 0.76, 0.78)), (0.96, 0.95, 0.92), (0.98, 0.97, 0.93)
 
 
 def _boards() -> tuple[Shape, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assets_lib.mesh import Mesh, box, cylinder, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic
 
 OPENING = (0.34, 0.50)
 """Width and height of the opening of the frame [m]."""
@@ -17,8 +17,8 @@ PIVOT = (-LEAF[0] / 2.0, -LEAF[1] + 0.05, 0.0)
 """Of the lever, in the leaf's frame [m]."""
 REACH, STANDOFF, RADIUS = 0.10, 0.05, 0.007
 """Length of a lever, distance of its middle line from the leaf, radius [m]."""
-FRAME_COLOR, LEAF_COLOR, PANEL = (0.93, 0.92, 0.88), (0.16, 0.42, 0.52), (0.22, 0.53, 0.63)
-BRASS, DARK = (0.85, 0.68, 0.25), (0.2, 0.2, 0.2)
+FRAME_COLOR, LEAF_COLOR, PANEL = (0.93, 0.92, 0.88), plastic((0.16, 0.42, 0.52)), (0.22, 0.53, 0.63)
+BRASS, DARK = metal((0.85, 0.68, 0.25)), (0.2, 0.2, 0.2)
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 

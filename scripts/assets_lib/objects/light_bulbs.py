@@ -8,7 +8,7 @@ import numpy as np
 
 from assets_lib.mesh import Mesh, box, hull_of, lathe, merge, rod
 from assets_lib.objects.saucepan import wall_boxes
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, cylinder_shape, mesh_shape, sphere_shape
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, cylinder_shape, glass, mesh_shape, metal, plastic, sphere_shape
 
 SOCKET_RADIUS, SOCKET_DEPTH, WALL, FLOOR = 0.016, 0.03, 0.006, 0.004
 SEGMENTS = 8
@@ -22,8 +22,8 @@ COLLAR = 0.009
 NECK_RADIUS = 0.0145
 SEATED = -THREAD_TOP + THREAD_LENGTH
 """Height of the bulb's origin above the floor of a socket in which it stands [m]."""
-DARK, BRASS, WHITE = (0.16, 0.17, 0.20), (0.83, 0.62, 0.20), (1.0, 1.0, 1.0)
-ENAMEL, GREEN = (0.93, 0.92, 0.86), (0.05, 0.38, 0.30)
+DARK, BRASS, WHITE = (0.16, 0.17, 0.20), metal((0.83, 0.62, 0.20)), (1.0, 1.0, 1.0)
+ENAMEL, GREEN = plastic((0.93, 0.92, 0.86)), (0.05, 0.38, 0.30)
 
 
 def _socket(low: float, outer: float) -> Mesh:
@@ -121,10 +121,10 @@ def _thread_mesh() -> Mesh:
 
 
 def _bulb() -> Model:
-    glass = Visual(mesh_shape("glass", lathe(_glass_outline(), 20)), WHITE, crease=1.2)
+    pear = Visual(mesh_shape("glass", lathe(_glass_outline(), 20)), glass(WHITE), crease=1.2)
     top = THREAD_TOP + COLLAR
     neck = cylinder_shape(NECK_RADIUS, -0.016 - top, (0.0, 0.0, (top - 0.016) / 2.0))
-    ball = Link("glass", 0.03, (glass,), (sphere_shape(GLASS), neck), friction=1.0)
+    ball = Link("glass", 0.03, (pear,), (sphere_shape(GLASS), neck), friction=1.0)
     middle = (0.0, 0.0, THREAD_TOP - THREAD_LENGTH / 2.0)
     thread = Visual(mesh_shape("thread", _thread_mesh()), BRASS, crease=0.4)
     collar = cylinder_shape(NECK_RADIUS, COLLAR, (0.0, 0.0, THREAD_TOP + COLLAR / 2.0))

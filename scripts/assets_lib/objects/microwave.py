@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assets_lib.mesh import Mesh, box, cylinder, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal, plastic
 
 DEPTH, WIDTH, HEIGHT, FOOT = 0.28, 0.38, 0.24, 0.01
 DOOR = (0.018, 0.28, 0.22)
@@ -16,7 +16,7 @@ HINGE = (FRONT - GAP, WIDTH / 2.0, (FOOT + HEIGHT) / 2.0)
 HANDLE = (-0.018 - 0.042, -0.255, 0.0)
 """Centre of the handle bar in the door frame [m]."""
 BAR_RADIUS, BAR_LENGTH = 0.006, 0.15
-SHELL, BLACK, GLASS = (0.80, 0.81, 0.82), (0.10, 0.10, 0.11), (0.20, 0.26, 0.30)
+SHELL, BLACK, GLASS = plastic((0.80, 0.81, 0.82)), (0.10, 0.10, 0.11), glass((0.20, 0.26, 0.30))
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 
@@ -123,7 +123,7 @@ def models() -> tuple[Model, ...]:
     visuals = (
         Visual(mesh_shape("door_frame", _merged(_frame())), BLACK),
         Visual(mesh_shape("window", _merged((_window(),))), GLASS),
-        Visual(mesh_shape("handle", _handle_mesh()), (0.85, 0.86, 0.88)),
+        Visual(mesh_shape("handle", _handle_mesh()), metal((0.85, 0.86, 0.88))),
     )
     t, w, _ = DOOR
     slab = box_shape(DOOR, (-t / 2.0, -w / 2.0, 0.0))

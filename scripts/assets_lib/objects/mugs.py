@@ -6,7 +6,7 @@ import numpy as np
 
 from assets_lib.mesh import Mesh, cylinder, icosphere, lathe, merge, rod
 from assets_lib.objects.cups import leaning_walls
-from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
+from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, glass, mesh_shape
 
 RADIUS, HEIGHT, WALL, FLOOR = 0.0325, 0.08, 0.004, 0.006
 HOLE = (0.03, 0.04)
@@ -44,8 +44,8 @@ def _mug() -> Model:
     inner = [(RADIUS - WALL, HEIGHT - lip), (RADIUS - WALL, FLOOR), (0.0, FLOOR)]
     band = lathe([(RADIUS, 0.014), (RADIUS + 0.0006, 0.014), (RADIUS + 0.0006, 0.024), (RADIUS, 0.024)], 28)
     visuals = (
-        Visual(mesh_shape("mug", lathe([*outer, *inner], 28)), (0.25, 0.48, 0.72)),
-        Visual(mesh_shape("handle", _handle()), (0.25, 0.48, 0.72)),
+        Visual(mesh_shape("mug", lathe([*outer, *inner], 28)), glass((0.25, 0.48, 0.72))),
+        Visual(mesh_shape("handle", _handle()), glass((0.25, 0.48, 0.72))),
         Visual(mesh_shape("band", band), (0.95, 0.93, 0.86)),
     )
     foot = cylinder_shape(RADIUS * float(np.cos(np.pi / 12)), FLOOR, (0.0, 0.0, FLOOR / 2.0))

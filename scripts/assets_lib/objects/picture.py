@@ -6,7 +6,7 @@ import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, hull_of, merge, rod
 from assets_lib.prisms import mark, rectangle, regular_polygon
-from assets_lib.urdf import Link, Model, Visual, box_shape, cylinder_shape, mesh_shape
+from assets_lib.urdf import Link, Model, Visual, box_shape, cylinder_shape, mesh_shape, metal
 
 WIDTH, HEIGHT, DEPTH, BORDER = 0.20, 0.15, 0.015, 0.016
 BAR = (DEPTH / 2.0 + 0.018, 0.0, 0.045)
@@ -17,7 +17,7 @@ PEG_ROOT, PEG_LENGTH, PEG_RADIUS, PEG_TILT = 0.38, 0.03, 0.005, np.pi / 6.0
 """Height at which the peg leaves the wall [m], its size [m] and its rise [rad]."""
 LEAN = 0.17
 """Of the rest's back [rad]."""
-CREAM, WHITE, STEEL, BRASS = (0.90, 0.86, 0.74), (0.97, 0.96, 0.93), (0.80, 0.82, 0.86), (0.85, 0.66, 0.22)
+CREAM, WHITE, STEEL, BRASS = (0.90, 0.86, 0.74), (0.97, 0.96, 0.93), metal((0.80, 0.82, 0.86)), metal((0.85, 0.66, 0.22))
 SKY, HILLS = (0.52, 0.76, 0.92), (0.42, 0.40, 0.55)
 HALF_PI = 1.57079633
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, hull_of, lathe, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, cylinder_shape, mesh_shape, sphere_shape
+from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic, sphere_shape
 
 BODY = (0.18, 0.20, 0.14)
 TRAY = (0.20, 0.24, 0.015)
@@ -16,9 +16,9 @@ TRAY_HEIGHT = BODY[2] + TRAVEL + 0.004
 DIAL = (-BODY[0] / 2.0, 0.0, 0.07)
 DIAL_RADIUS, NEEDLE = 0.056, 0.05
 SHELL, CREAM, STEEL, DARK, RED = (
-    (0.25, 0.55, 0.60),
+    plastic((0.25, 0.55, 0.60)),
     (0.97, 0.96, 0.90),
-    (0.78, 0.79, 0.81),
+    metal((0.78, 0.79, 0.81)),
     (0.12, 0.12, 0.13),
     (0.85, 0.10, 0.08),
 )

@@ -8,7 +8,7 @@ import numpy as np
 
 from assets_lib.mesh import Mesh, box, hull_of, lathe, merge
 from assets_lib.prisms import bevelled_box, hull_prism, mark, rectangle
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic
 
 BLOCK = (0.08, 0.08, 0.06)
 HEAD_RADIUS, HEAD_BOTTOM, HEAD_FLOOR, HEAD_TOP, GAP = 0.01, 0.02, 0.024, 0.03, 0.001
@@ -20,8 +20,8 @@ BLADE = (0.0025, 0.016, 0.008)
 STAND, STAND_HEIGHT, STAND_HOLE, STAND_PLATE, POST = 0.05, 0.092, 0.02, 0.012, 0.007
 TIP = -HANDLE / 2.0 - SHAFT - BLADE[2]
 """z of the end of the blade [m]."""
-PALE, BLUE, STEEL, DARK = (0.90, 0.88, 0.80), (0.16, 0.36, 0.56), (0.80, 0.82, 0.86), (0.20, 0.21, 0.24)
-RED, YELLOW = (0.82, 0.12, 0.10), (0.95, 0.80, 0.15)
+PALE, BLUE, STEEL, DARK = (0.90, 0.88, 0.80), (0.16, 0.36, 0.56), metal((0.80, 0.82, 0.86)), (0.20, 0.21, 0.24)
+RED, YELLOW = plastic((0.82, 0.12, 0.10)), plastic((0.95, 0.80, 0.15))
 
 
 def _half_head(side: float) -> Mesh:

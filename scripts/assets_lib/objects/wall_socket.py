@@ -6,7 +6,7 @@ import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, hull_of, merge, rod
 from assets_lib.prisms import bevelled_box, mark, regular_polygon
-from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
+from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic
 
 WIDTH, HEIGHT, THICKNESS = 0.24, 0.20, 0.03
 FOOT = (0.09, 0.24, 0.012)
@@ -18,11 +18,11 @@ STAND = (0.036, 0.036, 0.03)
 WALL, TRIM, WHITE, BLACK, METAL = (
     (0.63, 0.72, 0.76),
     (0.45, 0.52, 0.56),
-    (0.95, 0.95, 0.93),
+    plastic((0.95, 0.95, 0.93)),
     (0.08, 0.08, 0.09),
-    (0.92, 0.92, 0.95),
+    metal((0.92, 0.92, 0.95)),
 )
-CASE, YELLOW = (0.16, 0.16, 0.19), (0.98, 0.80, 0.10)
+CASE, YELLOW = plastic((0.16, 0.16, 0.19)), (0.98, 0.80, 0.10)
 
 Span = tuple[tuple[float, float], tuple[float, float], tuple[float, float]]
 """Lowest and highest x, y, z [m]."""

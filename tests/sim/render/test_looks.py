@@ -8,7 +8,7 @@ import pytest
 from rlbench_pin.environment.observations.camera_config import CameraConfig
 from rlbench_pin.environment.observations.cameras import camera_view
 from rlbench_pin.errors import InvalidValue
-from rlbench_pin.scene.spec import SceneSpec
+from rlbench_pin.scene.spec import BodySpec, SceneSpec
 from rlbench_pin.sim import CameraView, Request, look_at
 from rlbench_pin.sim.render.canvas import Canvas
 from rlbench_pin.spatial import TABLE_HEIGHT
@@ -118,3 +118,41 @@ def test_pictures_for_people_are_smooth(world):
     view = camera_view("front", CameraConfig(), world, PANDA)
     wanted = world.renderer.render_all([Request(view, shadows=True, antialiasing=True)])[0].rgb
     np.testing.assert_array_equal(world.renderer.picture(view), wanted)
+
+
+def _cans(folder, view, **request):
+    """A dull can and one with each finish in turn, of the same grey: the picture, and where each is seen."""
+    for name, gloss in (
+        ("dull", ""),
+        ("metal", '<specular rgb="0.35 0.35 0.35"/>'),
+        ("glass", '<specular rgb="0.15 0.15 0.15"/>'),
+    ):
+        shape = '<geometry><cylinder radius="0.04" length="0.12"/></geometry>'
+        look = f'<material name="grey"><color rgba="0.5 0.5 0.5 1"/>{gloss}</material>'
+        link = f'<link name="can"><visual>{shape}{look}</visual><collision>{shape}</collision></link>'
+        (folder / f"{name}.urdf").write_text(f'<robot name="can">{link}</robot>')
+    bodies = tuple(
+        BodySpec(
+            name=name,
+            asset=str(folder / f"{name}.urdf"),
+            fixed=True,
+            parent="world",
+            pose=(0.3, y, TABLE_HEIGHT + 0.06, 0.0, 0.0, 0.0, 1.0),
+        )
+        for name, y in (("dull", -0.15), ("metal", 0.0), ("glass", 0.15))
+    )
+    with build(SceneSpec(format=2, body=bodies)) as world:
+        seen = [world.renderer.render_all([Request(view, **request)])[0] for _ in range(2)]
+        assert seen[0].rgb.tobytes() == seen[1].rgb.tobytes()
+        ids = {name: i for i, name in world.masks.items()}
+        return seen[0].rgb.astype(int), {name: seen[0].mask == ids[name] for name in ("dull", "metal", "glass")}
+
+
+def test_metal_and_glass_mirror_the_room(tmp_path):
+    """Streaks run along a metal wall and, less, along one of glass; a dull one is even. Without shadows all three are dull."""
+    view = CameraView(pose=look_at((0.9, 0.0, 1.0), (0.3, 0.0, 0.8)), fov=0.7, size=(256, 192), near=0.05, far=6.0)
+    colors, seen = _cans(tmp_path, view, shadows=True)
+    spread = {name: np.std(colors[where].sum(axis=1)) for name, where in seen.items()}
+    assert spread["metal"] > 2.0 * spread["dull"] and spread["metal"] > 1.3 * spread["glass"] > 1.3 * spread["dull"]
+    plain, seen = _cans(tmp_path, view, shadows=False)
+    assert np.ptp([np.std(plain[where].sum(axis=1)) for where in seen.values()]) < 0.3 * spread["dull"]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +17,19 @@ from rlbench_pin.sim.render.raster.parts import Parts, Placed, Visual, join
 
 _GRAIN = 2.0**-18
 """Step of positions [m] and quaternions: 4 um."""
-Rgba = tuple[float, float, float, float]
-MixedColors = Callable[[], dict[tuple[int, int], tuple[Rgba, ...]]]
-"""Tells the colours of the visuals of some links, by body and link number."""
+Visuals = dict[tuple[int, int], tuple[tuple[float, ...], ...]]
+"""Something of each visual of some links, by body and link number, in file order."""
+
+
+@dataclass(frozen=True)
+class Looks:
+    """What PyBullet does not tell of visuals."""
+
+    mixed_colors: Callable[[], Visuals] = dict
+    """Returns rgba of links whose visuals differ and show it. Once such a link was painted and is no more, PyBullet tells the
+    colour of its last visual for all."""
+    gloss: Callable[[], Visuals] = dict
+    """Returns the share of red, green, blue that visuals throw back like mirrors, of links that have such."""
 
 
 class Stage:
@@ -27,16 +38,15 @@ class Stage:
     Args:
         client: The server.
         room: Numbers of the bodies that are left out.
-        mixed_colors: Returns the colours of links whose visuals differ and show them, by body and link number. Once such a link
-            was painted and is no more, PyBullet tells the colour of its last visual for all.
+        looks: What the server does not tell.
 
     Attributes:
         layers: What was drawn of these shapes and stands still.
     """
 
-    def __init__(self, client: PhysicsClient, room: frozenset[int], mixed_colors: MixedColors) -> None:
-        self._client, self._room, self._mixed_colors = client, room, mixed_colors
-        self._mixed: dict[tuple[int, int], tuple[Rgba, ...]] = {}
+    def __init__(self, client: PhysicsClient, room: frozenset[int], looks: Looks) -> None:
+        self._client, self._room, self._looks = client, room, looks
+        self._mixed: Visuals = {}
         self._entries: list[tuple] = []
         self._visuals: tuple[Visual, ...] = ()
         self._placed: Placed | None = None
@@ -44,6 +54,7 @@ class Stage:
         self._bodies: dict[int, int] = {}
         self._from_com: dict[int, NDArray] = {}
         self._colors: NDArray[np.float32] = np.zeros((0, 4), dtype=np.float32)
+        self._gloss: NDArray[np.float32] = np.zeros((0, 3), dtype=np.float32)
 
     def update(self) -> Placed | None:
         """Take shapes, colours and places of this instant; None when there is a shape that cannot be drawn here."""
@@ -52,10 +63,10 @@ class Stage:
             bullet.getBodyUniqueId(i, physicsClientId=identifier) for i in range(bullet.getNumBodies(physicsClientId=identifier))
         ]
         entries = [entry for uid in uids if uid not in self._room for entry in _entries_of(uid, identifier)]
-        mixed = self._mixed_colors()
+        mixed = self._looks.mixed_colors()
         if entries != self._entries or mixed != self._mixed:
             self._entries, self._mixed = entries, mixed
-            self._colors = _colors_of(entries, mixed)
+            self._colors, self._gloss = _colors_of(entries, mixed), _gloss_of(entries, self._looks.gloss())
             visuals = tuple(_visual(entry) for entry in entries)
             if visuals != self._visuals:
                 parts = _parts(visuals)
@@ -71,6 +82,11 @@ class Stage:
     def colors(self) -> NDArray[np.float32]:
         """Colour rgba in 0..1 of each visual (n, 4)."""
         return self._colors
+
+    @property
+    def gloss(self) -> NDArray[np.float32]:
+        """Share of red, green, blue that each visual throws back like a mirror (n, 3)."""
+        return self._gloss
 
     def _placements(self) -> dict[tuple[int, int], NDArray[np.float64]]:
         """Matrix (4, 4) of the frame of every link now, by body and link."""
@@ -103,7 +119,7 @@ def _entries_of(uid: int, identifier: int) -> tuple[tuple, ...]:
     return entries
 
 
-def _colors_of(entries: list[tuple], mixed: Mapping[tuple[int, int], tuple[Rgba, ...]]) -> NDArray[np.float32]:
+def _colors_of(entries: list[tuple], mixed: Visuals) -> NDArray[np.float32]:
     """Return the colour of each visual (n, 4), to six digits as bodies keep them; under a texture it is what PyBullet has."""
     left = {link: list(colors) for link, colors in mixed.items()}
     colors = np.round(np.array([entry[7] for entry in entries]).reshape(-1, 4), 6)
@@ -113,6 +129,12 @@ def _colors_of(entries: list[tuple], mixed: Mapping[tuple[int, int], tuple[Rgba,
             if tuple(shown) == mixed[entry[:2]][-1]:
                 shown[:] = own
     return colors.astype(np.float32)
+
+
+def _gloss_of(entries: list[tuple], known: Visuals) -> NDArray[np.float32]:
+    left = {link: list(gloss) for link, gloss in known.items()}
+    own = [left[entry[:2]].pop(0) if left.get(entry[:2]) else (0.0, 0.0, 0.0) for entry in entries]
+    return np.array(own, dtype=np.float32).reshape(-1, 3)
 
 
 def _visual(entry: tuple) -> Visual:
