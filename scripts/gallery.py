@@ -14,7 +14,6 @@ from PIL import Image
 
 from rlbench_pin.environment.observations.cameras import look_at
 from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.recording.film import side_picture
 from rlbench_pin.sim import CameraView
 from rlbench_pin.tasks import library_names
 
@@ -46,7 +45,7 @@ def late_in_a_demonstration(name: str) -> tuple[Image.Image, str]:
         def look(_: object) -> None:
             nonlocal frame
             if frame == wanted:
-                shots.append(side_picture(task.world, VIEW))
+                shots.append(task.world.renderer.picture(VIEW))
             frame += 1
 
         assert demo.random_seed is not None

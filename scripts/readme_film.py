@@ -12,11 +12,9 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from rlbench_pin.environment.observations.cameras import look_at
 from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.recording.film import side_picture
+from rlbench_pin.recording.films.framing import framed, things_to_see
 from rlbench_pin.recording.films.grid import Reel, grid_frames
-from rlbench_pin.sim import CameraView
 from rlbench_pin.tasks import library_names
 
 OUT = Path(__file__).resolve().parents[1] / "docs" / "images" / "tasks.webp"
@@ -24,10 +22,8 @@ CELL, PICTURES, STILL, PAUSE, SEED, QUALITY = (150, 140), 44, 8, 110, 0, 40
 """Size of a task [px], pictures of a demonstration, of its end, time of each [ms], seed, quality of WebP."""
 LIMIT = 3_000_000
 """Bytes that the file may have."""
-VIEW = CameraView(
-    pose=look_at((0.75, 1.45, 1.95), (0.1, 0.0, 1.15)), fov=float(np.radians(52.0)), size=(300, 280), near=0.05, far=6.0
-)
-"""From ahead of the robot's left shoulder, with the whole arm and what is before it."""
+EYE = (0.75, 1.45, 1.95)
+"""Ahead of the robot's left shoulder [m]."""
 
 
 def reel_of(name: str) -> Reel:
@@ -36,6 +32,7 @@ def reel_of(name: str) -> Reel:
     with make_environment(low_dim_config()) as environment:
         task = environment.get_task(name)
         demo = task.get_demos(1, live_demos=True, seed=SEED)[0]
+        view = framed(EYE, things_to_see(task.world), (2 * CELL[0], 2 * CELL[1]))
         wanted = np.linspace(0, len(demo) - 1, PICTURES).round().astype(int).tolist()
         frame = 0
 
@@ -43,7 +40,7 @@ def reel_of(name: str) -> Reel:
             nonlocal frame
             shown = wanted.count(frame)
             if shown:
-                small = Image.fromarray(side_picture(task.world, VIEW)).resize(CELL, Image.Resampling.LANCZOS)
+                small = Image.fromarray(task.world.renderer.picture(view)).resize(CELL, Image.Resampling.LANCZOS)
                 for _ in range(shown):
                     reel.add(np.asarray(small))
             frame += 1

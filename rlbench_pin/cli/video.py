@@ -65,7 +65,7 @@ class Video(arguments.Video):
         for task in tasks:
             reel = reels[task.get_name()] = Reel()
             with self._environment() as environment:
-                orbit = Orbit(size=_CELL, step=self.speed / self.smooth, fov=0.95)
+                orbit = Orbit(size=_CELL, step=self.speed / self.smooth)
                 self._play(environment.get_task(task), orbit, reel.add)
         path = self.out / "grid.mp4"
         with storing(path), VideoWriter(path, grid_size(len(reels), _CELL), self.fps * self.smooth) as video:
@@ -88,9 +88,10 @@ class Video(arguments.Video):
         )
 
     def _play(self, task: TaskEnvironment, orbit: Orbit, add: Callable[[np.ndarray], None]) -> None:
-        """Find a try that succeeds, then play it again before the camera; it goes exactly as the first time."""
+        """Find a try that succeeds, then play it again before a camera that has all of its end in the picture."""
         task.set_variation(self.variation)
         attempt = self._successful_attempt(task)
+        orbit = orbit.around(task.world)
         with tqdm(unit="frame", desc=task.get_name(), leave=False) as bar, _each_tick(task, orbit, add, bar, self.smooth):
             task.try_demo(seed=self.seed, attempt=attempt, record=False)
 

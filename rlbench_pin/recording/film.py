@@ -10,22 +10,20 @@ import numpy as np
 
 from rlbench_pin.datasets import VideoWriter
 from rlbench_pin.environment import TaskEnvironment
-from rlbench_pin.environment.observations.cameras import look_at
+from rlbench_pin.recording.films.framing import framed, things_to_see
 from rlbench_pin.sim import CameraView, World
 from rlbench_pin.values import as_path, as_record
 
 FILM_SIZE = (640, 480)
 """Width and height [px]."""
 
-FILM_VIEW = CameraView(
-    pose=look_at((-0.05, 1.62, 1.80), (0.15, 0.0, 1.16)), fov=float(np.radians(54.0)), size=FILM_SIZE, near=0.05, far=6.0
-)
-"""From the robot's left, with the whole arm, the table top and what the robot itself has before it."""
+EYE = (-0.05, 1.62, 1.80)
+"""Where films are taken from: the robot's left [m]."""
 
 
-def side_picture(world: World, view: CameraView = FILM_VIEW) -> np.ndarray:
-    """Picture of the whole world, uint8 (h, w, 3)."""
-    return world.renderer.picture(view)
+def film_view(world: World) -> CameraView:
+    """Return the camera from the robot's left that has the arm and the whole task in its picture, where they are now."""
+    return framed(EYE, things_to_see(world), FILM_SIZE)
 
 
 class Film:
@@ -42,6 +40,7 @@ class Film:
         self._video = VideoWriter(as_path(folder, "folder") / f".filming{os.getpid()}.mp4", FILM_SIZE, fps)
         self._pause = fps
         self._kept = False
+        self._view: CameraView | None = None
 
     def __enter__(self) -> Film:
         self._task.runtime.register_step_callback(self._film_tick)
@@ -54,7 +53,7 @@ class Film:
 
     def keep(self, path: Path) -> Path:
         """Finish the film with a second of its last picture and move it to `path`."""
-        last = side_picture(self._task.world)
+        last = self._picture()
         for _ in range(self._pause):
             self._video.add(last)
         self._kept = True
@@ -63,4 +62,10 @@ class Film:
         return path
 
     def _film_tick(self) -> None:
-        self._video.add(side_picture(self._task.world))
+        self._video.add(self._picture())
+
+    def _picture(self) -> np.ndarray:
+        """Picture of now, from where the first was taken."""
+        if self._view is None:
+            self._view = film_view(self._task.world)
+        return self._task.world.renderer.picture(self._view)

@@ -13,6 +13,7 @@ from rlbench_pin.cli.doctor import check_picture
 from rlbench_pin.cli.main import main
 from rlbench_pin.environment import low_dim_config, make_environment
 from rlbench_pin.errors import CameraError
+from rlbench_pin.recording.film import film_view
 from rlbench_pin.recording.films.grid import Reel, grid_frames, grid_size
 from rlbench_pin.recording.films.orbit import Orbit
 
@@ -26,6 +27,22 @@ def test_the_orbit_stays_inside_the_room_and_looks_at_its_centre():
         assert -1.75 < x < 2.25 and -2.0 < y < 2.0 and 0.0 < z < 2.8
         local = np.linalg.inv(view.extrinsics()) @ [*orbit.center, 1.0]
         np.testing.assert_allclose(local[:2], 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["open_oven", "reach_target"])
+def test_films_have_the_arm_and_the_task_in_the_picture(name):
+    """At the reset nothing but the room is seen along the borders, from the side and from an orbit; the task is not far away."""
+    with make_environment(low_dim_config()) as environment:
+        task = environment.get_task(name)
+        task.reset(seed=2)
+        world = task.world
+        room = [i for i, mask in world.masks.items() if mask.partition("/")[0] in world.room]
+        orbit = Orbit(size=(160, 90)).around(world)
+        for view in (film_view(world), orbit.view(0), orbit.view(300)):
+            mask = world.render(view, rgb=False, depth=False).mask
+            assert np.isin([*mask[0], *mask[-1], *mask[:, 0], *mask[:, -1]], room).all()
+            rows, columns = np.nonzero(~np.isin(mask, room))
+            assert max(np.ptp(rows) / mask.shape[0], np.ptp(columns) / mask.shape[1]) > 0.5
 
 
 def test_a_grid_shows_all_films_until_the_longest_ends():

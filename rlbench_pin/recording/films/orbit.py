@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rlbench_pin.recording.films.framing import FAR, NEAR, field_of_view, things_to_see
 from rlbench_pin.sim import CameraView, World, look_at
-
-_NEAR, _FAR = 0.05, 6.0
 
 
 @dataclass(frozen=True)
@@ -35,7 +34,16 @@ class Orbit:
         angle = self.start + frame * self.step
         x, y, _ = self.center
         eye = (x + self.radius * float(np.cos(angle)), y + self.radius * float(np.sin(angle)), self.height)
-        return CameraView(pose=look_at(eye, self.center), fov=self.fov, size=self.size, near=_NEAR, far=_FAR)
+        return CameraView(pose=look_at(eye, self.center), fov=self.fov, size=self.size, near=NEAR, far=FAR)
+
+    def around(self, world: World) -> Orbit:
+        """Return the orbit with the arm and the whole task of a world in the picture for its first 1.5 rad, as large as they can be."""
+        points = things_to_see(world)
+        low, high = points.min(axis=0), points.max(axis=0)
+        x, y, z = ((low + high) / 2.0).tolist()
+        orbit = replace(self, center=(x, y, z))
+        turned = (replace(orbit, start=self.start + angle) for angle in np.linspace(0.0, 1.5, 7).tolist())
+        return replace(orbit, fov=max(field_of_view(each.view(0), points) for each in turned))
 
     def picture(self, world: World, frame: int) -> np.ndarray:
         """Picture number `frame` of what happens now, uint8 (h, w, 3)."""
