@@ -37,7 +37,7 @@ class Orbit:
         return CameraView(pose=look_at(eye, self.center), fov=self.fov, size=self.size, near=NEAR, far=FAR)
 
     def around(self, world: World) -> Orbit:
-        """Return the orbit with the arm and the whole task of a world in the picture for its first 1.5 rad, as large as they can be."""
+        """Return the orbit that has the arm and the whole task of a world in its picture, for the first 1.5 rad."""
         points = things_to_see(world)
         low, high = points.min(axis=0), points.max(axis=0)
         x, y, z = ((low + high) / 2.0).tolist()
