@@ -93,3 +93,23 @@ def test_touching_the_live_rod_ends_the_game(goal: Goal) -> None:
     assert not goal.reached()
     goal.put("wand", (0.12, 0.0, 0.175), on="base")
     assert goal.reached()
+
+
+@goal_of("pick_up_cup", 0, 10, 19)
+def test_the_asked_cup_has_to_be_held_clear_of_its_place(goal: Goal) -> None:
+    """12 cm above it, or beside it; neither let go nor the other cup, and not where it stood."""
+    assert colors(goal.task, "cup") == [COLORS[asked_color(goal)].rgb]
+    hand = goal.task.gripper
+    assert hand.grasp("distractor")
+    assert not goal.reached()
+    goal.put("distractor", (0.0, 0.0, 0.2), on="start_zone")
+    assert not goal.reached()
+    hand.release()
+    assert hand.grasp("cup")
+    assert not goal.reached()
+    goal.ends("cup", (0.0, 0.0, 0.1), on="start_zone", z=(-0.04,))
+    goal.ends("cup", (0.15, 0.0, -0.06), on="start_zone", within=2e-3, x=(-0.045,))
+    hand.release()
+    assert not goal.reached()
+    assert hand.grasp("distractor")
+    assert not goal.reached()
