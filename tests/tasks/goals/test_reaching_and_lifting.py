@@ -95,6 +95,26 @@ def test_touching_the_live_rod_ends_the_game(goal: Goal) -> None:
     assert goal.reached()
 
 
+@goal_of("pick_and_lift_small", 0, 2, 4)
+def test_the_asked_shape_has_to_be_held_at_the_marker(goal: Goal) -> None:
+    """It may touch a ball of 6 cm from above or below; neither let go nor another shape, and not beside it."""
+    shapes, hand = goal.task.shapes, goal.task.gripper
+    number = goal.asked(goal.task.words)
+    asked, half = shapes[number], (0.0175, 0.0125, 0.0115, 0.0115, 0.0115)[number]  # meshes have a skin of 1 mm
+    for other in (shape for shape in shapes if shape != asked):
+        assert hand.grasp(other)
+        goal.put(other, (0.0, 0.0, 0.0), on="marker")
+        assert not goal.reached()
+        hand.release()
+        goal.put(other, (0.2, 0.2, 0.02))
+    goal.put(asked, (0.0, 0.0, 0.0), on="marker")
+    assert not goal.reached()
+    assert hand.grasp(asked)
+    goal.ends(asked, (0.0, 0.0, 0.0), on="marker", z=(-0.03 - half, 0.03 + half))
+    goal.put(asked, (0.07, 0.0, 0.0), on="marker")
+    assert not goal.reached()
+
+
 @goal_of("pick_up_cup", 0, 10, 19)
 def test_the_asked_cup_has_to_be_held_clear_of_its_place(goal: Goal) -> None:
     """12 cm above it, or beside it; neither let go nor the other cup, and not where it stood."""
