@@ -95,6 +95,23 @@ def test_touching_the_live_rod_ends_the_game(goal: Goal) -> None:
     assert goal.reached()
 
 
+@goal_of("lift_numbered_block", 0, 1, 2)
+def test_the_asked_number_has_to_be_held_in_the_air(goal: Goal) -> None:
+    """From 12 to 22 cm above the table; neither let go nor on the table, and not another number."""
+    number, hand = 1 + goal.asked(("1", "2", "3")), goal.task.gripper
+    for other in {1, 2, 3} - {number}:
+        assert hand.grasp(f"block{other}")
+        goal.put(f"block{other}", (0.0, 0.1 * other, 0.0), on="height")
+        assert not goal.reached()
+        hand.release()
+    goal.put(f"block{number}", (0.0, 0.0, 0.0), on="height")
+    assert not goal.reached()
+    assert hand.grasp(f"block{number}")
+    goal.ends(f"block{number}", (0.0, 0.0, 0.0), on="height", z=(-0.0825, 0.0825))
+    goal.put(f"block{number}", (0.0, 0.0, 0.0325))
+    assert not goal.reached()
+
+
 @goal_of("pick_and_lift_small", 0, 2, 4)
 def test_the_asked_shape_has_to_be_held_at_the_marker(goal: Goal) -> None:
     """It may touch a ball of 6 cm from above or below; neither let go nor another shape, and not beside it."""
