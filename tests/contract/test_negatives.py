@@ -79,10 +79,13 @@ NEGATIVES = {
     "close_microwave": Negative(Omission(waypoints=(1,))),
     "hockey": Negative(Omission(waypoints=(4,)), done=holding("stick")),
     "insert_onto_square_peg": Negative(Omission(waypoints=(4,)), done=holding("ring")),  # above the pillar
+    "lift_numbered_block": Negative(Omission(waypoints=(2,)), done=holding("block2"), variation=1),
     "open_door": Negative(Omission(waypoints=(3, 4))),  # the swing alone also turns the lever, as the hand slides along it
     "open_oven": Negative(Omission(waypoints=(2, 3, 4))),
     "open_wine_bottle": Negative(Omission(waypoints=(1,)), pull_without_a_turn),
     "pick_and_lift": Negative(Omission(waypoints=(2, 3)), done=holding("block")),
+    "pick_and_lift_small": Negative(Omission(waypoints=(2, 3)), done=holding("star"), variation=3),
+    "pick_up_cup": Negative(Omission(waypoints=(2,)), done=holding("cup")),
     "play_jenga": Negative(spoil=moved("waypoint2", x=-0.0459, z=-0.0655), done=loose_brick_is_out),  # upwards: the tower falls
     "plug_charger_in_power_supply": Negative(spoil=moved("waypoint3", x=-0.006), done=charger_hangs_half_in),
     "push_button": Negative(Omission(waypoints=(1,))),

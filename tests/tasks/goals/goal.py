@@ -26,7 +26,7 @@ class Goal:
 
     def __init__(self, task: Task, sentences: list[str]) -> None:
         self.task = task
-        self._said = f" {' '.join(re.findall('[a-z]+', sentences[0].lower()))} "
+        self._said = f" {' '.join(re.findall('[a-z0-9]+', sentences[0].lower()))} "
         self.verdicts: set[bool] = set()
 
     def says(self, word: str) -> bool:

@@ -93,3 +93,60 @@ def test_touching_the_live_rod_ends_the_game(goal: Goal) -> None:
     assert not goal.reached()
     goal.put("wand", (0.12, 0.0, 0.175), on="base")
     assert goal.reached()
+
+
+@goal_of("lift_numbered_block", 0, 1, 2)
+def test_the_asked_number_has_to_be_held_in_the_air(goal: Goal) -> None:
+    """From 12 to 22 cm above the table; neither let go nor on the table, and not another number."""
+    number, hand = 1 + goal.asked(("1", "2", "3")), goal.task.gripper
+    for other in {1, 2, 3} - {number}:
+        assert hand.grasp(f"block{other}")
+        goal.put(f"block{other}", (0.0, 0.1 * other, 0.0), on="height")
+        assert not goal.reached()
+        hand.release()
+    goal.put(f"block{number}", (0.0, 0.0, 0.0), on="height")
+    assert not goal.reached()
+    assert hand.grasp(f"block{number}")
+    goal.ends(f"block{number}", (0.0, 0.0, 0.0), on="height", z=(-0.0825, 0.0825))
+    goal.put(f"block{number}", (0.0, 0.0, 0.0325))
+    assert not goal.reached()
+
+
+@goal_of("pick_and_lift_small", 0, 2, 4)
+def test_the_asked_shape_has_to_be_held_at_the_marker(goal: Goal) -> None:
+    """It may touch a ball of 6 cm from above or below; neither let go nor another shape, and not beside it."""
+    shapes, hand = goal.task.shapes, goal.task.gripper
+    number = goal.asked(goal.task.words)
+    asked, half = shapes[number], (0.0175, 0.0125, 0.0115, 0.0115, 0.0115)[number]  # meshes have a skin of 1 mm
+    for other in (shape for shape in shapes if shape != asked):
+        assert hand.grasp(other)
+        goal.put(other, (0.0, 0.0, 0.0), on="marker")
+        assert not goal.reached()
+        hand.release()
+        goal.put(other, (0.2, 0.2, 0.02))
+    goal.put(asked, (0.0, 0.0, 0.0), on="marker")
+    assert not goal.reached()
+    assert hand.grasp(asked)
+    goal.ends(asked, (0.0, 0.0, 0.0), on="marker", z=(-0.03 - half, 0.03 + half))
+    goal.put(asked, (0.07, 0.0, 0.0), on="marker")
+    assert not goal.reached()
+
+
+@goal_of("pick_up_cup", 0, 10, 19)
+def test_the_asked_cup_has_to_be_held_clear_of_its_place(goal: Goal) -> None:
+    """12 cm above it, or beside it; neither let go nor the other cup, and not where it stood."""
+    assert colors(goal.task, "cup") == [COLORS[asked_color(goal)].rgb]
+    hand = goal.task.gripper
+    assert hand.grasp("distractor")
+    assert not goal.reached()
+    goal.put("distractor", (0.0, 0.0, 0.2), on="start_zone")
+    assert not goal.reached()
+    hand.release()
+    assert hand.grasp("cup")
+    assert not goal.reached()
+    goal.ends("cup", (0.0, 0.0, 0.1), on="start_zone", z=(-0.04,))
+    goal.ends("cup", (0.15, 0.0, -0.06), on="start_zone", within=2e-3, x=(-0.045,))
+    hand.release()
+    assert not goal.reached()
+    assert hand.grasp("distractor")
+    assert not goal.reached()

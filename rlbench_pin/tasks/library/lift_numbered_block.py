@@ -1,0 +1,36 @@
+"""Lift one of three numbered blocks."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, Grasped, SpawnBoundary, Task
+
+
+class LiftNumberedBlock(Task):
+    """The block with the asked number must be held above the table. Three of them stand anywhere in a rectangle."""
+
+    numbers = (1, 2, 3)
+
+    def init_task(self) -> None:
+        """All blocks may be grasped."""
+        self.blocks = [self.world.body(f"block{number}") for number in self.numbers]
+        self.height = self.world.sensor("height")
+        self.boundary = SpawnBoundary([self.world.region("patch")])
+        self.register_graspable_objects(block.name for block in self.blocks)
+
+    def variation_count(self) -> int:
+        """One for each number."""
+        return len(self.numbers)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Scatter the blocks; success is that the asked one is held in the air."""
+        number, block = self.numbers[variation], self.blocks[variation]
+        self.boundary.scatter(self.blocks, rng, min_distance=0.2)
+        self.world.frame("waypoint1").set_parent(block.name)
+        self.register_success_conditions([Grasped(self.gripper, block), Detected(block, self.height)])
+        return [
+            f"Raise the cube labelled {number}.",
+            f"Which of the blocks says {number}? Lift that one off the table.",
+            f"Up in the air, hold the block that has the digit {number}.",
+        ]
