@@ -79,6 +79,8 @@ NEGATIVES = {
     "close_microwave": Negative(Omission(waypoints=(1,))),
     "hockey": Negative(Omission(waypoints=(4,)), done=holding("stick")),
     "insert_onto_square_peg": Negative(Omission(waypoints=(4,)), done=holding("ring")),  # above the pillar
+    "lamp_off": Negative(Omission(waypoints=(1,))),
+    "lamp_on": Negative(Omission(waypoints=(1,))),
     "open_door": Negative(Omission(waypoints=(3, 4))),  # the swing alone also turns the lever, as the hand slides along it
     "open_oven": Negative(Omission(waypoints=(2, 3, 4))),
     "open_wine_bottle": Negative(Omission(waypoints=(1,)), pull_without_a_turn),
