@@ -57,6 +57,35 @@ def tip_is_near_the_ball(task: Task) -> bool:
     return float(np.linalg.norm(task.robot.tip_pose()[:3] - task.world.body("target").position)) < 0.035
 
 
+def close_the_other_jar(task: Task) -> None:
+    """Carry the lid to the jar that is not asked for."""
+    for name in ("waypoint3", "waypoint4"):
+        task.world.frame(name).set_parent(other_jar(task.world.frame("goal").parent))
+
+
+def open_the_other_jar(task: Task) -> None:
+    """Take the lid of the jar that is not asked for."""
+    task.world.frame("waypoint1").set_parent(other_jar(task.world.frame("goal").parent))
+
+
+def other_jar(name: str) -> str:
+    """Return the name of the other one of two jars."""
+    return "jar1" if name == "jar0" else "jar0"
+
+
+def other_jar_is_shut(task: Task) -> bool:
+    """Whether the lid was let go on the neck of the jar that is not asked for; its middle lies 45 mm above that of the jar."""
+    jar = task.world.body(other_jar(task.world.frame("goal").parent))
+    place = task.world.body("lid").position - jar.position
+    return not task.gripper.grasped and bool(np.abs(place - [0.0, 0.0, 0.045]).max() < 0.003)
+
+
+def other_lid_is_in_the_ring(task: Task) -> bool:
+    """Whether the lid of the jar that is not asked for was let go in the ring."""
+    lid = f"lid{other_jar(task.world.frame('goal').parent)[-1]}"
+    return not task.gripper.grasped and task.world.sensor("table_spot").detects(lid)
+
+
 def charger_hangs_half_in(task: Task) -> bool:
     """Whether the charger was let go and stays with its pins in their holes."""
     charger, panel = task.world.body("charger").position, task.world.body("panel").position
@@ -76,11 +105,15 @@ def all_buttons_are_green(task: Task) -> bool:
 NO_GRASP = Negative(Omission(grasps=True))
 NEGATIVES = {
     "beat_the_buzz": Negative(spoil=moved("waypoint2", z=0.03), done=holding("wand")),  # the ring touches the rod
+    "close_jar": Negative(spoil=close_the_other_jar, done=other_jar_is_shut),
     "close_microwave": Negative(Omission(waypoints=(1,))),
     "hockey": Negative(Omission(waypoints=(4,)), done=holding("stick")),
     "insert_onto_square_peg": Negative(Omission(waypoints=(4,)), done=holding("ring")),  # above the pillar
     "lift_numbered_block": Negative(Omission(waypoints=(2,)), done=holding("block2"), variation=1),
+    "lamp_off": Negative(Omission(waypoints=(1,))),
+    "lamp_on": Negative(Omission(waypoints=(1,))),
     "open_door": Negative(Omission(waypoints=(3, 4))),  # the swing alone also turns the lever, as the hand slides along it
+    "open_jar": Negative(spoil=open_the_other_jar, done=other_lid_is_in_the_ring),
     "open_oven": Negative(Omission(waypoints=(2, 3, 4))),
     "open_wine_bottle": Negative(Omission(waypoints=(1,)), pull_without_a_turn),
     "pick_and_lift": Negative(Omission(waypoints=(2, 3)), done=holding("block")),

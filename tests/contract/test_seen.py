@@ -17,6 +17,8 @@ from rlbench_pin.urdf import read_urdf
 FLOOR, CAMERAS_THAT_SEE = 40, 3
 HARD_TO_SEE = {
     "empty_dishwasher": "the plate is behind a closed door",
+    "lamp_off": "only the cap of the button moves",
+    "lamp_on": "only the cap of the button moves",
     "open_wine_bottle": "a cap is small",
     "push_button": "only the cap moves",
     "push_buttons": "only the caps move",

@@ -1,0 +1,42 @@
+"""Switch a lamp off."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import JointMoved, Task
+
+BRIGHT = {"bulb": (1.0, 1.0, 1.0), "shade": (1.0, 0.91, 0.50)}
+DARK = {"bulb": (0.0, 0.0, 0.0), "shade": (0.36, 0.29, 0.24)}
+"""Link of the lamp -> its colour while it shines, and while it does not."""
+ENAMEL = (0.05, 0.22, 0.26)
+"""The pedestal of the button, as the foot of the lamp."""
+
+
+class LampOff(Task):
+    """The button of a lamp that shines must go down 3 mm; from then on the lamp is dark."""
+
+    def init_task(self) -> None:
+        """Success is the button pressed."""
+        self.lamp = self.world.body("lamp")
+        self.pressed = JointMoved(self.world.joint("button/cap_joint"), 0.003)
+        self.register_success_conditions([self.pressed])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Begin with the light on; only the place of the task varies."""
+        self._shine(BRIGHT)
+        self.world.body("button").set_color(ENAMEL, "base")
+        return [
+            "Press the button that switches the lamp off.",
+            "It is too bright in here: make the lamp go dark.",
+            "The lamp need not shine any more, so click its button.",
+        ]
+
+    def step(self) -> None:
+        """Put the lamp out once its button is pressed."""
+        if self.pressed.met():
+            self._shine(DARK)
+
+    def _shine(self, colors: dict[str, tuple[float, float, float]]) -> None:
+        for link, rgb in colors.items():
+            self.lamp.set_color(rgb, link)
