@@ -52,6 +52,16 @@ def pull_without_a_turn(task: Task) -> None:
     task.world.frame("waypoint2").set_local([0.0, 0.0, -0.12, 0.0, 0.0, 0.0, 1.0])
 
 
+def turn_the_left_handle(task: Task) -> None:
+    """Turn the left handle of the tap, whichever is asked for."""
+    task.world.frame("waypoint1").set_parent("left_grip")
+
+
+def left_handle_is_turned(task: Task) -> bool:
+    """Whether the left handle of the tap was turned by more than a quarter."""
+    return abs(task.world.joint("tap/left").position) > 1.57
+
+
 def tip_is_near_the_ball(task: Task) -> bool:
     """Whether the tip has come near the ball, whose radius is 2.5 cm."""
     return float(np.linalg.norm(task.robot.tip_pose()[:3] - task.world.body("target").position)) < 0.035
@@ -127,6 +137,7 @@ NEGATIVES = {
     "screw_nail": Negative(Omission(waypoints=(5,)), done=holding("screwdriver")),
     "slide_block_to_target": Negative(Omission(waypoints=(1,))),
     "take_lid_off_saucepan": Negative(Omission(waypoints=(2,)), done=holding("lid")),
+    "turn_tap": Negative(spoil=turn_the_left_handle, done=left_handle_is_turned, variation=1),
 }
 """What each task cannot do without, or must not do; grasping where nothing is said."""
 

@@ -1,0 +1,31 @@
+"""Turn one of the two handles of a tap."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import JointMoved, Task
+
+
+class TurnTap(Task):
+    """The asked handle must be turned by more than a quarter, either way; left and right are seen with the spout in front."""
+
+    sides = ("left", "right")
+
+    def variation_count(self) -> int:
+        """One for each handle."""
+        return len(self.sides)
+
+    def init_task(self) -> None:
+        """Nothing can be taken."""
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Aim at the asked handle; success is that it is turned."""
+        side = self.sides[variation]
+        self.world.frame("waypoint1").set_parent(f"{side}_grip")
+        self.register_success_conditions([JointMoved(self.world.joint(f"tap/{side}"), 1.57)])
+        return [
+            f"Open the tap at its {side} handle, with a good quarter of a turn.",
+            f"To let the water run, rotate the {side} cross beside the spout by more than 90 degrees.",
+            f"The valve to the {side} of the spout is shut: give it a little over a quarter turn.",
+        ]
