@@ -91,6 +91,8 @@ NEGATIVES = {
     "screw_nail": Negative(Omission(waypoints=(5,)), done=holding("screwdriver")),
     "slide_block_to_target": Negative(Omission(waypoints=(1,))),
     "take_lid_off_saucepan": Negative(Omission(waypoints=(2,)), done=holding("lid")),
+    "toilet_seat_down": Negative(Omission(waypoints=(1, 2, 3))),  # pressed on where no seat is
+    "toilet_seat_up": Negative(Omission(waypoints=(4, 5))),  # half way up
 }
 """What each task cannot do without, or must not do; grasping where nothing is said."""
 
