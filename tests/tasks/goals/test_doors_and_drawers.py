@@ -104,3 +104,17 @@ def test_the_toilet_seat_has_to_go_up(goal: Goal) -> None:
         assert goal.reached()
     goal.joint(seat.name, 0.0)
     assert not goal.reached()
+
+
+@goal_of("close_laptop_lid")
+def test_the_screen_has_to_come_down(goal: Goal) -> None:
+    """It stands by itself, and counts from 1.79 rad below where it stood; leaning it back further is nothing."""
+    screen = goal.world.joint("laptop/screen_hinge")
+    for _ in range(20):
+        goal.world.step()
+    assert screen.position == pytest.approx(1.9, abs=1e-3)
+    goal.joint(screen.name, screen.upper)
+    assert not goal.reached()
+    goal.border(lambda angle: goal.joint(screen.name, angle), inside=0.108, outside=0.112)
+    goal.joint(screen.name, 0.0)
+    assert goal.reached()
