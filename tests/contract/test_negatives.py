@@ -116,6 +116,7 @@ NO_GRASP = Negative(Omission(grasps=True))
 NEGATIVES = {
     "beat_the_buzz": Negative(spoil=moved("waypoint2", z=0.03), done=holding("wand")),  # the ring touches the rod
     "close_jar": Negative(spoil=close_the_other_jar, done=other_jar_is_shut),
+    "close_laptop_lid": Negative(Omission(waypoints=(5,))),  # tipped, not pressed flat
     "close_microwave": Negative(Omission(waypoints=(1,))),
     "hockey": Negative(Omission(waypoints=(4,)), done=holding("stick")),
     "insert_onto_square_peg": Negative(Omission(waypoints=(4,)), done=holding("ring")),  # above the pillar
@@ -138,6 +139,8 @@ NEGATIVES = {
     "slide_block_to_target": Negative(Omission(waypoints=(1,))),
     "take_lid_off_saucepan": Negative(Omission(waypoints=(2,)), done=holding("lid")),
     "turn_tap": Negative(spoil=turn_the_left_handle, done=left_handle_is_turned, variation=1),
+    "toilet_seat_down": Negative(Omission(waypoints=(1, 2, 3))),  # pressed on where no seat is
+    "toilet_seat_up": Negative(Omission(waypoints=(4, 5))),  # half way up
 }
 """What each task cannot do without, or must not do; grasping where nothing is said."""
 

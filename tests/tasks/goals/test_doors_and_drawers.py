@@ -72,3 +72,49 @@ def test_the_oven_door_has_to_lie_flat(goal: Goal) -> None:
     goal.joint("oven/door", 1.57)
     goal.world.add_body("dish", BodySpec(name="dish", asset="objects/cube_small/cube_small.urdf"))
     goal.needs_release_of("dish")
+
+
+# Small hinges
+
+
+@goal_of("toilet_seat_down")
+def test_the_toilet_seat_has_to_come_down(goal: Goal) -> None:
+    """It stands by itself, and counts from 1.7 rad below where it stood; leaning it back further is nothing."""
+    seat = goal.world.joint("toilet/seat_hinge")
+    for _ in range(20):
+        goal.world.step()
+    assert seat.position == pytest.approx(1.8, abs=1e-3)
+    goal.joint(seat.name, seat.upper)
+    assert not goal.reached()
+    goal.border(lambda angle: goal.joint(seat.name, angle), inside=0.098, outside=0.102)
+    goal.joint(seat.name, 0.0)
+    assert goal.reached()
+
+
+@goal_of("toilet_seat_up")
+def test_the_toilet_seat_has_to_go_up(goal: Goal) -> None:
+    """It lies on the bowl, counts from 1.4 rad on, and stays up there by itself; let down again, it counts no more."""
+    seat = goal.world.joint("toilet/seat_hinge")
+    assert not goal.reached()
+    goal.border(lambda angle: goal.joint(seat.name, angle), inside=1.402, outside=1.398)
+    for angle in (1.402, seat.upper):
+        goal.joint(seat.name, angle)
+        for _ in range(20):
+            goal.world.step()
+        assert goal.reached()
+    goal.joint(seat.name, 0.0)
+    assert not goal.reached()
+
+
+@goal_of("close_laptop_lid")
+def test_the_screen_has_to_come_down(goal: Goal) -> None:
+    """It stands by itself, and counts from 1.79 rad below where it stood; leaning it back further is nothing."""
+    screen = goal.world.joint("laptop/screen_hinge")
+    for _ in range(20):
+        goal.world.step()
+    assert screen.position == pytest.approx(1.9, abs=1e-3)
+    goal.joint(screen.name, screen.upper)
+    assert not goal.reached()
+    goal.border(lambda angle: goal.joint(screen.name, angle), inside=0.108, outside=0.112)
+    goal.joint(screen.name, 0.0)
+    assert goal.reached()

@@ -1,0 +1,96 @@
+"""A notebook computer on a stand, its screen on a hinge."""
+
+from __future__ import annotations
+
+from assets_lib.mesh import Mesh, box, merge, rod
+from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, mesh_shape
+
+BASE, STAND = (0.18, 0.26, 0.015), (0.15, 0.20, 0.03)
+SCREEN = (0.17, 0.26, 0.008)
+"""Size when it is shut [m]."""
+TOP = STAND[2] + BASE[2]
+GAP = 0.002
+"""Between the base and the shut screen [m]."""
+HINGE = (BASE[0] / 2.0 - 0.006, 0.0, TOP + GAP + SCREEN[2] / 2.0)
+CASE, STAND_COLOR, KEYS, BEZEL, PICTURE, LOGO = (
+    (0.30, 0.33, 0.38),
+    (0.80, 0.36, 0.16),
+    (0.08, 0.08, 0.09),
+    (0.05, 0.05, 0.06),
+    (0.16, 0.55, 0.86),
+    (0.90, 0.92, 0.94),
+)
+
+Box = tuple[tuple[float, float, float], tuple[float, float, float]]
+
+
+def _keys() -> Mesh:
+    """Return four rows of keys, and the bar below them."""
+    rows = [((0.014, 0.017, 0.0015), (0.048 - 0.02 * i, y, TOP + 0.00075)) for i in range(4) for y in _columns()]
+    return merge(box(size, center) for size, center in (*rows, ((0.012, 0.10, 0.0015), (-0.031, 0.0, TOP + 0.00075))))
+
+
+def _columns() -> tuple[float, ...]:
+    return tuple(round(-0.1 + 0.0222 * i, 4) for i in range(10))
+
+
+def _windows() -> Mesh:
+    """Return what the picture on the screen shows: two windows and a bar, on the inner side."""
+    z = -SCREEN[2] / 2.0 - 0.0012
+    boxes: tuple[Box, ...] = (
+        ((0.07, 0.10, 0.0006), (-0.10, 0.045, z)),
+        ((0.045, 0.07, 0.0006), (-0.08, -0.065, z)),
+        ((0.008, 0.22, 0.0006), (-0.021, 0.0, z)),
+    )
+    return merge(box(size, center) for size, center in boxes)
+
+
+def _screen() -> Link:
+    x, half = -SCREEN[0] / 2.0, SCREEN[2] / 2.0
+    pins = merge(rod((0.0, y - 0.02, 0.0), (0.0, y + 0.02, 0.0), 0.0052, 10) for y in (-0.085, 0.085))
+    visuals = (
+        Visual(mesh_shape("lid", box(SCREEN, (x, 0.0, 0.0))), CASE),
+        Visual(mesh_shape("bezel", box((0.162, 0.252, 0.0006), (x, 0.0, -half - 0.0003))), BEZEL),
+        Visual(mesh_shape("picture", box((0.142, 0.236, 0.0006), (x, 0.0, -half - 0.0007))), PICTURE),
+        Visual(mesh_shape("windows", _windows()), LOGO),
+        Visual(
+            mesh_shape(
+                "logo",
+                box(
+                    (0.034, 0.034, 0.0008),
+                    (x, 0.0, half + 0.0004),
+                ),
+            ),
+            LOGO,
+        ),
+        Visual(mesh_shape("pins", pins), BEZEL),
+    )
+    return Link("screen", 0.3, visuals, (box_shape(SCREEN, (x, 0.0, 0.0)),))
+
+
+def _base() -> Link:
+    pad = box((0.04, 0.075, 0.0008), (-0.064, 0.0, TOP + 0.0004))
+    feet = merge(
+        rod((HINGE[0], y - 0.012, HINGE[2]), (HINGE[0], y + 0.012, HINGE[2]), 0.0045, 8) for y in (-0.115, -0.055, 0.055, 0.115)
+    )
+    base = (BASE, (0.0, 0.0, STAND[2] + BASE[2] / 2.0))
+    stand = (STAND, (0.0, 0.0, STAND[2] / 2.0))
+    visuals = (
+        Visual(mesh_shape("base", box(*base)), CASE),
+        Visual(mesh_shape("stand", box(*stand)), STAND_COLOR),
+        Visual(mesh_shape("keys", _keys()), KEYS),
+        Visual(mesh_shape("pad", pad), (0.48, 0.52, 0.57)),
+        Visual(mesh_shape("knuckles", feet), CASE),
+    )
+    return Link("base", 2.0, visuals, (box_shape(*base), box_shape(*stand)))
+
+
+def models() -> tuple[Model, ...]:
+    """Return the models of this family."""
+    hinge = Joint("screen_hinge", "revolute", "base", "screen", HINGE, (0.0, 1.0, 0.0), 0.0, 2.0, damping=0.01)
+    notes = (
+        f"the keyboard's near side faces -x; it lies on a stand {STAND[2]} high, its upper side at z = {TOP:.3f}",
+        f"link `screen` has its origin on the hinge {tuple(round(v, 4) for v in HINGE)}; at 0 it is shut and spans "
+        f"x -{SCREEN[0]}..0, y -+{SCREEN[1] / 2.0}, z -+{SCREEN[2] / 2.0} there; it opens upwards and backwards",
+    )
+    return (Model("laptop", "objects/laptop", "bottom centre of the stand", (_base(), _screen()), (hinge,), notes),)
