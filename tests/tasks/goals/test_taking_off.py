@@ -1,0 +1,31 @@
+"""The way back of tasks that put something on, in or onto something: taken off, pulled out, or put where it was taken from."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.tasks.goals.goal import Goal, goal_of
+from tests.tasks.running import running
+
+
+@goal_of("meat_on_grill", 0, 1)
+def test_the_asked_meat_has_to_lie_on_the_grate(goal: Goal) -> None:
+    """The grasp goes to it at the same height; only it counts, let go, less than 3 cm over the grate, not beside it or inside."""
+    meats = goal.task.meats
+    meat, other = meats if goal.says(meats[0]) else meats[::-1]
+    grasp = goal.task.get_waypoints()[1].pose
+    np.testing.assert_allclose(grasp[:2], goal.world.body(meat).position[:2], atol=1e-9)
+    with running("meat_on_grill") as task:
+        assert grasp[2] == pytest.approx(task.world.frame("waypoint1").position[2])
+    beside = goal.world.body(other).pose
+    goal.put(other, (0.0, 0.12, 0.161))
+    assert not goal.reached()
+    goal.world.body(other).set_pose(beside)
+    low, high = goal.world.body(meat).bounds()
+    for place in ((0.0, -0.01 - high[1], -low[2]), (0.0, 0.25 - low[1], -low[2]), (0.0, 0.12, 0.03)):
+        goal.put(meat, place)
+        assert not goal.reached()
+    (left, back), (right, front) = low[:2] - [0.15, 0.1], high[:2] + [0.15, 0.1]
+    goal.ends(meat, (0.0, 0.12, 0.14 - low[2]), x=(left, right), y=(back, front), z=(0.03,))
+    goal.needs_release_of(meat)
