@@ -91,6 +91,7 @@ NEGATIVES = {
     "screw_nail": Negative(Omission(waypoints=(5,)), done=holding("screwdriver")),
     "slide_block_to_target": Negative(Omission(waypoints=(1,))),
     "take_lid_off_saucepan": Negative(Omission(waypoints=(2,)), done=holding("lid")),
+    "unplug_charger": Negative(spoil=moved("waypoint1", x=-0.098, z=0.0146), done=holding("charger")),  # the pins stay 4 mm deep
 }
 """What each task cannot do without, or must not do; grasping where nothing is said."""
 

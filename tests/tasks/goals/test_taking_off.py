@@ -29,3 +29,18 @@ def test_the_asked_meat_has_to_lie_on_the_grate(goal: Goal) -> None:
     (left, back), (right, front) = low[:2] - [0.15, 0.1], high[:2] + [0.15, 0.1]
     goal.ends(meat, (0.0, 0.12, 0.14 - low[2]), x=(left, right), y=(back, front), z=(0.03,))
     goal.needs_release_of(meat)
+
+
+@goal_of("unplug_charger")
+def test_the_pins_of_the_charger_have_to_be_out_of_the_wall(goal: Goal) -> None:
+    """In front of the socket, held or not; on the table, plugged in or with its pins a little in the holes it does not count."""
+    for depth in (0.018, 0.001):
+        for pitch, yaw in ((0.0, 0.0), (-0.148, 0.0), (0.13, 0.18)):
+            pin = 0.043 * np.array([np.cos(pitch) * np.cos(yaw), np.cos(pitch) * np.sin(yaw), -np.sin(pitch)])
+            goal.put("charger", np.array([depth - 0.008, 0.0, 0.15]) - pin, (0.0, pitch, yaw), on="panel")
+            assert not goal.reached()
+    goal.put("charger", (-0.135, 0.0, 0.02), on="panel")
+    assert not goal.reached()
+    borders = {"x": (-0.093, 0.075), "y": (-0.0525, 0.0525), "z": (-0.07, 0.07)}
+    goal.ends("charger", (-0.135, 0.0, 0.15), on="panel", **borders)
+    goal.counts_while_held("charger")
