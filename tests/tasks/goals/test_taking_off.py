@@ -44,3 +44,34 @@ def test_the_pins_of_the_charger_have_to_be_out_of_the_wall(goal: Goal) -> None:
     borders = {"x": (-0.093, 0.075), "y": (-0.0525, 0.0525), "z": (-0.07, 0.07)}
     goal.ends("charger", (-0.135, 0.0, 0.15), on="panel", **borders)
     goal.counts_while_held("charger")
+
+
+@goal_of("take_off_weighing_scales", 0, 1, 2)
+def test_the_asked_pepper_has_to_lie_before_the_scales(goal: Goal) -> None:
+    """Let go, less than 6 cm over the table; on the tray, behind the scales, or another pepper does not count."""
+    asked = goal.world.body(f"pepper_{goal.task.colors[goal.asked(goal.task.colors)]}").name
+    for other in {pepper.name for pepper in goal.task.peppers} - {asked}:
+        on_tray = goal.world.body(other).pose
+        goal.put(other, (-0.14, 0.0, 0.035))
+        assert not goal.reached()
+        goal.world.body(other).set_pose(on_tray)
+    for place in ((0.1, 0.0, 0.2), (0.3, 0.0, 0.035), (0.1, 0.2, 0.035)):
+        goal.put(asked, place)
+        assert not goal.reached()
+    goal.ends(asked, (-0.14, 0.0, 0.035), x=(-0.153, 0.153), y=(-0.153, 0.153), z=(0.06,))
+    goal.needs_release_of(asked)
+
+
+@goal_of("take_off_weighing_scales", 0, 1, 2)
+def test_the_hand_comes_down_on_the_asked_pepper_and_the_needle_turns(goal: Goal) -> None:
+    """15 cm over it, as specified; each pepper turns the needle by 130 rad for each metre by which the tray sinks."""
+    asked = f"pepper_{goal.task.colors[goal.asked(goal.task.colors)]}"
+    above = goal.task.get_waypoints()[0].pose
+    np.testing.assert_allclose(above[:3], goal.world.body(asked).position + [0.0, 0.0, 0.152], atol=1e-6)
+    needle, sinks = goal.world.joint("scales/needle"), 0.15 * 9.81 / 180.0
+    for count in (3, 2, 1, 0):
+        assert needle.position == pytest.approx(-130.0 * sinks * count, abs=0.02)
+        goal.joint("scales/tray", 0.004 + sinks * max(count - 1, 0))
+        goal.tick()
+    goal.put(asked, (-0.14, 0.0, 0.035))
+    assert goal.reached()
