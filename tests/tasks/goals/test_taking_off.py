@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from rlbench_pin.spatial import pose_at
+from rlbench_pin.tasks import COLORS
 from tests.tasks.goals.goal import Goal, goal_of
 from tests.tasks.running import running
 
@@ -74,4 +76,44 @@ def test_the_hand_comes_down_on_the_asked_pepper_and_the_needle_turns(goal: Goal
         goal.joint("scales/tray", 0.004 + sinks * max(count - 1, 0))
         goal.tick()
     goal.put(asked, (-0.14, 0.0, 0.035))
+    assert goal.reached()
+
+
+@goal_of("light_bulb_out", 0, 7, 10, 19)
+def test_the_bulb_has_to_stand_in_the_asked_holder(goal: Goal) -> None:
+    """At its bottom, upright, let go; it glows in the lamp alone. In the other holder, on a rim or beside one it does not."""
+    rgb = COLORS[goal.asked([color.name for color in COLORS])].rgb
+    holder, other = sorted(("holder0", "holder1"), key=lambda name: goal.world.body(name).color[:3] != rgb)
+    assert goal.world.body(other).color[:3] != rgb
+    assert glows(goal)
+    seat = (0.0, 0.0, 0.004 + 0.076)
+    for place, on in ((seat, other), ((0.0, 0.0, 0.034 + 0.076), holder), ((0.05, 0.0, 0.076), holder)):
+        goal.put("bulb", place, on=on)
+        goal.tick()
+        assert not goal.reached()
+        assert not glows(goal)
+    goal.ends("bulb", seat, on=holder, x=(-0.018, 0.018), y=(-0.018, 0.018), z=(0.0085,))
+    goal.border(lambda tilt: goal.put("bulb", seat, (tilt, 0.0, 0.0), on=holder), inside=0.26, outside=0.27)
+    goal.put("bulb", seat, on=holder)
+    goal.needs_release_of("bulb")
+    goal.tick()
+    assert not glows(goal)
+    goal.task.cleanup()
+    assert glows(goal)
+
+
+def glows(goal: Goal) -> bool:
+    """Whether the glass of the bulb is yellow."""
+    return (1.0, 1.0, 0.0) in (color[:3] for color in goal.world.body("bulb").colors.values())
+
+
+@goal_of("light_bulb_out", 0, 10, 19)
+def test_the_hand_is_turned_alike_wherever_the_task_stands(goal: Goal) -> None:
+    """Straight down on the bulb, and by 0.3735 rad over the holder, as specified."""
+    goal.world.place_root(pose_at((0.3, 0.1, goal.world.root.pose[2]), 0.0, 0.0, 1.0))
+    goal.task.get_waypoints()[0].run_start_hook()
+    for number, turn in ((1, np.pi), (4, 0.3735)):
+        pose = goal.task.get_waypoints()[number].pose
+        np.testing.assert_allclose(np.abs(pose[3:] @ pose_at((0.0, 0.0, 0.0), np.pi, 0.0, turn)[3:]), 1.0, atol=1e-6)
+    goal.put("bulb", goal.task.get_waypoints()[4].pose[:3] - [0.0, 0.0, 0.0105], on="world")
     assert goal.reached()
