@@ -141,6 +141,7 @@ NEGATIVES = {
     "turn_tap": Negative(spoil=turn_the_left_handle, done=left_handle_is_turned, variation=1),
     "toilet_seat_down": Negative(Omission(waypoints=(1, 2, 3))),  # pressed on where no seat is
     "toilet_seat_up": Negative(Omission(waypoints=(4, 5))),  # half way up
+    "unplug_charger": Negative(spoil=moved("waypoint1", x=-0.098, z=0.0146), done=holding("charger")),  # the pins stay 4 mm deep
 }
 """What each task cannot do without, or must not do; grasping where nothing is said."""
 

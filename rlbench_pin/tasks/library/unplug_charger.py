@@ -1,0 +1,24 @@
+"""Pull a charger out of a socket in the wall."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, Task
+
+
+class UnplugCharger(Task):
+    """The charger must be in front of the socket, its pins out of the holes; it may still be held."""
+
+    def init_task(self) -> None:
+        """The charger may be grasped; success is that it is away from the wall."""
+        self.register_graspable_objects(["charger"])
+        self.register_success_conditions([Detected(self.world.body("charger"), self.world.sensor("away"))])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
+        return [
+            "Pull the charger out of the socket.",
+            "The power adapter is plugged in: take its pins straight out of the wall.",
+            "Draw the plug from the outlet until both of its prongs are free.",
+        ]
