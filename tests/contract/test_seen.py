@@ -18,6 +18,7 @@ FLOOR, CAMERAS_THAT_SEE = 40, 3
 HARD_TO_SEE = {
     "empty_dishwasher": "the plate is behind a closed door",
     "open_wine_bottle": "a cap is small",
+    "press_switch": "only the rocker moves",
     "push_button": "only the cap moves",
     "push_buttons": "only the caps move",
     "play_jenga": "one brick of a tower",
