@@ -132,6 +132,7 @@ NEGATIVES = {
     "pick_up_cup": Negative(Omission(waypoints=(2,)), done=holding("cup")),
     "play_jenga": Negative(spoil=moved("waypoint2", x=-0.0459, z=-0.0655), done=loose_brick_is_out),  # upwards: the tower falls
     "plug_charger_in_power_supply": Negative(spoil=moved("waypoint3", x=-0.006), done=charger_hangs_half_in),
+    "press_switch": Negative(spoil=moved("waypoint1", z=-0.05)),  # the lower half, which is in already
     "push_button": Negative(Omission(waypoints=(1,))),
     "push_buttons": Negative(spoil=press_backwards, done=all_buttons_are_green, variation=2),
     "reach_target": Negative(spoil=moved("waypoint0", z=0.03), done=tip_is_near_the_ball),

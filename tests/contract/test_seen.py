@@ -20,6 +20,7 @@ HARD_TO_SEE = {
     "lamp_off": "only the cap of the button moves",
     "lamp_on": "only the cap of the button moves",
     "open_wine_bottle": "a cap is small",
+    "press_switch": "only the rocker moves",
     "push_button": "only the cap moves",
     "push_buttons": "only the caps move",
     "play_jenga": "one brick of a tower",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import pytest
 
 from rlbench_pin.tasks import BUTTON_COLORS
 from tests.tasks.goals.goal import Goal, goal_of
@@ -124,3 +125,30 @@ def test_the_thread_holds_until_it_is_unscrewed(goal: Goal) -> None:
         assert not goal.reached()
     goal.joint("cap/lift", 0.1)
     assert goal.reached()
+
+
+@goal_of("press_switch")
+def test_the_rocker_has_to_turn_to_its_other_end(goal: Goal) -> None:
+    """By more than 1 rad, and to stay there: half way over does not count, nor does tipping back."""
+    rocker = goal.world.joint("panel/rocker_joint")
+    assert rocker.position == pytest.approx(rocker.lower, abs=1e-3)
+    for value in (-0.3, 0.0, 0.39):
+        goal.joint("panel/rocker_joint", value)
+        assert not goal.reached()
+    goal.border(lambda value: goal.joint("panel/rocker_joint", value), inside=0.402, outside=0.398)
+    goal.joint("panel/rocker_joint", rocker.upper)
+    assert goal.reached()
+    goal.joint("panel/rocker_joint", rocker.lower)
+    assert not goal.reached()
+
+
+@pytest.mark.parametrize("start", [-0.3, -0.05, 0.05, 0.3])
+def test_the_rocker_rests_at_its_ends_alone(start: float) -> None:
+    """Let go on either side of the middle it falls to the end of that side within half a second."""
+    with running("press_switch") as task:
+        begin(task)
+        rocker = task.world.joint("panel/rocker_joint")
+        rocker.set_position(start)
+        for _ in range(10):
+            task.world.step()
+        assert rocker.position == pytest.approx(np.copysign(0.6, start), abs=0.01)
