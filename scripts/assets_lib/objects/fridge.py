@@ -1,0 +1,186 @@
+"""An upright fridge with two doors on its left edge and three shelves."""
+
+from __future__ import annotations
+
+from assets_lib.mesh import Mesh, box, cylinder, icosphere, merge, rod
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
+
+DEPTH, WIDTH, HEIGHT, FOOT, WALL = 0.30, 0.36, 0.60, 0.012, 0.015
+THICK, GAP = 0.03, 0.002
+"""Of the doors, and between them and the body [m]."""
+FRONT = -DEPTH / 2.0 + THICK + GAP
+"""x of the front of the body behind the doors [m]."""
+BACK = DEPTH / 2.0 - WALL
+UPPER, LOWER = (0.218, 0.598), (0.014, 0.214)
+"""Lowest and highest z of the doors [m]."""
+FLOORS = (0.027, 0.224)
+"""Height of the floors of both compartments [m]."""
+SHELVES = (0.12, 0.305, 0.52)
+"""Height of the upper sides of the shelves [m]."""
+SHELF_FRONT = FRONT + 0.052
+"""The shelves leave room for the racks of the upper door [m]."""
+HANDLE = (-THICK - 0.056, -0.312)
+"""x, y of the handle bars in the doors' frames [m]."""
+BAR_RADIUS = 0.007
+BARS = {"upper": (-0.09, 0.20), "lower": (0.02, 0.10)}
+"""Middle height in the frame of the door, and length of the handle bar [m]."""
+MINT, WHITE, INSIDE = (0.36, 0.66, 0.64), (0.95, 0.96, 0.96), (0.88, 0.92, 0.94)
+DARK, CHROME = (0.14, 0.14, 0.15), (0.84, 0.85, 0.88)
+
+Box = tuple[tuple[float, float, float], tuple[float, float, float]]
+
+
+def _between(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Box:
+    """Return size and centre of the box between bounds."""
+    size = (x[1] - x[0], y[1] - y[0], z[1] - z[0])
+    return (size, ((x[0] + x[1]) / 2.0, (y[0] + y[1]) / 2.0, (z[0] + z[1]) / 2.0))
+
+
+def _walls() -> tuple[Box, ...]:
+    """Return the boxes (size, centre) around both compartments."""
+    half, depth = WIDTH / 2.0, (FRONT, DEPTH / 2.0)
+    level = (FLOORS[0], HEIGHT - WALL)
+    return (
+        _between(depth, (-half, half), (FOOT, FLOORS[0])),
+        _between(depth, (-half, half), (HEIGHT - WALL, HEIGHT)),
+        _between(depth, (half - WALL, half), level),
+        _between(depth, (-half, -half + WALL), level),
+        _between((BACK, DEPTH / 2.0), (-half + WALL, half - WALL), level),
+        _between((FRONT, BACK), (-half + WALL, half - WALL), (FLOORS[1] - WALL, FLOORS[1])),
+    )
+
+
+def _shelves() -> tuple[Box, ...]:
+    half = WIDTH / 2.0 - WALL
+    fronts = (FRONT + 0.02, SHELF_FRONT, SHELF_FRONT)
+    return tuple(_between((x, BACK), (-half, half), (z - 0.006, z)) for x, z in zip(fronts, SHELVES, strict=True))
+
+
+def _food() -> tuple[tuple[str, Box, tuple[float, float, float]], ...]:
+    """Return name, box and colour of what lies below the middle shelf and on the upper one."""
+    low, high = FLOORS[1], SHELVES[2]
+    return (
+        ("crisper", _between((SHELF_FRONT, 0.12), (-0.155, 0.155), (low, low + 0.055)), (0.55, 0.80, 0.42)),
+        ("butter", _between((-0.01, 0.10), (0.06, 0.12), (high, high + 0.04)), (0.98, 0.85, 0.30)),
+        ("jam", _between((0.0, 0.06), (-0.02, 0.03), (high, high + 0.055)), (0.78, 0.12, 0.16)),
+        ("milk", _between((0.0, 0.08), (-0.13, -0.07), (high, high + 0.058)), (0.25, 0.45, 0.85)),
+    )
+
+
+def _feet() -> tuple[Box, ...]:
+    return tuple(((0.04, 0.04, FOOT), (x, y, FOOT / 2.0)) for x in (-0.08, 0.12) for y in (-0.15, 0.15))
+
+
+def _lining() -> Mesh:
+    """Return thin sheets that make the inside white."""
+    t, half = 0.001, WIDTH / 2.0 - WALL
+    sheets = []
+    for low, high in ((FLOORS[0], FLOORS[1] - WALL), (FLOORS[1], HEIGHT - WALL)):
+        sheets += [_between((FRONT, BACK), (side - t, side + t), (low, high)) for side in (-half, half)]
+        sheets += [_between((FRONT, BACK), (-half, half), (z - t, z + t)) for z in (low, high)]
+        sheets.append(_between((BACK - t, BACK + t), (-half, half), (low, high)))
+    return _merged(tuple(sheets))
+
+
+def _coil() -> Mesh:
+    """Return the pipes on the back, seen by the front camera."""
+    x = DEPTH / 2.0 + 0.006
+    runs = [box((0.006, 0.28, 0.007), (x, 0.0, 0.20 + 0.035 * i)) for i in range(10)]
+    bends = [box((0.006, 0.007, 0.035), (x, (0.14 if i % 2 else -0.14), 0.2175 + 0.035 * i)) for i in range(9)]
+    return merge([*runs, *bends, *(box((0.008, 0.006, 0.36), (x - 0.002, y, 0.36)) for y in (-0.09, 0.09))])
+
+
+def _compressor() -> Box:
+    return _between((DEPTH / 2.0, DEPTH / 2.0 + 0.012), (-0.13, 0.13), (0.03, 0.15))
+
+
+def _merged(boxes: tuple[Box, ...]) -> Mesh:
+    return merge(box(size, center) for size, center in boxes)
+
+
+def _body_link() -> Link:
+    food = _food()
+    visuals = (
+        Visual(mesh_shape("shell", _merged(_walls())), MINT),
+        Visual(mesh_shape("lining", _lining()), INSIDE),
+        Visual(mesh_shape("shelves", _merged(_shelves())), (0.62, 0.74, 0.80)),
+        Visual(mesh_shape("feet", _merged(_feet())), DARK),
+        Visual(mesh_shape("coil", _coil()), DARK),
+        Visual(mesh_shape("compressor", _merged((_compressor(),))), (0.30, 0.31, 0.33)),
+        *(Visual(mesh_shape(name, _merged((part,))), color) for name, part, color in food),
+    )
+    solid = (*_walls(), *_shelves(), *_feet(), _compressor(), *(part for _, part, _ in food))
+    coil = _between((DEPTH / 2.0, DEPTH / 2.0 + 0.009), (-0.144, 0.144), (0.19, 0.54))
+    return Link("fridge", 20.0, visuals, tuple(box_shape(size, center) for size, center in (*solid, coil)))
+
+
+def _handle(z: float, length: float) -> tuple[Mesh, tuple[Shape, ...]]:
+    """Return a vertical bar on two posts."""
+    x, y = HANDLE
+    reach = -x - THICK
+    ends = tuple(z + side * (length / 2.0 - 0.012) for side in (-1, 1))
+    bar = rod((x, y, z - length / 2.0), (x, y, z + length / 2.0), BAR_RADIUS, 10)
+    posts = tuple(box((reach, 0.012, 0.014), (x + reach / 2.0, y, e)) for e in ends)
+    stays = tuple(box_shape((reach, 0.012, 0.014), (x + reach / 2.0, y, e)) for e in ends)
+    return merge([bar, *posts]), (cylinder_shape(BAR_RADIUS, length, (x, y, z)), *stays)
+
+
+def _racks(tall: float) -> tuple[Box, ...]:
+    """Return the racks on the inner side of the upper door: floor and front board of each."""
+    racks: list[Box] = []
+    for z in (-tall / 2.0 + 0.03, 0.03):
+        racks.append(_between((0.0, 0.042), (-0.32, -0.045), (z, z + 0.006)))
+        racks.append(_between((0.037, 0.042), (-0.32, -0.045), (z + 0.006, z + 0.045)))
+    return tuple(racks)
+
+
+def _door_link(name: str, bounds: tuple[float, float], mass: float) -> Link:
+    """Return a door; its origin is on the hinge at half its height."""
+    tall = bounds[1] - bounds[0]
+    slab: Box = ((THICK, WIDTH, tall), (-THICK / 2.0, -WIDTH / 2.0, 0.0))
+    pad: Box = ((0.002, WIDTH - 0.05, tall - 0.05), (0.001, -WIDTH / 2.0, 0.0))
+    handle, shapes = _handle(*BARS[name])
+    visuals = [
+        Visual(mesh_shape(f"{name}_door", _merged((slab,))), MINT),
+        Visual(mesh_shape(f"{name}_pad", _merged((pad,))), WHITE),
+        Visual(mesh_shape(f"{name}_handle", handle), CHROME),
+    ]
+    solid: list[Box] = [slab]
+    if name == "upper":
+        racks = _racks(tall)
+        solid += racks
+        bottles = [cylinder(0.016, 0.09, 8).moved((0.02, y, -tall / 2.0 + 0.081)) for y in (-0.09, -0.15)]
+        eggs = [icosphere(0.014, 0).moved((0.02, -0.08 - 0.035 * i, 0.051)) for i in range(6)]
+        badge = box((0.002, 0.12, 0.024), (-THICK - 0.001, -0.14, 0.13))
+        visuals += [
+            Visual(mesh_shape("racks", _merged(racks)), (0.62, 0.74, 0.80)),
+            Visual(mesh_shape("juice", merge(bottles)), (0.95, 0.50, 0.12)),
+            Visual(mesh_shape("eggs", merge(eggs)), (0.90, 0.72, 0.55)),
+            Visual(mesh_shape("badge", badge), WHITE),
+        ]
+    return Link(
+        f"{name}_link", mass, tuple(visuals), (*(box_shape(size, center) for size, center in solid), *shapes), friction=1.0
+    )
+
+
+def models() -> tuple[Model, ...]:
+    """Return the models of this family."""
+    links, joints = [_body_link()], []
+    for name, bounds, mass in (("upper", UPPER, 1.6), ("lower", LOWER, 0.9)):
+        links.append(_door_link(name, bounds, mass))
+        hinge = (FRONT - GAP, WIDTH / 2.0, (bounds[0] + bounds[1]) / 2.0)
+        axis = (0.0, 0.0, -1.0)
+        joints.append(Joint(f"{name}_door", "revolute", "fridge", f"{name}_link", hinge, axis, 0.0, 1.9, damping=0.1))
+    half = WIDTH / 2.0 - WALL
+    notes = (
+        "front faces -x; hollow; both doors hang on the left edge for a viewer in front (at +y) and open towards -x",
+        f"links `upper_link` and `lower_link` have their origins on the hinge x {FRONT - GAP:.3f}, y {WIDTH / 2.0} at half door "
+        f"height, z {sum(UPPER) / 2.0:.3f} and {sum(LOWER) / 2.0:.3f}; shut, a door spans x -{THICK}..0 and y -{WIDTH}..0 there, "
+        f"z -+{(UPPER[1] - UPPER[0]) / 2.0:.2f} and -+{(LOWER[1] - LOWER[0]) / 2.0:.2f}",
+        f"handle bars vertical, diameter {2 * BAR_RADIUS}, at x, y {HANDLE} in the links; middle and length {BARS}; "
+        f"{-HANDLE[0] - THICK - BAR_RADIUS:.3f} m free behind them",
+        f"inside: x {FRONT:.3f}..{BACK:.3f}, y -+{half:.3f}; floors at z = {FLOORS}, ceiling {HEIGHT - WALL:.3f}; upper "
+        f"sides of the shelves at z = {SHELVES}; behind the upper door they begin at x = {SHELF_FRONT:.3f}; "
+        "the middle one is empty",
+    )
+    return (Model("fridge", "objects/fridge", "bottom centre", tuple(links), tuple(joints), notes),)
