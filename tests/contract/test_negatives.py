@@ -118,6 +118,7 @@ NEGATIVES = {
     "close_jar": Negative(spoil=close_the_other_jar, done=other_jar_is_shut),
     "close_laptop_lid": Negative(Omission(waypoints=(5,))),  # tipped, not pressed flat
     "close_fridge": Negative(Omission(waypoints=(1,))),
+    "close_drawer": Negative(Omission(waypoints=(1,))),
     "close_microwave": Negative(Omission(waypoints=(1,))),
     "hockey": Negative(Omission(waypoints=(4,)), done=holding("stick")),
     "insert_onto_square_peg": Negative(Omission(waypoints=(4,)), done=holding("ring")),  # above the pillar

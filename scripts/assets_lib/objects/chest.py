@@ -9,7 +9,8 @@ DEPTH, WIDTH, HEIGHT, LEG = 0.26, 0.34, 0.36, 0.045
 SIDE, PANEL, BACK = 0.018, 0.012, 0.008
 FRONT = (0.015, 0.30, 0.09)
 PITCH = (HEIGHT - LEG - 2 * PANEL) / 3.0
-TRAVEL = 0.22
+TRAVEL, SHORT_TRAVEL = 0.22, 0.15
+"""How far drawers come out, and how far where a stop holds them [m]."""
 BAR_RADIUS, BAR_LENGTH = 0.006, 0.10
 HANDLE = (-0.045, 0.0, 0.015)
 """Centre of the handle bar in the drawer frame [m]."""
@@ -86,6 +87,14 @@ def _drawer(name: str) -> Link:
     return Link(name, 0.6, visuals, (*shapes, *_handle_shapes()), friction=0.8)
 
 
+def _joints(heights: tuple[float, ...], travel: float) -> tuple[Joint, ...]:
+    """Return the slides of the drawers, whose fronts have these heights [m]."""
+    return tuple(
+        Joint(name, "prismatic", "chest", f"{name}_link", (-DEPTH / 2.0, 0.0, z), (-1.0, 0.0, 0.0), 0.0, travel, damping=2.0)
+        for name, z in zip(DRAWERS, heights, strict=True)
+    )
+
+
 def models() -> tuple[Model, ...]:
     """Return the models of this family."""
     fixed = (*_carcass(), *_legs())
@@ -96,10 +105,6 @@ def models() -> tuple[Model, ...]:
     )
     chest = Link("chest", 6.0, visuals, tuple(box_shape(size, center) for size, center in fixed))
     heights = tuple(LEG + PANEL + (i + 0.5) * PITCH for i in range(3))
-    joints = tuple(
-        Joint(name, "prismatic", "chest", f"{name}_link", (-DEPTH / 2.0, 0.0, z), (-1.0, 0.0, 0.0), 0.0, TRAVEL, damping=2.0)
-        for name, z in zip(DRAWERS, heights, strict=True)
-    )
     notes = (
         "front faces -x; joints pull the drawers along -x; drawers are hollow with a bottom",
         f"drawer links have their origin at the centre of the front face: x = {-DEPTH / 2}, z = "
@@ -111,4 +116,8 @@ def models() -> tuple[Model, ...]:
         "inside of a drawer: x 0.015..0.229, y -0.139..0.139, floor at z = -0.034 in the drawer link",
     )
     links = (chest, *(_drawer(f"{name}_link") for name in DRAWERS))
-    return (Model("chest", "objects/chest", "bottom centre", links, joints, notes),)
+    stops = (f"as chest, but stops hold the drawers after {SHORT_TRAVEL} m",)
+    return (
+        Model("chest", "objects/chest", "bottom centre", links, _joints(heights, TRAVEL), notes),
+        Model("chest_with_stops", "objects/chest", "bottom centre", links, _joints(heights, SHORT_TRAVEL), stops),
+    )

@@ -9,6 +9,26 @@ from rlbench_pin.tasks import BodySpec
 from tests.tasks.goals.goal import Goal, goal_of
 
 
+@goal_of("close_drawer", 0, 1, 2)
+def test_the_asked_drawer_has_to_go_in(goal: Goal) -> None:
+    """It alone stands out, by 10 cm, and counts from 6 cm inwards on; farther out is as little as what the others do."""
+    drawers = ("bottom", "middle", "top")
+    asked = drawers[goal.asked(drawers)]
+    assert [goal.world.joint(f"chest/drawer_{name}").position for name in drawers] == [0.1 * (name == asked) for name in drawers]
+    ahead, front = goal.place_of("waypoint0"), goal.place_of(f"chest/drawer_{asked}_link")
+    assert abs(ahead[2] - front[2]) < 0.02 and np.linalg.norm(ahead[:2] - front[:2]) < 0.15
+    for other in set(drawers) - {asked}:
+        for way in (0.15, 0.0):
+            goal.joint(f"chest/drawer_{other}", way)
+            assert not goal.reached()
+    drawer = goal.world.joint(f"chest/drawer_{asked}")
+    goal.joint(drawer.name, drawer.upper)
+    assert not goal.reached()
+    goal.border(lambda way: goal.joint(drawer.name, 0.1 - way), inside=0.0605, outside=0.0595)
+    goal.joint(drawer.name, 0.0)
+    assert goal.reached()
+
+
 @goal_of("close_microwave")
 def test_the_microwave_is_shut_by_forty_degrees(goal: Goal) -> None:
     """The door starts at 1.2 rad and stays there until it is pushed; opening it further is nothing."""

@@ -1,0 +1,33 @@
+"""Push in one drawer of a chest."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import JointMoved, Task
+
+
+class CloseDrawer(Task):
+    """One of three drawers stands 10 cm out and must go in by 6 cm; stops keep it from coming out as far."""
+
+    drawers = ("bottom", "middle", "top")
+
+    def init_task(self) -> None:
+        """Nothing is registered before the drawer is known."""
+
+    def variation_count(self) -> int:
+        """One for each drawer."""
+        return len(self.drawers)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Pull out the named drawer and aim at its front; success is that it goes in by 6 cm."""
+        drawer = self.drawers[variation]
+        joint = self.world.joint(f"chest/drawer_{drawer}")
+        joint.set_position(0.1)
+        self.world.frame("waypoint0").move_to(f"ahead_{drawer}")
+        self.register_success_conditions([JointMoved(joint, 0.06)])
+        return [
+            f"Push the {drawer} drawer in.",
+            f"Somebody left the {drawer} drawer of the chest out, please close it.",
+            f"The chest looks untidy, so shove its {drawer} compartment back.",
+        ]
