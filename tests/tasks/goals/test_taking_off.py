@@ -117,3 +117,17 @@ def test_the_hand_is_turned_alike_wherever_the_task_stands(goal: Goal) -> None:
         np.testing.assert_allclose(np.abs(pose[3:] @ pose_at((0.0, 0.0, 0.0), np.pi, 0.0, turn)[3:]), 1.0, atol=1e-6)
     goal.put("bulb", goal.task.get_waypoints()[4].pose[:3] - [0.0, 0.0, 0.0105], on="world")
     assert goal.reached()
+
+
+@goal_of("take_frame_off_hanger")
+def test_the_frame_has_to_lie_before_the_wall(goal: Goal) -> None:
+    """Let go, whichever face is up, or standing; on the hook, in the air before it or behind the wall it does not count."""
+    flat = (0.0, np.pi / 2.0, 0.0)
+    for place in ((-0.0405, 0.0, 0.351), (-0.25, 0.0, 0.351), (-0.25, 0.0, 0.139), (0.2, 0.0, 0.0755)):
+        goal.put("frame", place, on="wall")
+        assert not goal.reached()
+    goal.ends("frame", (-0.25, 0.0, 0.0285), flat, on="wall", x=(-0.2, 0.2), y=(-0.275, 0.275), z=(0.0595,))
+    goal.needs_release_of("frame")
+    for place, rpy in (((-0.25, 0.0, 0.0285), (0.0, -np.pi / 2.0, 0.0)), ((-0.25, 0.0, 0.0755), (0.0, 0.0, 0.0))):
+        goal.put("frame", place, rpy, on="wall")
+        assert goal.reached()
