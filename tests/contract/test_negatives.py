@@ -112,6 +112,11 @@ def all_buttons_are_green(task: Task) -> bool:
     return all(task.green)
 
 
+def cube_is_in(drawer: str) -> Callable[[Task], bool]:
+    """Return the question whether the cube lies in a drawer, let go."""
+    return lambda task: not task.gripper.grasped and task.world.sensor(f"in_{drawer}").detects("cube")
+
+
 NO_GRASP = Negative(Omission(grasps=True))
 NEGATIVES = {
     "beat_the_buzz": Negative(spoil=moved("waypoint2", z=0.03), done=holding("wand")),  # the ring touches the rod
@@ -137,6 +142,9 @@ NEGATIVES = {
     "press_switch": Negative(spoil=moved("waypoint1", z=-0.05)),  # the lower half, which is in already
     "push_button": Negative(Omission(waypoints=(1,))),
     "push_buttons": Negative(spoil=press_backwards, done=all_buttons_are_green, variation=2),
+    "put_item_in_drawer": Negative(  # into the drawer below
+        spoil=lambda task: task.world.frame("waypoint1").move_to("handle_middle"), done=cube_is_in("middle"), variation=2
+    ),
     "reach_target": Negative(spoil=moved("waypoint0", z=0.03), done=tip_is_near_the_ball),
     "screw_nail": Negative(Omission(waypoints=(5,)), done=holding("screwdriver")),
     "slide_block_to_target": Negative(Omission(waypoints=(1,))),

@@ -157,3 +157,44 @@ def test_all_drops_have_to_be_in_the_target_cup(goal: Goal) -> None:
         assert not goal.reached(), drop
         goal.put(drop, (0.0, 0.0, 0.02), on="target")
     goal.ends(goal.task.drops[-1], (0.0, 0.0, 0.02), on="target", x=(-0.03, 0.03), y=(-0.03, 0.03), z=(0.04,))
+
+
+DRAWERS = ("bottom", "middle", "top")
+
+
+def outside_of(drawer: str) -> tuple[tuple[str, tuple[float, float, float]], ...]:
+    """Return where a cube is near a drawer and not in it: in the others, above it, before it, on the table under it."""
+    link = f"chest/drawer_{drawer}_link"
+    others = [(f"chest/drawer_{name}_link", (0.068, 0.0, -0.014)) for name in DRAWERS if name != drawer]
+    return (*others, (link, (0.068, 0.0, 0.06)), (link, (-0.03, 0.0, 0.0)), ("chest", (-0.25, 0.0, 0.02)))
+
+
+@goal_of("put_item_in_drawer", 0, 1, 2)
+def test_the_cube_has_to_lie_in_the_asked_drawer(goal: Goal) -> None:
+    """Whether that is open or shut; in another drawer, over it, in front of it or on the chest does not count."""
+    drawer = DRAWERS[goal.asked(DRAWERS)]
+    for opened in (0.17, 0.0):
+        for name in DRAWERS:
+            goal.joint(f"chest/drawer_{name}", opened)
+        assert not goal.reached()
+        for on, place in outside_of(drawer):
+            goal.put("cube", place, on=on)
+            assert not goal.reached(), (on, place)
+        place = (0.122, 0.0, -0.014)
+        goal.ends("cube", place, on=f"chest/drawer_{drawer}_link", x=(-0.1, 0.1), y=(-0.14, 0.14), z=(0.03,))
+        goal.counts_while_held("cube")
+        goal.put("cube", (-0.08, 0.0, 0.38), on="chest")
+
+
+@goal_of("take_item_out_of_drawer", 0, 1, 2)
+def test_the_cube_has_to_lie_on_the_chest(goal: Goal) -> None:
+    """It begins in the asked drawer; pulled out with it, beside the chest or high above the top it does not count."""
+    drawer = DRAWERS[goal.asked(DRAWERS)]
+    place = goal.place_of(f"inside_{drawer}")
+    np.testing.assert_allclose(goal.world.body("cube").position, place[:3], atol=2e-3)
+    goal.joint(f"chest/drawer_{drawer}", 0.2)
+    for on, where in ((f"inside_{drawer}", (0.0, 0.0, 0.0)), ("chest", (-0.3, 0.0, 0.02)), ("chest", (-0.3, 0.0, 0.38))):
+        goal.put("cube", where, on=on)
+        assert not goal.reached(), where
+    goal.ends("cube", (0.0, 0.0, 0.38), on="chest", x=(-0.13, 0.13), y=(-0.17, 0.17), z=(0.05,))
+    goal.counts_while_held("cube")

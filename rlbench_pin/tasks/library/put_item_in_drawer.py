@@ -1,0 +1,32 @@
+"""Stow a cube in one drawer of a chest."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, Task
+
+
+class PutItemInDrawer(Task):
+    """The cube on top of the chest must come into the asked one of three shut drawers; it need not be let go."""
+
+    drawers = ("bottom", "middle", "top")
+
+    def init_task(self) -> None:
+        """The cube may be grasped."""
+        self.register_graspable_objects(["cube"])
+
+    def variation_count(self) -> int:
+        """One for each drawer."""
+        return len(self.drawers)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Aim at the handle of the asked drawer; success is the cube in that drawer."""
+        drawer = self.drawers[variation]
+        self.world.frame("waypoint1").move_to(f"handle_{drawer}")
+        self.register_success_conditions([Detected(self.world.body("cube"), self.world.sensor(f"in_{drawer}"))])
+        return [
+            f"Lay the cube into the {drawer} drawer.",
+            f"The {drawer} compartment of the chest is where the blue block belongs.",
+            f"Draw out the {drawer} one of the three drawers and drop in what lies on the chest.",
+        ]
