@@ -77,11 +77,15 @@ NO_GRASP = Negative(Omission(grasps=True))
 NEGATIVES = {
     "beat_the_buzz": Negative(spoil=moved("waypoint2", z=0.03), done=holding("wand")),  # the ring touches the rod
     "close_fridge": Negative(Omission(waypoints=(1,))),
+    "close_grill": Negative(Omission(waypoints=(2, 3, 4))),
     "close_microwave": Negative(Omission(waypoints=(1,))),
     "hockey": Negative(Omission(waypoints=(4,)), done=holding("stick")),
     "insert_onto_square_peg": Negative(Omission(waypoints=(4,)), done=holding("ring")),  # above the pillar
     "open_door": Negative(Omission(waypoints=(3, 4))),  # the swing alone also turns the lever, as the hand slides along it
+    "open_fridge": Negative(Omission(waypoints=(2, 3, 4, 5))),
+    "open_grill": Negative(Omission(waypoints=(2, 3, 4))),
     "open_oven": Negative(Omission(waypoints=(2, 3, 4))),
+    "open_washing_machine": Negative(Omission(waypoints=(2, 3, 4))),
     "open_wine_bottle": Negative(Omission(waypoints=(1,)), pull_without_a_turn),
     "pick_and_lift": Negative(Omission(waypoints=(2, 3)), done=holding("block")),
     "play_jenga": Negative(spoil=moved("waypoint2", x=-0.0459, z=-0.0655), done=loose_brick_is_out),  # upwards: the tower falls
