@@ -124,6 +124,7 @@ NEGATIVES = {
     "close_laptop_lid": Negative(Omission(waypoints=(5,))),  # tipped, not pressed flat
     "close_fridge": Negative(Omission(waypoints=(1,))),
     "close_drawer": Negative(Omission(waypoints=(1,))),
+    "close_grill": Negative(Omission(waypoints=(2, 3, 4))),
     "close_microwave": Negative(Omission(waypoints=(1,))),
     "hockey": Negative(Omission(waypoints=(4,)), done=holding("stick")),
     "insert_onto_square_peg": Negative(Omission(waypoints=(4,)), done=holding("ring")),  # above the pillar
@@ -132,7 +133,10 @@ NEGATIVES = {
     "lamp_on": Negative(Omission(waypoints=(1,))),
     "open_door": Negative(Omission(waypoints=(3, 4))),  # the swing alone also turns the lever, as the hand slides along it
     "open_jar": Negative(spoil=open_the_other_jar, done=other_lid_is_in_the_ring),
+    "open_fridge": Negative(Omission(waypoints=(2, 3, 4, 5))),
+    "open_grill": Negative(Omission(waypoints=(2, 3, 4))),
     "open_oven": Negative(Omission(waypoints=(2, 3, 4))),
+    "open_washing_machine": Negative(Omission(waypoints=(2, 3, 4))),
     "open_wine_bottle": Negative(Omission(waypoints=(1,)), pull_without_a_turn),
     "pick_and_lift": Negative(Omission(waypoints=(2, 3)), done=holding("block")),
     "pick_and_lift_small": Negative(Omission(waypoints=(2, 3)), done=holding("star"), variation=3),

@@ -18,6 +18,8 @@ class MovedTowardsShut(JointMoved):
 class CloseFridge(Task):
     """The upper door stands open and must swing by 30 degrees towards the body; opening it further is nothing."""
 
+    solved_by_chance = True
+
     def init_task(self) -> None:
         """Success is a turn of the upper door by 30 degrees, inwards."""
         self.register_success_conditions([MovedTowardsShut(self.world.joint("fridge/upper_door"), np.deg2rad(30.0))])

@@ -1,0 +1,23 @@
+"""Pull open the upper door of a fridge."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import JointMoved, Task
+
+
+class OpenFridge(Task):
+    """Both doors are shut; the upper one must swing by 70 degrees."""
+
+    def init_task(self) -> None:
+        """Success is a turn of the upper door by 70 degrees."""
+        self.register_success_conditions([JointMoved(self.world.joint("fridge/upper_door"), np.deg2rad(70.0))])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
+        return [
+            "Swing the upper door of the fridge wide open.",
+            "Someone is hungry: pull at the taller handle until the refrigerator's inside can be seen.",
+            "To get at the shelves, open the refrigerator by its big door.",
+        ]
