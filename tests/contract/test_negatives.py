@@ -52,6 +52,17 @@ def pull_without_a_turn(task: Task) -> None:
     task.world.frame("waypoint2").set_local([0.0, 0.0, -0.12, 0.0, 0.0, 0.0, 1.0])
 
 
+def turn_the_hand_back(task: Task) -> None:
+    """Turn the long hand of the clock back by a quarter, to nine, where three is asked for."""
+    quarter = np.sqrt(0.5)
+    task.world.frame("waypoint3").set_local([0.0, 0.0, 0.0, 0.0, 0.0, quarter, quarter])
+
+
+def it_is_a_quarter_to(task: Task) -> bool:
+    """Whether the long hand points at nine."""
+    return task.world.sensor("quarter_to").detects("clock")
+
+
 def turn_the_left_handle(task: Task) -> None:
     """Turn the left handle of the tap, whichever is asked for."""
     task.world.frame("waypoint1").set_parent("left_grip")
@@ -86,6 +97,7 @@ def all_buttons_are_green(task: Task) -> bool:
 NO_GRASP = Negative(Omission(grasps=True))
 NEGATIVES = {
     "beat_the_buzz": Negative(spoil=moved("waypoint2", z=0.03), done=holding("wand")),  # the ring touches the rod
+    "change_clock": Negative(Omission(waypoints=(2,))),
     "close_microwave": Negative(Omission(waypoints=(1,))),
     "hockey": Negative(Omission(waypoints=(4,)), done=holding("stick")),
     "insert_onto_square_peg": Negative(Omission(waypoints=(4,)), done=holding("ring")),  # above the pillar
@@ -99,6 +111,7 @@ NEGATIVES = {
     "push_buttons": Negative(spoil=press_backwards, done=all_buttons_are_green, variation=2),
     "reach_target": Negative(spoil=moved("waypoint0", z=0.03), done=tip_is_near_the_ball),
     "screw_nail": Negative(Omission(waypoints=(5,)), done=holding("screwdriver")),
+    "set_clock_to_time": Negative(spoil=turn_the_hand_back, done=it_is_a_quarter_to, variation=0),
     "slide_block_to_target": Negative(Omission(waypoints=(1,))),
     "take_lid_off_saucepan": Negative(Omission(waypoints=(2,)), done=holding("lid")),
     "turn_tap": Negative(spoil=turn_the_left_handle, done=left_handle_is_turned, variation=1),
