@@ -45,7 +45,7 @@ def _spout_line() -> list[tuple[float, float]]:
     """Return x and height along the middle of the spout: up, over in a bow, down to the mouth."""
     top, x = SPOUT - SPOUT_RADIUS, MOUTH[0]
     radius = -x / 2.0
-    turns = np.linspace(0.0, np.pi, 9)
+    turns = np.linspace(0.0, np.pi, 8)
     bow = [(x / 2.0 + radius * float(np.cos(a)), top - 0.035 + 0.035 * float(np.sin(a))) for a in turns]
     return [(0.0, RIM), *bow, MOUTH]
 
@@ -58,13 +58,13 @@ def _spout_pieces() -> list[tuple[Vec3, Vec3]]:
 
 def _fittings() -> Mesh:
     """Return the spout with its foot, and the stems with theirs."""
-    feet = [cylinder(0.022, 0.012, 20, bevel=0.004).moved((0.0, y, RIM + 0.006)) for y in (-STEM_Y, 0.0, STEM_Y)]
+    feet = [cylinder(0.022, 0.012, 14).moved((0.0, y, RIM + 0.006)) for y in (-STEM_Y, 0.0, STEM_Y)]
     low, high = RIM, HANDLE_Z - THICK / 2.0 - 0.002
     stems = [
-        lathe([(0.0, low), (0.016, low), (STEM_RADIUS, high), (0.0, high)], 16).moved((0.0, y, 0.0)) for y in (-STEM_Y, STEM_Y)
+        lathe([(0.0, low), (0.016, low), (STEM_RADIUS, high), (0.0, high)], 12).moved((0.0, y, 0.0)) for y in (-STEM_Y, STEM_Y)
     ]
-    pieces = [rod(start, end, SPOUT_RADIUS, 12) for start, end in _spout_pieces()]
-    collar = cylinder(SPOUT_RADIUS + 0.003, 0.014, 14).moved((MOUTH[0], 0.0, MOUTH[1]))
+    pieces = [rod(start, end, SPOUT_RADIUS, 9) for start, end in _spout_pieces()]
+    collar = cylinder(SPOUT_RADIUS + 0.003, 0.014, 12).moved((MOUTH[0], 0.0, MOUTH[1]))
     return merge([*feet, *stems, *pieces, collar])
 
 
@@ -80,7 +80,7 @@ def _spout_shapes() -> tuple[Shape, ...]:
 
 
 def _basin_link() -> Link:
-    drain = cylinder(0.018, 0.003, 18).moved((MOUTH[0], 0.0, FLOOR + 0.002))
+    drain = cylinder(0.018, 0.003, 12).moved((MOUTH[0], 0.0, FLOOR + 0.002))
     visuals = (
         Visual(mesh_shape("basin", merge(box(size, center) for size, center in _basin())), CERAMIC),
         Visual(mesh_shape("glaze", _glaze()), GLAZE),
@@ -96,11 +96,11 @@ def _basin_link() -> Link:
 def _cross() -> Mesh:
     """Return the cross of a handle with a round button in the middle; the origin is its middle."""
     arms = [box((SPAN, ARM, THICK)), box((ARM, SPAN, THICK))]
-    return merge([*arms, cylinder(STEM_RADIUS + 0.001, THICK + 0.004, 16)])
+    return merge([*arms, cylinder(STEM_RADIUS + 0.001, THICK + 0.004, 12)])
 
 
 def _handle_link(side: str, color: Vec3) -> Link:
-    button = cylinder(0.009, 0.004, 14).moved((0.0, 0.0, THICK / 2.0 + 0.003))
+    button = cylinder(0.009, 0.004, 10).moved((0.0, 0.0, THICK / 2.0 + 0.003))
     visuals = (Visual(mesh_shape(f"cross_{side}", _cross()), color), Visual(mesh_shape(f"button_{side}", button), WHITE))
     hub = cylinder_shape(STEM_RADIUS, THICK)
     return Link(

@@ -1,0 +1,23 @@
+"""Turn the long hand of a clock by the key at its back."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, Task
+
+
+class ChangeClock(Task):
+    """The long hand must point at three: a quarter past twelve."""
+
+    def init_task(self) -> None:
+        """Success is that the long hand covers the mark of three o'clock."""
+        self.register_success_conditions([Detected(self.world.body("clock"), self.world.sensor("quarter"))])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
+        return [
+            "Set the alarm clock to a quarter past twelve.",
+            "It is twelve by this clock: rotate the key at its back until the long hand points to the three.",
+            "With the knob behind the dial, move the time forward by fifteen minutes.",
+        ]

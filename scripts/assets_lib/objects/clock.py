@@ -1,0 +1,140 @@
+"""An alarm clock on two legs; a winged key at its back turns the long hand, on one axle through the case."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from assets_lib.mesh import Mesh, box, cylinder, lathe, merge, rod
+from assets_lib.prisms import mark
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, sphere_shape
+
+RADIUS, DEPTH, AXLE_Z = 0.11, 0.04, 0.16
+"""Radius and depth of the case, and height of the axle [m]."""
+FACE = -DEPTH / 2.0
+"""x of the dial [m]; it faces -x."""
+HAND_X, HAND, THIN = FACE - 0.006, (0.09, 0.012), 0.003
+"""x of the middle of the long hand; how far it reaches from the axle, and how wide it is; its thickness [m]."""
+RIM = 0.016
+"""How far the rim stands out before the dial [m]; a glass that is not drawn closes it."""
+WING, WING_X = (0.02, 0.015, 0.04), 0.055
+"""Size of the key along x, y and z at 0, and x of its middle [m]."""
+HALF_PI = 1.57079633
+RED, PALE, INK, BRASS, PLATE = (0.80, 0.12, 0.10), (0.80, 0.94, 1.00), (0.05, 0.05, 0.06), (0.92, 0.70, 0.20), (0.28, 0.30, 0.34)
+TWELVE, QUARTER = (0.024, 0.016), (0.020, 0.013)
+"""Length and width of the mark at twelve and of the marks at three, six and nine [m]."""
+
+
+def _case() -> Mesh:
+    """Return the case with its rim, open towards the dial."""
+    back, front, inner = DEPTH / 2.0, FACE - RIM, RADIUS - 0.008
+    outline = [(0.0, -back), (RADIUS - 0.006, -back), (RADIUS, -back + 0.006), (RADIUS, -front), (inner, -front), (inner, -FACE)]
+    return lathe(outline, 28).moved((0.0, 0.0, AXLE_Z), (0.0, -HALF_PI, 0.0))
+
+
+def _disc(radius: float, x: float, sides: int) -> Mesh:
+    """Return a thin disc across the axle, whose front is at `x`."""
+    return cylinder(radius, 0.001, sides).moved((x + 0.0005, 0.0, AXLE_Z), (0.0, HALF_PI, 0.0))
+
+
+def _marks() -> Mesh:
+    """Return the marks of the hours, as flat pieces before the dial."""
+    pieces = []
+    for hour in range(12):
+        length, width = TWELVE if hour == 0 else QUARTER if hour % 3 == 0 else (0.011, 0.006)
+        turn, outer = hour * np.pi / 6.0, RADIUS - 0.012
+        along, across = np.array([-np.sin(turn), np.cos(turn)]), np.array([np.cos(turn), np.sin(turn)])
+        corners = [r * along + side * width / 2.0 * across for r in (outer - length, outer) for side in (-1, 1)]
+        pieces.append(mark([(-float(y), float(z)) for y, z in corners], 0.0015, "x").moved((0.0, 0.0, 0.0), (0.0, 0.0, np.pi)))
+    return merge(pieces).moved((FACE, 0.0, AXLE_Z))
+
+
+def _stand() -> Mesh:
+    """Return two splayed legs with feet, and the handle over the bells."""
+    legs = [rod((0.0, s * 0.045, AXLE_Z - RADIUS + 0.02), (0.0, s * 0.075, 0.008), 0.007, 8) for s in (-1, 1)]
+    feet = [box((0.07, 0.026, 0.012), (0.0, s * 0.077, 0.006)) for s in (-1, 1)]
+    return merge([*legs, *feet])
+
+
+def _bells() -> Mesh:
+    """Return the two bells on top, each on a stalk."""
+    half = [(0.0, 0.0), (0.028, 0.0), (0.026, 0.010), (0.017, 0.020), (0.0, 0.024)]
+    parts = []
+    for side in (-1, 1):
+        turn = -side * 0.55
+        place = (0.0, side * float(np.sin(0.55)) * (RADIUS + 0.006), AXLE_Z + float(np.cos(0.55)) * (RADIUS + 0.006))
+        parts.append(lathe(half, 14).moved(place, (turn, 0.0, 0.0)))
+        parts.append(cylinder(0.005, 0.02, 6).moved(place, (turn, 0.0, 0.0)))
+    return merge(parts)
+
+
+def _short_hand() -> Mesh:
+    """Return the hand of the hours, at twelve."""
+    return box((0.002, 0.014, 0.058), (FACE - 0.002, 0.0, AXLE_Z + 0.021))
+
+
+def _case_shapes() -> tuple[Shape, ...]:
+    """Return the case, the glass, the legs with their feet, and the bells."""
+    across = (0.0, HALF_PI, 0.0)
+    case = cylinder_shape(RADIUS, DEPTH, (0.0, 0.0, AXLE_Z), across)
+    glass = cylinder_shape(RADIUS, 0.003, (FACE - RIM + 0.0015, 0.0, AXLE_Z), across)
+    legs = (box_shape((0.014, 0.014, 0.06), (0.0, s * 0.063, 0.038), (-s * 0.46, 0.0, 0.0)) for s in (-1, 1))
+    feet = (box_shape((0.07, 0.026, 0.012), (0.0, s * 0.077, 0.006)) for s in (-1, 1))
+    bell_y, bell_z = float(np.sin(0.55)) * (RADIUS + 0.012), AXLE_Z + float(np.cos(0.55)) * (RADIUS + 0.012)
+    bells = (sphere_shape(0.023, (0.0, s * bell_y, bell_z)) for s in (-1, 1))
+    return (case, glass, *legs, *feet, *bells)
+
+
+def _case_link() -> Link:
+    visuals = (
+        Visual(mesh_shape("case", _case()), RED),
+        Visual(mesh_shape("dial", _disc(RADIUS - 0.006, FACE - 0.0005, 28)), PALE),
+        Visual(mesh_shape("marks", _marks()), INK),
+        Visual(mesh_shape("short_hand", _short_hand()), INK),
+        Visual(mesh_shape("back", _disc(RADIUS - 0.02, DEPTH / 2.0, 24)), PLATE),
+        Visual(mesh_shape("stand", _stand()), PLATE),
+        Visual(mesh_shape("bells", _bells()), BRASS),
+    )
+    return Link("case", 1.2, visuals, _case_shapes())
+
+
+def _movement_link() -> Link:
+    """Return the long hand and the key, which turn as one; the origin is on the axle."""
+    length, width = HAND
+    tail = 0.018
+    hand = box((THIN, width, length + tail), (HAND_X, 0.0, (length - tail) / 2.0))
+    boss = cylinder(0.010, THIN + 0.002, 12).moved((HAND_X, 0.0, 0.0), (0.0, HALF_PI, 0.0))
+    low, high = DEPTH / 2.0, WING_X + WING[0] / 2.0
+    axle = rod((low, 0.0, 0.0), (high - 0.004, 0.0, 0.0), 0.007, 10)
+    wings = [box(WING, (WING_X, 0.0, 0.0)), cylinder(0.0075, WING[0], 10).moved((WING_X, 0.0, 0.0), (0.0, HALF_PI, 0.0))]
+    visuals = (
+        Visual(mesh_shape("long_hand", merge([hand, boss])), INK),
+        Visual(mesh_shape("key", merge([axle, *wings])), BRASS),
+    )
+    shapes = (
+        box_shape((THIN, width, length + tail), (HAND_X, 0.0, (length - tail) / 2.0)),
+        box_shape((WING_X - low - 0.002, 0.012, 0.012), ((WING_X + low + 0.002) / 2.0, 0.0, 0.0)),
+        box_shape(WING, (WING_X, 0.0, 0.0)),
+    )
+    return Link("movement", 0.06, visuals, shapes, friction=1.0)
+
+
+def models() -> tuple[Model, ...]:
+    """Return the models of this family."""
+    turn = Joint("hand", "revolute", "case", "movement", (0.0, 0.0, AXLE_Z), (1.0, 0.0, 0.0), -3.14, 3.14, damping=0.002)
+    notes = (
+        f"the dial, of diameter {2 * RADIUS}, faces -x; its middle is at z = {AXLE_Z}, and three o'clock at -y",
+        f"link `movement` is the long hand, at twelve at 0, {HAND[0]} long from the axle, at x = {HAND_X:.3f}, and the key; "
+        "the joint `hand` grows clockwise for a viewer in front",
+        f"the key at the back, {WING[0]} x {WING[1]} x {WING[2]}, is upright at 0; its middle is at x = {WING_X}",
+        f"a glass that is not drawn closes the rim, {RIM} before the dial; the short hand is fixed at twelve",
+    )
+    return (
+        Model(
+            "alarm_clock",
+            "objects/alarm_clock",
+            "bottom centre, below the middle",
+            (_case_link(), _movement_link()),
+            (turn,),
+            notes,
+        ),
+    )
