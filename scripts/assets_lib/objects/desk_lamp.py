@@ -30,7 +30,7 @@ WHITE, CLOTH = (1.0, 1.0, 1.0), (0.50, 0.42, 0.34)
 
 def _foot() -> Mesh:
     low, rim = 0.010, FOOT_RADIUS - 0.010
-    return lathe([(0.0, 0.0), (FOOT_RADIUS, 0.0), (FOOT_RADIUS, low), (rim, FOOT_HEIGHT - 0.002), (0.0, FOOT_HEIGHT)], 28)
+    return lathe([(0.0, 0.0), (FOOT_RADIUS, 0.0), (FOOT_RADIUS, low), (rim, FOOT_HEIGHT - 0.002), (0.0, FOOT_HEIGHT)], 24)
 
 
 def _stem() -> Mesh:
@@ -50,9 +50,9 @@ def _stem() -> Mesh:
 
 def _bulb() -> Mesh:
     """Return the glass: a ball on a neck."""
-    angles = np.linspace(-0.75, np.pi / 2.0, 9)
+    angles = np.linspace(-0.75, np.pi / 2.0, 8)
     ball = [(BULB_RADIUS * float(np.cos(a)), BULB_HEIGHT + BULB_RADIUS * float(np.sin(a))) for a in angles[:-1]]
-    return lathe([(0.0, SOCKET_TOP - 0.002), (0.0125, SOCKET_TOP - 0.002), *ball, (0.0, BULB_HEIGHT + BULB_RADIUS)], 20)
+    return lathe([(0.0, SOCKET_TOP - 0.002), (0.0125, SOCKET_TOP - 0.002), *ball, (0.0, BULB_HEIGHT + BULB_RADIUS)], 16)
 
 
 def _shade() -> Mesh:

@@ -23,7 +23,7 @@ GRAY, DARK = (0.50, 0.51, 0.53), (0.27, 0.28, 0.30)
 def _pot() -> Mesh:
     """Return the outside of the jar up to its neck; the origin is the middle of its height."""
     foot = [(0.0, 0.0), (RADIUS - 0.004, 0.0), (RADIUS, 0.004), (RADIUS, SHOULDER), (RADIUS - 0.004, SHOULDER + 0.008)]
-    return lathe([*foot, (NECK - 0.001, NECK_START)], 28).moved((0.0, 0.0, -HEIGHT / 2.0))
+    return lathe([*foot, (NECK - 0.001, NECK_START)], 24).moved((0.0, 0.0, -HEIGHT / 2.0))
 
 
 def _neck() -> Mesh:
@@ -31,9 +31,9 @@ def _neck() -> Mesh:
     outline = [(NECK - 0.001, NECK_START)]
     for k in range(2):
         z = NECK_START + 0.006 + 0.007 * k
-        outline += [(NECK - 0.001, z), (NECK, z + 0.0015), (NECK, z + 0.003), (NECK - 0.001, z + 0.0045)]
+        outline += [(NECK - 0.001, z), (NECK, z + 0.002), (NECK - 0.001, z + 0.004)]
     outline += [(NECK - 0.001, HEIGHT - 0.001), (NECK - 0.002, HEIGHT), (MOUTH, HEIGHT)]
-    return lathe(outline, 24).moved((0.0, 0.0, -HEIGHT / 2.0))
+    return lathe(outline, 20).moved((0.0, 0.0, -HEIGHT / 2.0))
 
 
 def _hollow() -> Mesh:
@@ -41,12 +41,12 @@ def _hollow() -> Mesh:
     inner, skin = RADIUS - WALL, 0.001
     seen = [(MOUTH, HEIGHT), (MOUTH, NECK_START - 0.002), (inner, SHOULDER), (inner, FLOOR), (0.0, FLOOR)]
     back = [(0.0, FLOOR - skin), *((radius + skin, z) for radius, z in reversed(seen[:-1]))]
-    return lathe([*seen, *back, seen[0]], 24).moved((0.0, 0.0, -HEIGHT / 2.0))
+    return lathe([*seen, *back, seen[0]], 16).moved((0.0, 0.0, -HEIGHT / 2.0))
 
 
 def _label() -> Mesh:
     """Return a band of paper around the belly."""
-    return lathe([(RADIUS - 0.001, 0.022), (RADIUS + 0.0006, 0.022), (RADIUS + 0.0006, 0.034), (RADIUS - 0.001, 0.034)], 28)
+    return lathe([(RADIUS - 0.001, 0.022), (RADIUS + 0.0006, 0.022), (RADIUS + 0.0006, 0.034), (RADIUS - 0.001, 0.034)], 24)
 
 
 def _jar() -> Model:
