@@ -83,6 +83,21 @@ def test_the_asked_drawer_has_to_come_out(goal: Goal) -> None:
     goal.border(lambda way: goal.joint(f"chest/drawer_{asked}", way), inside=0.1505, outside=0.1495)
 
 
+@goal_of("open_microwave")
+def test_the_microwave_has_to_open_by_eighty_degrees(goal: Goal) -> None:
+    """It starts shut and stays so until it is pulled; ajar, or far enough to count as closing it, is nothing."""
+    door = goal.world.joint("microwave/door")
+    for _ in range(20):
+        goal.world.step()
+    assert door.position == pytest.approx(door.lower, abs=1e-3)
+    for angle in (0.3, np.deg2rad(40.2)):
+        goal.joint(door.name, angle)
+        assert not goal.reached()
+    goal.border(lambda angle: goal.joint(door.name, np.deg2rad(angle)), inside=80.2, outside=79.8)
+    goal.joint(door.name, door.upper)
+    assert goal.reached()
+
+
 @goal_of("open_oven")
 def test_the_oven_door_has_to_lie_flat(goal: Goal) -> None:
     """It counts from 83.4 degrees on, with an empty hand; the knob is nothing."""

@@ -1,0 +1,23 @@
+"""Pull open the door of a microwave."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import JointMoved, Task
+
+
+class OpenMicrowave(Task):
+    """The door is shut and must swing by 80 degrees."""
+
+    def init_task(self) -> None:
+        """Success is a swing of the door by 80 degrees."""
+        self.register_success_conditions([JointMoved(self.world.joint("microwave/door"), np.deg2rad(80.0))])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
+        return [
+            "Swing the door of the microwave wide open.",
+            "A meal is to be warmed up: pull at the handle until the microwave stands open.",
+            "Open the microwave oven nearly as far as a right angle.",
+        ]
