@@ -6,7 +6,7 @@ import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, lathe, merge, rod
 from assets_lib.prisms import mark
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, sphere_shape
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic, sphere_shape
 
 RADIUS, DEPTH, AXLE_Z = 0.11, 0.04, 0.16
 """Radius and depth of the case, and height of the axle [m]."""
@@ -19,7 +19,13 @@ RIM = 0.016
 WING, WING_X = (0.02, 0.015, 0.04), 0.055
 """Size of the key along x, y and z at 0, and x of its middle [m]."""
 HALF_PI = 1.57079633
-RED, PALE, INK, BRASS, PLATE = (0.80, 0.12, 0.10), (0.80, 0.94, 1.00), (0.05, 0.05, 0.06), (0.92, 0.70, 0.20), (0.28, 0.30, 0.34)
+RED, PALE, INK, BRASS, PLATE = (
+    plastic((0.80, 0.12, 0.10)),
+    (0.80, 0.94, 1.00),
+    (0.05, 0.05, 0.06),
+    metal((0.92, 0.70, 0.20)),
+    (0.28, 0.30, 0.34),
+)
 TWELVE, QUARTER = (0.024, 0.016), (0.020, 0.013)
 """Length and width of the mark at twelve and of the marks at three, six and nine [m]."""
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from assets_lib.mesh import Mesh, hull_of, lathe, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Vec3, Visual, cylinder_shape, mesh_shape, sphere_shape
+from assets_lib.urdf import Joint, Link, Model, Shape, Vec3, Visual, cylinder_shape, mesh_shape, metal, plastic, sphere_shape
 
 FOOT_RADIUS, FOOT_HEIGHT, STEM_RADIUS = 0.055, 0.018, 0.008
 SOCKET_RADIUS, SOCKET_LOW, SOCKET_TOP = 0.015, 0.118, 0.150
@@ -24,7 +24,7 @@ CABLE: tuple[Vec3, ...] = (
     (-0.182, 0.0, 0.006),
 )
 """Along x, to a button whose pedestal ends there."""
-ENAMEL, BRASS, BLACK = (0.05, 0.22, 0.26), (0.83, 0.62, 0.20), (0.12, 0.12, 0.13)
+ENAMEL, BRASS, BLACK = plastic((0.05, 0.22, 0.26)), metal((0.83, 0.62, 0.20)), (0.12, 0.12, 0.13)
 WHITE, CLOTH = (1.0, 1.0, 1.0), (0.50, 0.42, 0.34)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assets_lib.mesh import Mesh, box, cylinder, icosphere, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic
 
 DEPTH, WIDTH, HEIGHT, FOOT, WALL = 0.30, 0.36, 0.60, 0.012, 0.015
 THICK, GAP = 0.03, 0.002
@@ -24,8 +24,8 @@ HANDLE = (-THICK - 0.056, -0.312)
 BAR_RADIUS = 0.007
 BARS = {"upper": (-0.09, 0.20), "lower": (0.02, 0.10)}
 """Middle height in the frame of the door, and length of the handle bar [m]."""
-MINT, WHITE, INSIDE = (0.36, 0.66, 0.64), (0.95, 0.96, 0.96), (0.88, 0.92, 0.94)
-DARK, CHROME = (0.14, 0.14, 0.15), (0.84, 0.85, 0.88)
+MINT, WHITE, INSIDE = plastic((0.36, 0.66, 0.64)), (0.95, 0.96, 0.96), (0.88, 0.92, 0.94)
+DARK, CHROME = (0.14, 0.14, 0.15), metal((0.84, 0.85, 0.88))
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from assets_lib.mesh import Mesh, box, lathe, merge
 from assets_lib.objects.saucepan import wall_boxes
-from assets_lib.urdf import Joint, Link, Model, Visual, cylinder_shape, mesh_shape
+from assets_lib.urdf import Joint, Link, Model, Visual, cylinder_shape, glass, mesh_shape, metal
 
 RADIUS, HEIGHT, FLOOR, WALL = 0.0375, 0.10, 0.006, 0.005
 """Of the belly; the rim of the neck is at `HEIGHT` above the foot [m]."""
@@ -16,8 +16,8 @@ LID_RADIUS, LID_HEIGHT, LID_WALL, LID_ROOF = 0.030, 0.02, 0.003, 0.005
 SEGMENTS, LID_SEGMENTS = 16, 12
 SEATED = HEIGHT / 2.0 - (LID_HEIGHT / 2.0 - LID_ROOF)
 """Height of the lid's origin, its middle, in the frame of a jar that it closes [m]."""
-CLAY, PAPER, SHADE = (0.85, 0.20, 0.15), (0.93, 0.90, 0.80), (0.20, 0.16, 0.13)
-GRAY, DARK = (0.50, 0.51, 0.53), (0.27, 0.28, 0.30)
+CLAY, PAPER, SHADE = glass((0.85, 0.20, 0.15)), (0.93, 0.90, 0.80), (0.20, 0.16, 0.13)
+GRAY, DARK = metal((0.50, 0.51, 0.53)), (0.27, 0.28, 0.30)
 
 
 def _pot() -> Mesh:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, lathe, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Vec3, Visual, box_shape, cylinder_shape, mesh_shape
+from assets_lib.urdf import Joint, Link, Model, Shape, Vec3, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal
 
 FRONT, LEDGE, BACK = -0.20, -0.03, 0.05
 """x of the front of the basin, of the front and of the back of its ledge [m]."""
@@ -15,7 +15,12 @@ SPOUT, SPOUT_RADIUS, MOUTH = 0.15, 0.011, (-0.115, 0.095)
 STEM_Y, STEM_RADIUS = 0.10, 0.012
 HANDLE_Z, SPAN, ARM, THICK = 0.125, 0.06, 0.014, 0.02
 """Height of the middle of a handle; length, width and thickness of an arm of its cross [m]."""
-CERAMIC, GLAZE, CHROME, GRATE = (0.13, 0.38, 0.42), (0.09, 0.27, 0.31), (0.80, 0.82, 0.86), (0.30, 0.31, 0.33)
+CERAMIC, GLAZE, CHROME, GRATE = (
+    glass((0.13, 0.38, 0.42)),
+    glass((0.09, 0.27, 0.31)),
+    metal((0.80, 0.82, 0.86)),
+    (0.30, 0.31, 0.33),
+)
 RED, BLUE, WHITE = (0.86, 0.10, 0.08), (0.08, 0.22, 0.80), (0.97, 0.97, 0.97)
 
 

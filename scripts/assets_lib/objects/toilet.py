@@ -9,7 +9,7 @@ import numpy as np
 
 from assets_lib.mesh import FloatArray, Mesh, box, cylinder, hull_of, merge, rod
 from assets_lib.prisms import bevelled_box
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, mesh_shape
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, glass, mesh_shape, metal, plastic
 
 RIM, HEIGHT, WATER = 0.15, 0.24, 0.085
 """Heights of the rim of the bowl, of the cistern, and of the water in the bowl [m]."""
@@ -19,11 +19,11 @@ BACK = 0.15
 SEAT = (0.218, 0.20, 0.012)
 HINGE = (0.066, 0.0, RIM + 0.002 + SEAT[2] / 2.0)
 CERAMIC, SHADE, SEAT_COLOR, CHROME, BLUE = (
-    (0.95, 0.96, 0.97),
+    glass((0.95, 0.96, 0.97)),
     (0.80, 0.83, 0.86),
-    (0.10, 0.33, 0.60),
-    (0.62, 0.64, 0.67),
-    (0.35, 0.68, 0.85),
+    plastic((0.10, 0.33, 0.60)),
+    metal((0.62, 0.64, 0.67)),
+    glass((0.35, 0.68, 0.85)),
 )
 
 Level = tuple[float, float, float, float]
