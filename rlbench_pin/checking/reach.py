@@ -44,6 +44,7 @@ def reach_of(runtime: Runtime, seed: int, variation: int) -> Reach:
         BoundaryError: Something found no place.
     """
     random = EpisodeRandom.from_seed(seed)
+    runtime.task.end_episode()
     runtime.world.build_again()
     lay_out(runtime, variation, random, static=False)
     root = pose_to_se3(runtime.world.root.pose)
