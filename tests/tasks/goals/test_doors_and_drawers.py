@@ -107,3 +107,15 @@ def test_the_oven_door_has_to_lie_flat(goal: Goal) -> None:
     goal.joint("oven/door", 1.57)
     goal.world.add_body("dish", BodySpec(name="dish", asset="objects/cube_small/cube_small.urdf"))
     goal.needs_release_of("dish")
+
+
+@goal_of("turn_oven_on")
+def test_the_knob_has_to_turn_by_a_quarter(goal: Goal) -> None:
+    """By 1.5 rad to either side, as specified; the door is nothing, and turned back is undone."""
+    goal.joint("oven/door", 1.5)
+    assert not goal.reached()
+    goal.joint("oven/door", 0.0)
+    for side in (1.0, -1.0):
+        goal.border(lambda angle, side=side: goal.joint("oven/knob", side * angle), inside=1.505, outside=1.495)
+    goal.joint("oven/knob", 0.0)
+    assert not goal.reached()
