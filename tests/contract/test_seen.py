@@ -27,6 +27,7 @@ HARD_TO_SEE = {
     "put_rubbish_in_bin": "a crumpled paper is small",
     "screw_nail": "a screw and the screwdriver are thin",
     "take_item_out_of_drawer": "the cube is in a closed drawer",
+    "turn_oven_on": "a knob is small",
 }
 """Tasks whose decisive part falls short, and why: here all of their things together are asked for."""
 ROOM = ("panda", "table", "floor", "ceiling", "wall_front", "wall_back", "wall_left", "wall_right")

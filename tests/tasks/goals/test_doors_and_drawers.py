@@ -153,3 +153,15 @@ def test_the_screen_has_to_come_down(goal: Goal) -> None:
     goal.border(lambda angle: goal.joint(screen.name, angle), inside=0.108, outside=0.112)
     goal.joint(screen.name, 0.0)
     assert goal.reached()
+
+
+@goal_of("turn_oven_on")
+def test_the_knob_has_to_turn_by_a_quarter(goal: Goal) -> None:
+    """By 1.5 rad to either side, as specified; the door is nothing, and turned back is undone."""
+    goal.joint("oven/door", 1.5)
+    assert not goal.reached()
+    goal.joint("oven/door", 0.0)
+    for side in (1.0, -1.0):
+        goal.border(lambda angle, side=side: goal.joint("oven/knob", side * angle), inside=1.505, outside=1.495)
+    goal.joint("oven/knob", 0.0)
+    assert not goal.reached()
