@@ -17,10 +17,10 @@ from rlbench_pin.sim.render.texture import Texture
 
 _HEIGHTS = np.array([-1.0, -0.25, 0.0, 0.15, 0.55, 0.8, 1.0], dtype=np.float32)
 """z of directions in which glossy things look."""
-_ROOM = np.array([0.30, 0.40, 0.15, 0.50, 0.65, 1.40, 1.60], dtype=np.float32)
+_ROOM = np.array([0.30, 0.40, 0.15, 0.50, 0.65, 0.95, 1.05], dtype=np.float32)
 """Brightness of what they mirror there: the table, a dark horizon, walls, lamps at the ceiling."""
-_SHARPNESS, _HIGHLIGHT = 5, np.float32(12.0)
-"""The cosine to the key light is squared so often, so that its mirror image is 11 degrees wide; how bright its middle is."""
+_SHARPNESS, _HIGHLIGHT = 6, np.float32(4.0)
+"""The cosine to the key light is squared so often, so that its mirror image is 8 degrees wide; how bright its middle is."""
 _WINDOWS = np.float32(0.35)
 """How much brighter four of eight directions around are, which draw streaks along round walls."""
 _OTHERS = np.array([[1, 2], [0, 2], [0, 1]])
