@@ -76,6 +76,7 @@ def all_buttons_are_green(task: Task) -> bool:
 NO_GRASP = Negative(Omission(grasps=True))
 NEGATIVES = {
     "beat_the_buzz": Negative(spoil=moved("waypoint2", z=0.03), done=holding("wand")),  # the ring touches the rod
+    "close_door": Negative(Omission(waypoints=(2, 3))),  # the fingers close on the lever and stay
     "close_microwave": Negative(Omission(waypoints=(1,))),
     "hockey": Negative(Omission(waypoints=(4,)), done=holding("stick")),
     "insert_onto_square_peg": Negative(Omission(waypoints=(4,)), done=holding("ring")),  # above the pillar
