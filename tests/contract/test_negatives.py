@@ -137,6 +137,7 @@ NEGATIVES = {
     "close_drawer": Negative(Omission(waypoints=(1,))),
     "close_grill": Negative(Omission(waypoints=(2, 3, 4))),
     "change_clock": Negative(Omission(waypoints=(2,))),
+    "close_door": Negative(Omission(waypoints=(2, 3))),  # the fingers close on the lever and stay
     "close_microwave": Negative(Omission(waypoints=(1,))),
     "hockey": Negative(Omission(waypoints=(4,)), done=holding("stick")),
     "insert_onto_square_peg": Negative(Omission(waypoints=(4,)), done=holding("ring")),  # above the pillar

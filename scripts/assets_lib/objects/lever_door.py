@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 from assets_lib.mesh import Mesh, box, cylinder, merge, rod
 from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic
 
@@ -17,6 +20,10 @@ PIVOT = (-LEAF[0] / 2.0, -LEAF[1] + 0.05, 0.0)
 """Of the lever, in the leaf's frame [m]."""
 REACH, STANDOFF, RADIUS = 0.10, 0.05, 0.007
 """Length of a lever, distance of its middle line from the leaf, radius [m]."""
+SWING, SHORT_SWING = 1.2, 0.9
+"""How far the leaf opens, and how far where a stop on the table holds it [rad]."""
+STOP = (0.012, 0.03, 0.28)
+"""Radius and height of the stop, and how far from the hinge the leaf meets it [m]."""
 FRAME_COLOR, LEAF_COLOR, PANEL = (0.93, 0.92, 0.88), plastic((0.16, 0.42, 0.52)), (0.22, 0.53, 0.63)
 BRASS, DARK = metal((0.85, 0.68, 0.25)), (0.2, 0.2, 0.2)
 
@@ -69,12 +76,21 @@ def _lever_shapes() -> tuple[Shape, ...]:
     return (*bars, *posts)
 
 
-def models() -> tuple[Model, ...]:
-    """Return the models of this family."""
+def _stop() -> Shape:
+    """Return the stop: it touches the back of the leaf that is open by `SHORT_SWING`."""
+    radius, height, along = STOP
+    sine, cosine = math.sin(SHORT_SWING), math.cos(SHORT_SWING)
+    x, y = HINGE[0] + along * sine + radius * cosine, HINGE[1] - along * cosine + radius * sine
+    return cylinder_shape(radius, height, (x, y, height / 2.0))
+
+
+def _frame_link() -> Link:
     boxes = _frame()
-    frame = Link(
-        "frame", 8.0, (Visual(mesh_shape("frame", _merged(boxes)), FRAME_COLOR),), tuple(box_shape(s, c) for s, c in boxes)
-    )
+    visuals = (Visual(mesh_shape("frame", _merged(boxes)), FRAME_COLOR),)
+    return Link("frame", 8.0, visuals, tuple(box_shape(s, c) for s, c in boxes))
+
+
+def _leaf_link() -> Link:
     middle = (-LEAF[0] / 2.0, -LEAF[1] / 2.0, 0.0)
     visuals = (
         Visual(mesh_shape("leaf", box(LEAF, middle)), LEAF_COLOR),
@@ -82,11 +98,20 @@ def models() -> tuple[Model, ...]:
         Visual(mesh_shape("plates", _plates()), BRASS),
         Visual(mesh_shape("hinges", _hinges()), DARK),
     )
-    leaf = Link("leaf", 1.2, visuals, (box_shape(LEAF, middle),))
+    return Link("leaf", 1.2, visuals, (box_shape(LEAF, middle),))
+
+
+def _swing(upper: float) -> Joint:
+    """Return the hinge of a leaf that opens up to an angle [rad]."""
+    return Joint("leaf_hinge", "revolute", "frame", "leaf", HINGE, (0.0, 0.0, 1.0), 0.0, upper, damping=0.05)
+
+
+def models() -> tuple[Model, ...]:
+    """Return the models of this family."""
+    frame, leaf, stop = _frame_link(), _leaf_link(), _stop()
     lever = Link(
         "lever_link", 0.1, (Visual(mesh_shape("lever", _lever_mesh()), (0.95, 0.80, 0.35)),), _lever_shapes(), friction=1.0
     )
-    swing = Joint("leaf_hinge", "revolute", "frame", "leaf", HINGE, (0.0, 0.0, 1.0), 0.0, 1.2, damping=0.05)
     turn = Joint("lever", "revolute", "leaf", "lever_link", PIVOT, (-1.0, 0.0, 0.0), 0.0, 0.8, damping=0.01)
     notes = (
         f"stands across x; opening {OPENING[0]} wide, {OPENING[1]} high; the leaf hangs at +y and opens towards +x, away from -x",
@@ -96,8 +121,12 @@ def models() -> tuple[Model, ...]:
         f"the levers are bars of diameter {2 * RADIUS} from y 0 to {REACH} at x = -+{LEAF[0] / 2.0 + STANDOFF:.4f}; "
         f"{STANDOFF - RADIUS:.3f} m free behind them; the joint `lever` grows when they go down",
     )
+    stopped = replace(
+        frame, visuals=(*frame.visuals, Visual(mesh_shape("stop", stop.mesh()), DARK)), collisions=(*frame.collisions, stop)
+    )
+    stops = (f"as lever_door, but a stop on the table behind it holds the leaf at {SHORT_SWING} rad",)
+    origin = "bottom centre of the leaf's opening"
     return (
-        Model(
-            "lever_door", "objects/lever_door", "bottom centre of the leaf's opening", (frame, leaf, lever), (swing, turn), notes
-        ),
+        Model("lever_door", "objects/lever_door", origin, (frame, leaf, lever), (_swing(SWING), turn), notes),
+        Model("lever_door_with_stop", "objects/lever_door", origin, (stopped, leaf, lever), (_swing(SHORT_SWING), turn), stops),
     )

@@ -1,0 +1,23 @@
+"""Pull a door shut by its lever."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import JointMoved, Task
+
+
+class CloseDoor(Task):
+    """The door stands open, away from the arm, and must swing back by 25 degrees; it can open no further than by 17."""
+
+    def init_task(self) -> None:
+        """Success is a swing of the leaf by 25 degrees."""
+        self.register_success_conditions([JointMoved(self.world.joint("door/leaf_hinge"), np.deg2rad(25.0))])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
+        return [
+            "Close the door.",
+            "There is a draught: pull the open door to.",
+            "The door stands ajar, so bring its leaf back into the frame.",
+        ]
