@@ -153,3 +153,20 @@ def test_the_screen_has_to_come_down(goal: Goal) -> None:
     goal.border(lambda angle: goal.joint(screen.name, angle), inside=0.108, outside=0.112)
     goal.joint(screen.name, 0.0)
     assert goal.reached()
+
+
+@goal_of("close_box")
+def test_the_lid_has_to_come_down_onto_the_walls(goal: Goal) -> None:
+    """Its crease holds it where it is left; it counts from 2.6 rad below its start, not upright nor leaning over the box."""
+    lid = goal.world.joint("carton/lid_hinge")
+    for angle in (2.8, np.pi / 2.0, 0.45):
+        goal.joint(lid.name, angle)
+        for _ in range(20):
+            goal.world.step()
+        assert lid.position == pytest.approx(angle, abs=2e-3)
+        assert not goal.reached()
+    goal.joint(lid.name, lid.upper)
+    assert not goal.reached()
+    goal.border(lambda angle: goal.joint(lid.name, angle), inside=0.198, outside=0.202)
+    goal.joint(lid.name, 0.0)
+    assert goal.reached()
