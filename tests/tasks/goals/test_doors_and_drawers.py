@@ -165,3 +165,20 @@ def test_the_knob_has_to_turn_by_a_quarter(goal: Goal) -> None:
         goal.border(lambda angle, side=side: goal.joint("oven/knob", side * angle), inside=1.505, outside=1.495)
     goal.joint("oven/knob", 0.0)
     assert not goal.reached()
+
+
+@goal_of("close_box")
+def test_the_lid_has_to_come_down_onto_the_walls(goal: Goal) -> None:
+    """Its crease holds it where it is left; it counts from 2.6 rad below its start, not upright nor leaning over the box."""
+    lid = goal.world.joint("carton/lid_hinge")
+    for angle in (2.8, np.pi / 2.0, 0.45):
+        goal.joint(lid.name, angle)
+        for _ in range(20):
+            goal.world.step()
+        assert lid.position == pytest.approx(angle, abs=2e-3)
+        assert not goal.reached()
+    goal.joint(lid.name, lid.upper)
+    assert not goal.reached()
+    goal.border(lambda angle: goal.joint(lid.name, angle), inside=0.198, outside=0.202)
+    goal.joint(lid.name, 0.0)
+    assert goal.reached()

@@ -1,0 +1,23 @@
+"""Fold the lid of an open carton over onto it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import JointMoved, Task
+
+
+class CloseBox(Task):
+    """The lid starts hanging outwards; it must turn by 2.6 rad, nearly onto the walls."""
+
+    def init_task(self) -> None:
+        """Success is a turn of the lid by more than 2.6 rad."""
+        self.register_success_conditions([JointMoved(self.world.joint("carton/lid_hinge"), 2.6)])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
+        return [
+            "Close the cardboard box until its lid lies flat.",
+            "The carton stands open: fold its cover over and down onto the walls.",
+            "So that no dust falls in, bring the lid of the carton all the way down.",
+        ]
