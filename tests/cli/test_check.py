@@ -53,7 +53,7 @@ def test_a_report_folder_holds_page_data_and_pictures(tmp_path: Path, capsys: Ca
 
 def test_a_stopped_check_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What was finished is not done again, half a line is, and the report is that of a check that was not stopped."""
-    arguments = ["check", "reach_target", "--episodes", "12", "--no-contract", "--no-pictures"]
+    arguments = ["check", "reach_target", "--episodes", "12", "--no-contract", "--key-frames", "0", "--no-pictures"]
     done: list[Item] = []
 
     def stop_after_two(item: Item) -> list[Trial]:
@@ -80,7 +80,7 @@ def test_a_stopped_check_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 def test_trials_survive_the_journal(tmp_path: Path) -> None:
     """Whatever a trial holds comes back equal; another task file makes old trials void."""
-    items = [Item("open_drawer", part, (0,), 3) for part in ("words", "demos", "repeat", "idle", "random", "reach")]  # type: ignore[arg-type]
+    items = [Item("open_drawer", part, (0,), 3) for part in ("words", "demos", "repeat", "idle", "random", "reach", "key_frames")]  # type: ignore[arg-type]
     done = {item: work(item) for item in items}
     journal = TrialJournal(tmp_path / "trials.jsonl", ["open_drawer"])
     for item, trials in done.items():
@@ -188,7 +188,18 @@ def test_the_number_of_workers_changes_nothing_but_speed(tmp_path: Path, capsys:
 @pytest.mark.slow
 def test_a_killed_check_leaves_no_worker_and_goes_on(tmp_path: Path) -> None:
     """Killed without warning, its workers end by themselves, and the next one keeps what was done."""
-    arguments = ["check", "reach_target", "--episodes", "40", "--no-contract", "--no-pictures", "--out", str(tmp_path)]
+    arguments = [
+        "check",
+        "reach_target",
+        "--episodes",
+        "40",
+        "--no-contract",
+        "--key-frames",
+        "0",
+        "--no-pictures",
+        "--out",
+        str(tmp_path),
+    ]
     command = [sys.executable, "-m", "rlbench_pin.cli.main", *arguments, "--workers", "2"]
     journal = tmp_path / "trials.jsonl"
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as running:
