@@ -118,6 +118,11 @@ def charger_hangs_half_in(task: Task) -> bool:
     return not task.gripper.grasped and bool(charger[2] - panel[2] > 0.13)
 
 
+def wing_is_latched(task: Task) -> bool:
+    """Whether the latch of the window still holds its wing."""
+    return task.world.joint("window/wing_hinge").locked
+
+
 def loose_brick_is_out(task: Task) -> bool:
     """Whether the loose brick was let go outside the tower."""
     return not task.gripper.grasped and not task.world.sensor("around").detects("target")
@@ -156,6 +161,7 @@ NEGATIVES = {
     "open_grill": Negative(Omission(waypoints=(2, 3, 4))),
     "open_oven": Negative(Omission(waypoints=(2, 3, 4))),
     "open_washing_machine": Negative(Omission(waypoints=(2, 3, 4))),
+    "open_window": Negative(Omission(waypoints=(1, 2, 3, 4)), done=wing_is_latched),  # a push, the handle as it hung
     "open_wine_bottle": Negative(Omission(waypoints=(1,)), pull_without_a_turn),
     "pick_and_lift": Negative(Omission(waypoints=(2, 3)), done=holding("block")),
     "pick_and_lift_small": Negative(Omission(waypoints=(2, 3)), done=holding("star"), variation=3),

@@ -182,3 +182,26 @@ def test_the_lid_has_to_come_down_onto_the_walls(goal: Goal) -> None:
     goal.border(lambda angle: goal.joint(lid.name, angle), inside=0.198, outside=0.202)
     goal.joint(lid.name, 0.0)
     assert goal.reached()
+
+
+@goal_of("open_window")
+def test_the_left_wing_has_to_swing_by_thirty_degrees(goal: Goal) -> None:
+    """Turning the handle alone is not enough; the right wing is fixed."""
+    assert set(goal.world.body("window").joints) == {"wing_hinge", "handle"}
+    goal.joint("window/handle", 1.6)
+    goal.tick()
+    assert not goal.reached()
+    goal.border(lambda angle: goal.joint("window/wing_hinge", np.deg2rad(angle)), inside=30.2, outside=29.8)
+
+
+@goal_of("open_window")
+def test_the_wing_is_held_until_the_handle_was_turned(goal: Goal) -> None:
+    """79.8 degrees do not free it, 80.2 do, and a handle that is turned back does not hold it again."""
+    wing = goal.world.joint("window/wing_hinge")
+    for angle, held in ((79.8, True), (80.2, False), (0.0, False)):
+        goal.joint("window/handle", np.deg2rad(angle))
+        goal.tick()
+        assert wing.locked is held
+        assert not goal.reached()
+    goal.joint(wing.name, 0.6)
+    assert goal.reached()

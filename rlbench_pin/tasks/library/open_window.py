@@ -1,0 +1,30 @@
+"""Turn the handle of a window and push its left wing open."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import JointMoved, Task
+
+
+class OpenWindow(Task):
+    """The left wing must swing by 30 degrees; it is held until its handle has been turned by 80 degrees once."""
+
+    def init_task(self) -> None:
+        """Success is a swing of the wing by 30 degrees."""
+        self.wing = self.world.joint("window/wing_hinge")
+        self.unlatched = JointMoved(self.world.joint("window/handle"), np.deg2rad(80.0))
+        self.register_success_conditions([JointMoved(self.wing, np.deg2rad(30.0))])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
+        return [
+            "Open the left side of the window.",
+            "It is stuffy in here: turn the red handle up and push the left wing outwards.",
+            "Once its handle lies level, swing the wing on the left out of the frame.",
+        ]
+
+    def step(self) -> None:
+        """Free the wing once the handle has been turned far enough."""
+        if self.wing.locked and self.unlatched.met():
+            self.wing.unlock()
