@@ -15,8 +15,8 @@ from harness import Result, summary
 
 from rlbench_pin.cli.arguments.evaluate import TASKS
 from rlbench_pin.cli.evaluate import Evaluate, report
-from rlbench_pin.evaluation.controller_summary import ControllerSummary, summarise_legs
-from rlbench_pin.evaluation.controller_trials import PLAN, LegTrial
+from rlbench_pin.evaluation.controllers.summary import ControllerSummary, summarise_legs
+from rlbench_pin.evaluation.controllers.trials import PLAN, LegTrial
 
 EXPLANATION = """# Controllers on demonstrations
 

@@ -20,7 +20,7 @@ ROWS: tuple[tuple[str, ...], ...] = (
     ("tasks",),
     ("sim", "planning", "control"),
     ("robot", "scene", "datasets"),
-    ("errors", "values", "spatial", "urdf", "observation", "assets", "plugins", "front_door", "processes"),
+    ("errors", "values", "spatial", "urdf", "observation", "assets", "plugins", "front_door", "processes", "rates"),
 )
 FLOOR = len(ROWS) - 1
 SHARED = ("errors", "values", "front_door")

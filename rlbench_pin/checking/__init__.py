@@ -22,9 +22,9 @@ from rlbench_pin.checking.records import (
     WordsTrial,
 )
 from rlbench_pin.checking.report import TaskReport, summarise
-from rlbench_pin.checking.statistics import Rate
 from rlbench_pin.checking.trials import Item
 from rlbench_pin.front_door import front_door
+from rlbench_pin.rates import Rate
 
 __all__ = [
     "CheckProgress",

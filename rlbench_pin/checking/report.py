@@ -25,7 +25,7 @@ from rlbench_pin.checking.records import (
     ordered,
 )
 from rlbench_pin.checking.speed import LegStatistics, Speed, leg_statistics, speed_of
-from rlbench_pin.checking.statistics import Rate
+from rlbench_pin.rates import Rate
 from rlbench_pin.values import as_flag, as_record, as_several, as_text
 
 FIRST_TRY_FLOOR = 0.95

@@ -15,8 +15,8 @@ from rlbench_pin.cli.process.words import check_at_least, checked_names
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import TaskEnvironmentError
-from rlbench_pin.evaluation.controller_summary import ControllerSummary, summarise_legs, table
-from rlbench_pin.evaluation.controller_trials import LegTrial, chosen_controllers, follow_demo
+from rlbench_pin.evaluation.controllers.summary import ControllerSummary, summarise_legs, table
+from rlbench_pin.evaluation.controllers.trials import LegTrial, chosen_controllers, follow_demo
 from rlbench_pin.tasks import find_task
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rlbench_pin.evaluation.controller_summary import ControllerSummary, summarise_legs, table
-from rlbench_pin.evaluation.controller_trials import (
+from rlbench_pin.evaluation.controllers.followers import FOLLOWERS, Command, Follower, TrackingProblem
+from rlbench_pin.evaluation.controllers.summary import ControllerSummary, summarise_legs, table
+from rlbench_pin.evaluation.controllers.trials import (
     PLAN,
     Leg,
     LegTrial,
@@ -15,7 +16,6 @@ from rlbench_pin.evaluation.controller_trials import (
     plan_trial,
     record_legs,
 )
-from rlbench_pin.evaluation.followers import FOLLOWERS, Command, Follower, TrackingProblem
 from rlbench_pin.front_door import front_door
 
 __all__ = [

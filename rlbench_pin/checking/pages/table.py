@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rlbench_pin.checking.report import TaskReport
-from rlbench_pin.checking.statistics import Rate
+from rlbench_pin.rates import Rate
 
 HEADER = (
     "task", "var", "first try", "95 %", "in tries", "scene", "unseen", "lasts", "replay", "keys", "rest", "flail", "repeat",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rlbench_pin.checking.statistics import Rate, wilson
+from rlbench_pin.rates import Rate, wilson
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""How sure a rate is."""
+"""How sure a rate is: so many of so many, and the interval around it."""
 
 from __future__ import annotations
 

@@ -7,9 +7,9 @@ import pytest
 
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.errors import UnknownName
-from rlbench_pin.evaluation.controller_summary import summarise_legs, table
-from rlbench_pin.evaluation.controller_trials import PLAN, chosen_controllers, follow_demo, follow_leg, record_legs
-from rlbench_pin.evaluation.followers import FOLLOWERS
+from rlbench_pin.evaluation.controllers.followers import FOLLOWERS
+from rlbench_pin.evaluation.controllers.summary import summarise_legs, table
+from rlbench_pin.evaluation.controllers.trials import PLAN, chosen_controllers, follow_demo, follow_leg, record_legs
 
 
 def test_every_controller_follows(reach: TaskEnvironment) -> None:

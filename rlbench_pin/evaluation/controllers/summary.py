@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rlbench_pin.evaluation.controller_trials import PLAN, LegTrial
+from rlbench_pin.evaluation.controllers.trials import PLAN, LegTrial
 from rlbench_pin.values import as_record, as_several
 
 

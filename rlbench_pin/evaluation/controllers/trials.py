@@ -20,7 +20,7 @@ from rlbench_pin.environment.motion import REST_SPEED
 from rlbench_pin.environment.runtime import Runtime, RuntimeState
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError, UnknownName
-from rlbench_pin.evaluation.followers import FOLLOWERS, OVERTIME, Command, Follower, TrackingProblem
+from rlbench_pin.evaluation.controllers.followers import FOLLOWERS, OVERTIME, Command, Follower, TrackingProblem
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.trajectory import Trajectory

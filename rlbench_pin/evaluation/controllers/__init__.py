@@ -1,0 +1,1 @@
+"""Controllers on the legs of demonstrations: each follows the same motions."""
