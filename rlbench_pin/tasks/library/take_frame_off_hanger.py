@@ -10,6 +10,8 @@ from rlbench_pin.tasks import Detected, NothingGrasped, Task
 class TakeFrameOffHanger(Task):
     """The frame must be off the hook, on the table in front of the wall, and let go."""
 
+    solved_by_chance = True  # a blow can knock the frame off and out onto the table
+
     def init_task(self) -> None:
         """The frame may be grasped; success is that it lies on the table, off the hook and let go."""
         frame = self.world.body("frame")
