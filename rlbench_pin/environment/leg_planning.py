@@ -131,8 +131,8 @@ class LegPlanner:
     def _can_go_on(self, q: FloatArray, rest: Sequence[Waypoint], turn: float) -> bool:
         """Whether the legs after configuration `q` (n,) can be followed, up to the first long one that may go another way.
 
-        On legs without collision checks the hand may touch things, but not the arm behind it; only the first is looked at. It
-        may never end one with the arm inside itself.
+        On legs without collision checks the hand may touch things, but not the arm behind it; only the first is looked at. The
+        arm may never be inside itself.
         """
         model, first = self._runtime.model, True
         for following in rest:
@@ -147,7 +147,7 @@ class LegPlanner:
                 return not must
             if must and first and any(self._arm_touches(q) for q in path[:: max(1, len(path) // 4)]):
                 return False
-            if must and self._is_folded(path[-1]):
+            if must and any(self._is_folded(q) for q in path[::-2]):
                 return False
             q, first = path[-1], False
         return True

@@ -10,6 +10,8 @@ from rlbench_pin.tasks import JointMoved, Task
 class TurnOvenOn(Task):
     """The left-most of six knobs must turn by more than 1.5 rad; the others are fixed."""
 
+    solved_by_chance = True  # a blow can turn the knob
+
     def init_task(self) -> None:
         """Success is a turn of the knob by more than 1.5 rad."""
         self.register_success_conditions([JointMoved(self.world.joint("oven/knob"), 1.5)])
