@@ -13,8 +13,8 @@ from pathlib import Path
 
 from harness import Result, summary
 
-from rlbench_pin.cli.arguments.evaluate import TASKS
-from rlbench_pin.cli.evaluate import Evaluate, report
+from rlbench_pin.cli.arguments.evaluation.evaluate import TASKS
+from rlbench_pin.cli.evaluation.controllers import ControllerComparison, report
 from rlbench_pin.evaluation.controllers.summary import ControllerSummary, summarise_legs
 from rlbench_pin.evaluation.controllers.trials import PLAN, LegTrial
 
@@ -50,7 +50,7 @@ What to know when reading it:
 
 def benchmark(tasks: Sequence[str] = ("pick_and_lift", "open_drawer"), legs: int = 2) -> list[Result]:
     """Follow few legs of few tasks."""
-    evaluation = Evaluate(controllers=True, tasks=tuple(tasks), legs=legs)
+    evaluation = ControllerComparison(tasks=tuple(tasks), legs=legs)
     trials = list(evaluation.trials())
     free = {s.controller: s for s in summarise_legs(trials) if s.kind == "free"}
     return [_result(free[name], [t for t in trials if t.controller == name]) for name in free if name != PLAN]
@@ -72,7 +72,7 @@ def main() -> None:
     parser.add_argument("--legs", type=int, help="most legs of each demonstration")
     parser.add_argument("--out", type=Path, default=Path("docs/results"), help="folder for controllers.json and controllers.md")
     options = parser.parse_args()
-    evaluation = Evaluate(controllers=True, tasks=tuple(options.tasks), episodes=options.episodes, legs=options.legs)
+    evaluation = ControllerComparison(tasks=tuple(options.tasks), episodes=options.episodes, legs=options.legs)
     summaries = summarise_legs(list(evaluation.trials()))
     tables = report(summaries, title="## ")
     print(tables)

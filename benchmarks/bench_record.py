@@ -27,8 +27,8 @@ from pathlib import Path
 from harness import fingerprint
 
 from rlbench_pin.environment.demos import library_versions
+from rlbench_pin.processes import ProcessEngine
 from rlbench_pin.recording.config import PictureConfig, RecordConfig, WorkItem
-from rlbench_pin.recording.engines import ProcessEngine
 from rlbench_pin.recording.record import RecordReport, record
 from rlbench_pin.recording.work import Recorder
 from rlbench_pin.tasks import task_names

@@ -21,13 +21,15 @@ import time
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from rlbench_pin.environment.demos import library_versions
+from rlbench_pin.processes import GivenUp, ProcessEngine, WorkerDeath
 from rlbench_pin.recording.config import PictureConfig, RecordConfig, WorkItem, plan_items
-from rlbench_pin.recording.engines import ProcessEngine, WorkerDeath
+from rlbench_pin.recording.work import Recorder
 
 TASKS = ("reach_target", "push_button", "beat_the_buzz", "close_microwave", "take_lid_off_saucepan", "slide_block_to_target")
 
@@ -102,9 +104,10 @@ def measure(items: Sequence[WorkItem], pictures: PictureConfig, log: Path, a_rou
     """Let one worker do the work; the size of what it makes is measured, then it is deleted."""
     samples: list[Sample] = []
     began = time.perf_counter()
-    with closing(ProcessEngine(1).map(pictures, items, threading.Event())) as events, log.open("w", encoding="utf-8") as lines:
+    events = ProcessEngine(1).map(partial(Recorder, pictures), items, threading.Event())
+    with closing(events), log.open("w", encoding="utf-8") as lines:
         for event in events:
-            if isinstance(event, WorkerDeath):
+            if isinstance(event, WorkerDeath | GivenUp):
                 raise RuntimeError(f"The worker died ({event.cause}), so its memory says nothing.")
             if event.entry is None:
                 continue

@@ -30,7 +30,8 @@ def front_door(package: str, homes: Mapping[str, str] | None = None, parts: Coll
 
     Args:
         package: Its name, `__name__`.
-        homes: Name -> module of the package that has it, for names that are looked up when first used.
+        homes: Name -> module of the package that has it, for names that are looked up when first used; with all its dots
+            where another package has it.
         parts: Packages and modules below it that are imported when first used.
 
     Returns:
@@ -44,7 +45,8 @@ def front_door(package: str, homes: Mapping[str, str] | None = None, parts: Coll
             return importlib.import_module(f"{package}.{name}")
         if name not in known:
             raise unknown_name(package, name, _caller())
-        value: object = getattr(importlib.import_module(f"{package}.{known[name]}"), name)
+        home = known[name] if known[name].startswith(f"{ROOT.name}.") else f"{package}.{known[name]}"
+        value: object = getattr(importlib.import_module(home), name)
         vars(sys.modules[package])[name] = value
         return value
 

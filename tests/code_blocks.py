@@ -29,11 +29,16 @@ NOT_PLAYED = {
         "rlbench-pin dataset merge": "wants a second dataset; tests/cli/test_dataset.py has two",
         "rlbench-pin dataset rerender": "minutes; tests/recording has it",
     },
+    "docs/reference/command_line.md": {
+        "rlbench-pin results": "wants two results files; docs/results_files.md makes two",
+        "rlbench-pin serve": "it serves until Ctrl-C; tests/evaluation/policies has it",
+    },
     "docs/tasks.md": {
         "rlbench-pin check": "minutes; tests/cli/test_new.py checks such a pair",
         "rlbench-pin record mine/touch_it.py": "minutes; the page records the task once more, in Python",
         "rlbench-pin record sort_two_cubes": "wants the package installed; tests/test_plugin_example.py does that",
     },
+    "docs/policies.md": {"rlbench-pin serve": "it serves until Ctrl-C; tests/evaluation/policies has it"},
     "docs/worked_programs.md": {"python examples/": "played by tests/test_examples.py"},
 }
 """Page -> how a command line begins that is read by its parser, but not run here -> why."""

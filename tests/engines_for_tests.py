@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 
 from rlbench_pin.datasets import encode_demo, episode_entry
 from rlbench_pin.observation import Demo
-from rlbench_pin.recording.config import PictureConfig, WorkItem
-from rlbench_pin.recording.engines import Event
+from rlbench_pin.processes import Worker
+from rlbench_pin.recording.config import WorkItem
 from rlbench_pin.recording.work import ItemResult
 from tests.demos_for_tests import make_demo
 
@@ -42,7 +42,9 @@ class MadeUpEngine:
         self.backwards, self.failing, self.retried = backwards, failing, retried
         self.begun: list[WorkItem] = []
 
-    def map(self, config: PictureConfig, items: Sequence[WorkItem], stop: threading.Event) -> Generator[Event, None, None]:
+    def map(
+        self, worker: Callable[[], Worker], items: Sequence[WorkItem], stop: threading.Event
+    ) -> Generator[ItemResult, None, None]:
         """Yield results until stopped."""
         for item in reversed(items) if self.backwards else items:
             if stop.is_set():

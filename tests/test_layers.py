@@ -53,9 +53,11 @@ HOMES: dict[str, tuple[str, ...]] = {
     "tyro": ("cli",),
     "tqdm": ("cli",),
     "PIL": ("checking", "recording", "sim", "datasets", "compat"),
-    "ray": ("recording",),
+    "ray": ("processes",),
+    "matplotlib": ("evaluation",),
     "zarr": ("datasets",),
     "gymnasium": ("gym", "compat"),
+    "msgpack": ("evaluation",),
     "trimesh": (),
     "manifold3d": (),
     "pickle": ("datasets", "errors"),  # foreign files; may evidence of errors travel?

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterable
 
 from rlbench_pin.cli.arguments import list_tasks as arguments
+from rlbench_pin.evaluation.sets import task_set, task_sets
 from rlbench_pin.tasks import plugin_faults, task_class, task_origin, usable_task_names
 
 ALL = "all"
@@ -38,7 +39,9 @@ class ListTasks(arguments.ListTasks):
     """The work of `rlbench-pin list`."""
 
     def run(self) -> int:
-        """Print one line per task."""
+        """Print one line per task, or per set."""
+        if self.sets:
+            return self.print_sets()
         titles = {name: _title(name) for name in usable_names()}
         if self.json:
             print(json.dumps(titles, indent=1))
@@ -47,6 +50,19 @@ class ListTasks(arguments.ListTasks):
         for name, title in titles.items():
             origin = task_origin(name)
             print(f"{name:<{width}}  {title}" + (f"  [{origin}]" if origin else ""))
+        return 0
+
+    def print_sets(self) -> int:
+        """Print one line per set; as JSON, all that is known of each."""
+        sets = [task_set(name) for name in task_sets()]
+        if self.json:
+            content = {s.name: {"about": s.about, "tasks": s.tasks, "parts": s.parts, "missing": s.missing} for s in sets}
+            print(json.dumps(content, indent=1))
+            return 0
+        width = max(len(s.name) for s in sets)
+        for s in sets:
+            print(f"{s.name:<{width}}  {len(s.available):>3} of {len(s.tasks):>3} built  {s.about}")
+        print("`FS10_V1:train` and `FS10_V1:test` are the parts of a set. `--json` names the tasks, and those that are missing.")
         return 0
 
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 import shlex
 import sys
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -15,12 +13,12 @@ from typing import Any
 from rlbench_pin.cli.arguments import record as arguments
 from rlbench_pin.cli.arguments.record import KnownNames
 from rlbench_pin.cli.list_tasks import named_tasks
+from rlbench_pin.cli.process.engines import make_engine
 from rlbench_pin.cli.process.interrupts import INTERRUPTED
-from rlbench_pin.cli.process.words import EngineName, check_at_least
+from rlbench_pin.cli.process.words import check_at_least
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
 from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.recording.config import PictureConfig, RecordConfig
-from rlbench_pin.recording.engines import Engine, ProcessEngine, SerialEngine
 from rlbench_pin.recording.record import RecordReport, read_recording, record
 
 
@@ -91,18 +89,6 @@ class Record(arguments.Record):
         trust = ["--trust-task-files"] if own_files or self.trust_task_files else []
         words = ["rlbench-pin", "record", "--resume", "--out", str(self.out), "--workers", str(self.workers)]
         return shlex.join([*words, *engine, *trust])
-
-
-def make_engine(name: EngineName, workers: int) -> Engine:
-    """Return what does the work.
-
-    Raises:
-        MissingExtra: Ray is not installed.
-    """
-    if name == "processes":
-        return ProcessEngine(workers) if workers else SerialEngine()
-    make: Callable[[int], Engine] = importlib.import_module("rlbench_pin.recording.ray_engine").RayEngine
-    return make(max(1, workers))
 
 
 def print_report(report: RecordReport, out: Path, go_on: str, *, as_json: bool) -> int:

@@ -15,6 +15,8 @@ from rlbench_pin.errors import InvalidArgument, TaskEnvironmentError
 from rlbench_pin.tasks.saved.portable_state import PortableTaskState
 from rlbench_pin.values import as_seed, as_whole
 
+EVALUATION_SEEDS = 2**53
+"""Seeds of evaluations begin here. Resets without a seed draw theirs below 2^31, recordings make theirs below 2^53."""
 MOST_DEMOS = 10_000_000
 """Live demonstrations of one call at most."""
 

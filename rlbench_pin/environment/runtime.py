@@ -237,7 +237,8 @@ class Runtime:
             if not low < position[axis] < high:
                 raise InvalidActionError(
                     f"The target has {letter} = {position[axis]:.4f} m, outside the workspace: "
-                    f"{letter} must lie between {low} and {high} m. Choose a target inside."
+                    f"{letter} must lie between {low} and {high} m. Choose a target inside.",
+                    "outside the workspace",
                 )
 
     def save(self, *, portable: bool = False) -> RuntimeState:

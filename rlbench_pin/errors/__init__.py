@@ -41,6 +41,12 @@ from rlbench_pin.errors.environment import (
     ResetError,
     TaskEnvironmentError,
 )
+from rlbench_pin.errors.evaluation import (
+    EvaluationError,
+    IncompatibleResults,
+    MissingTasks,
+    ResultsFileError,
+)
 from rlbench_pin.errors.planning import (
     GoalInCollision,
     InvalidRequest,
@@ -80,7 +86,9 @@ __all__ = [
     "DemoError",
     "EnvironmentClosed",
     "EpisodeFileError",
+    "EvaluationError",
     "GoalInCollision",
+    "IncompatibleResults",
     "InfeasibleControl",
     "InvalidActionError",
     "InvalidArgument",
@@ -90,6 +98,7 @@ __all__ = [
     "InvalidTarget",
     "InvalidValue",
     "MissingExtra",
+    "MissingTasks",
     "NoIkSolution",
     "NoPath",
     "NoShapedReward",
@@ -100,6 +109,7 @@ __all__ = [
     "PlanningError",
     "ProblemFileError",
     "ResetError",
+    "ResultsFileError",
     "RetimingError",
     "RlbenchPinError",
     "RobotModelError",

@@ -8,7 +8,17 @@ from rlbench_pin.errors.base import InvalidValue, RlbenchPinError
 
 
 class InvalidActionError(RlbenchPinError):
-    """An action was refused; the world is as it was before."""
+    """An action was refused; the world is as it was before.
+
+    Args:
+        message: What is wrong with it, and what to do.
+        cause: The kind of fault in a few words, the same for all of its kind; that of a motion that was not found is the
+            `reason` of the planner.
+    """
+
+    def __init__(self, message: str = "", cause: str = "invalid") -> None:
+        self.cause = cause
+        super().__init__(message)
 
 
 class TaskEnvironmentError(RlbenchPinError):

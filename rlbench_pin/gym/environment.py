@@ -15,6 +15,7 @@ from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.environment.actions.action_mode import ActionMode, JointPositionActionMode
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import checked_seed
+from rlbench_pin.environment.observations.boxes import boxed_settings
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import InvalidActionError, InvalidArgument, InvalidCamera, TaskEnvironmentError, UnknownName
 from rlbench_pin.gym.spaces import (
@@ -23,7 +24,6 @@ from rlbench_pin.gym.spaces import (
     action_space,
     as_gym_observation,
     checked_action,
-    observation_settings,
     observation_space,
 )
 from rlbench_pin.gym.window import Window, why_no_window
@@ -102,7 +102,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         self._invalid_action, self._shaped_rewards = invalid_action, shaped_rewards
         seen = tuple(cameras) if observation_mode == "vision" else ()
         size = as_picture_size(image_size, "image_size", InvalidCamera)
-        mode, settings = _own_copy(action_mode), observation_settings(seen, size)
+        mode, settings = _own_copy(action_mode), boxed_settings(seen, size)
         self._environment = Environment(mode, obs_config=settings, shaped_rewards=shaped_rewards, renderer=renderer)
         try:
             self._load(task, variation, seen, size)

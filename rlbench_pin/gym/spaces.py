@@ -9,9 +9,10 @@ import numpy as np
 from gymnasium import spaces
 
 from rlbench_pin.environment.actions.specification import ActionSpec
-from rlbench_pin.environment.observations.config import LOW_DIM_FIELDS, Instant, ObservationConfig
+from rlbench_pin.environment.observations.boxes import boxed
+from rlbench_pin.environment.observations.config import LOW_DIM_FIELDS, Instant
 from rlbench_pin.environment.runtime import Runtime
-from rlbench_pin.errors import InvalidActionError, InvalidValue, TaskError, shown
+from rlbench_pin.errors import InvalidActionError, InvalidValue, shown
 from rlbench_pin.observation import LOW_DIM, Observation
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_array
@@ -22,26 +23,6 @@ VISION_CAMERAS = ("left_shoulder", "right_shoulder", "wrist", "front")
 _QUATERNION = ("qx", "qy", "qz", "qw")
 
 GymObservation = dict[str, np.ndarray]
-
-
-def observation_settings(cameras: Sequence[str], image_size: tuple[int, int]) -> ObservationConfig:
-    """Return settings that deliver what the spaces hold and no more.
-
-    Args:
-        cameras: Whose pictures are wanted.
-        image_size: Width and height [px].
-
-    Raises:
-        UnknownName: There is no such camera.
-    """
-    config = ObservationConfig()
-    config.set_all(False)
-    for name in LOW_DIM:
-        setattr(config, name, True)
-    for name in cameras:
-        camera = config.camera(name)
-        camera.rgb, camera.image_size = True, image_size
-    return config
 
 
 def observation_space(runtime: Runtime, cameras: Sequence[str], image_size: tuple[int, int]) -> spaces.Dict:
@@ -76,15 +57,7 @@ def as_gym_observation(observation: Observation, space: spaces.Dict) -> GymObser
 
 
 def _fitted(name: str, value: object, box: spaces.Box) -> np.ndarray:
-    if box.dtype == np.uint8:
-        return np.asarray(value)
-    array = np.atleast_1d(np.asarray(value, dtype=np.float64))
-    size = box.shape[0]
-    if len(array) > size:
-        raise TaskError(f"'{name}' has grown to {len(array)} numbers; its space holds {size}. A task state has one length.")
-    if len(array) < size:
-        array = np.concatenate([array, np.zeros(size - len(array))])
-    return np.clip(array, box.low, box.high).astype(np.float32)
+    return np.asarray(value) if box.dtype == np.uint8 else boxed(name, value, box.low, box.high)
 
 
 def action_space(spec: ActionSpec) -> spaces.Box:

@@ -8,10 +8,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rlbench_pin.front_door import front_door
+from rlbench_pin.processes import Engine, ProcessEngine, SerialEngine
 from rlbench_pin.recording.config import PictureConfig, RecordConfig
 from rlbench_pin.recording.convert import convert_demo, verify
 from rlbench_pin.recording.convert_playing import convert_by_playing
-from rlbench_pin.recording.engines import Engine, ProcessEngine, SerialEngine
 from rlbench_pin.recording.export import export_dataset
 from rlbench_pin.recording.film import Film
 from rlbench_pin.recording.record import RecordReport, read_recording, record
@@ -42,6 +42,6 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from rlbench_pin.recording.ray_engine import RayEngine as RayEngine
+    from rlbench_pin.processes.ray_engine import RayEngine as RayEngine
 else:
-    __getattr__, __dir__ = front_door(__name__, {"RayEngine": "ray_engine"})
+    __getattr__, __dir__ = front_door(__name__, {"RayEngine": "rlbench_pin.processes.ray_engine"})

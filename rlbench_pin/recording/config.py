@@ -22,7 +22,7 @@ from rlbench_pin.values import as_choice, as_flag, as_names, as_number, as_pictu
 
 MOST = 10_000_000
 """Episodes, tries and variations of one recording at most."""
-_SEED_BITS = 53  # so that JSON readers of every language keep the number
+_SEED_BITS = 53  # so that JSON readers of every language keep the number; evaluations have theirs beyond
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 from rlbench_pin.datasets import DatasetWriter, EpisodeEntry, checked_task_name, fold_journal, read_manifest, stored_tasks
@@ -19,10 +20,10 @@ from rlbench_pin.datasets.info import stored_pictures
 from rlbench_pin.datasets.layout import episode_path
 from rlbench_pin.datasets.storage import hold, remove_leftovers
 from rlbench_pin.errors import DatasetConflict, EpisodeFileError, StorageError
+from rlbench_pin.processes import Engine, GivenUp, ProcessEngine, WorkerDeath
 from rlbench_pin.recording.config import PictureConfig, RecordConfig, WorkItem, plan_items
-from rlbench_pin.recording.engines import Engine, ProcessEngine, WorkerDeath
 from rlbench_pin.recording.settings_file import RECORDING, read_recording, write_recording
-from rlbench_pin.recording.work import ItemResult
+from rlbench_pin.recording.work import ItemResult, Recorder
 from rlbench_pin.tasks import Task, chosen_tasks_of, is_task_file, keep_tasks, task_reference
 from rlbench_pin.values import as_flag, as_function, as_path, as_record
 
@@ -39,7 +40,7 @@ class RecordReport:
     """Of these, stored now."""
     failed: tuple[ItemResult, ...] = ()
     """Episodes of which every try failed."""
-    deaths: tuple[WorkerDeath, ...] = ()
+    deaths: tuple[WorkerDeath[WorkItem], ...] = ()
     """Workers that died and were replaced."""
     causes: dict[str, int] = field(default_factory=dict)
     """Kind of failure -> tries that failed so."""
@@ -138,14 +139,15 @@ def run_items(
     watch(report)
     writer = DatasetWriter(root)
     try:
-        with closing((engine or ProcessEngine()).map(pictures, pending, stop)) as events:
+        with closing((engine or ProcessEngine()).map(partial(Recorder, pictures), pending, stop)) as events:
             for event in events:
                 if isinstance(event, WorkerDeath):
                     report = replace(report, deaths=(*report.deaths, event))
                 else:
-                    if event.data is not None and event.entry is not None:
-                        writer.put(event.item.name, event.data, event.entry)
-                    report = report.with_result(event)
+                    result = ItemResult(event.item, (event.cause,)) if isinstance(event, GivenUp) else event
+                    if result.data is not None and result.entry is not None:
+                        writer.put(result.item.name, result.data, result.entry)
+                    report = report.with_result(result)
                 report = replace(report, seconds=time.perf_counter() - began)
                 watch(report)
     finally:

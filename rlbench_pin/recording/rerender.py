@@ -13,8 +13,8 @@ from rlbench_pin.datasets.layout import checked_task_name, chosen_tasks, episode
 from rlbench_pin.datasets.storage import hold, remove_leftovers, write_whole
 from rlbench_pin.datasets.trust import check_inside, is_whole, parse_json, short
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
+from rlbench_pin.processes import Engine
 from rlbench_pin.recording.config import PictureConfig, WorkItem
-from rlbench_pin.recording.engines import Engine
 from rlbench_pin.recording.record import OnProgress, RecordReport, check_work, run_items
 from rlbench_pin.tasks import OwnTasks, Task, keep_tasks, stored_task, task_class, task_digest, task_origin, task_reference
 from rlbench_pin.values import as_path, as_record, as_several

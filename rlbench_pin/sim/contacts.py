@@ -60,6 +60,16 @@ class ContactReader:
         near = {p[2] for p in self._points(body, None) if p[8] < TOUCH_DISTANCE}
         return tuple(sorted(self._names[uid][0] for uid in near if uid != body))
 
+    def forces(self, body: int) -> dict[tuple[str, str], float]:
+        """Return (link of `body`, what it touches) -> sum of the normal forces of the last physics step [N]."""
+        forces: dict[tuple[str, str], float] = {}
+        links = self._names[body][2]
+        for point in self._points(body, None):
+            if point[2] != body and point[8] < TOUCH_DISTANCE:
+                pair = links[point[3]], self._names[point[2]][0]
+                forces[pair] = forces.get(pair, 0.0) + point[9]
+        return forces
+
     def deepest(self) -> float:
         """Largest overlap of any two surfaces [m], 0 when there is none."""
         return max(0.0, *(-p[8] for p in self._points(None, None)), 0.0)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 
 from rlbench_pin.cli.list_tasks import named_tasks, split_names
+from rlbench_pin.cli.main import main
+from rlbench_pin.evaluation import task_set, task_sets
 from rlbench_pin.tasks import task_names
 
 
@@ -36,3 +39,17 @@ def test_files_may_have_commas(tmp_path: Path) -> None:
     assert split_names((str(file),)) == (str(tmp_path / "one"), "two.py")
     file.touch()
     assert split_names((str(file), "a,b")) == (str(file), "a", "b")
+
+
+def test_sets_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    """A line each, with how many of its tasks are built; as JSON with their names."""
+    assert main(["list", "--sets"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines[:-1]] == list(task_sets())
+    first = task_set("FS10_V1")
+    assert lines[0].split()[1:4] == [str(len(first.available)), "of", "15"]
+    assert main(["list", "--sets", "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert content["FS10_V1"]["missing"] == list(first.missing)
+    assert content["FS10_V1"]["parts"]["test"] == list(first.parts["test"])
+    assert len(content["MT100_V1"]["tasks"]) == 100

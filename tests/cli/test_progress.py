@@ -10,8 +10,8 @@ import pytest
 from rlbench_pin.checking.pool import CheckProgress
 from rlbench_pin.checking.trials import Item
 from rlbench_pin.cli.progress import CheckBar, RecordBar
+from rlbench_pin.processes import WorkerDeath
 from rlbench_pin.recording.config import WorkItem
-from rlbench_pin.recording.engines import WorkerDeath
 from rlbench_pin.recording.record import RecordReport
 from rlbench_pin.recording.work import ItemResult
 

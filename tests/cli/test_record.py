@@ -38,7 +38,7 @@ def test_record_and_resume(tmp_path: Path, capsys: Capture) -> None:
 
 def test_without_ray_the_engine_is_explained(made_up: Path, tmp_path: Path, capsys: Capture, monkeypatch: MonkeyPatch) -> None:
     """`--engine ray` where Ray cannot be imported says what to install, and begins nothing."""
-    monkeypatch.delitem(sys.modules, "rlbench_pin.recording.ray_engine", raising=False)
+    monkeypatch.delitem(sys.modules, "rlbench_pin.processes.ray_engine", raising=False)
     monkeypatch.setitem(sys.modules, "ray", None)
     for command in (("record", TASK), ("dataset", "rerender", str(made_up))):
         assert exit_code(*command, "--engine", "ray", "--out", str(tmp_path / "out")) == 1, command

@@ -28,8 +28,8 @@ from rlbench_pin.datasets.formats.robomimic import export_robomimic
 from rlbench_pin.datasets.trust import Inspector
 from rlbench_pin.environment.stored import read_stored_descriptions
 from rlbench_pin.errors import DatasetError, EpisodeFileError
+from rlbench_pin.processes import SerialEngine
 from rlbench_pin.recording.config import PictureConfig
-from rlbench_pin.recording.engines import SerialEngine
 from rlbench_pin.recording.replay_stored import replay_stored
 from rlbench_pin.recording.rerender import rerender
 from tests.demos_for_tests import make_demo

@@ -25,8 +25,8 @@ from rlbench_pin.datasets import (
 )
 from rlbench_pin.datasets.merge import merge_datasets
 from rlbench_pin.errors import DatasetError, EpisodeFileError
+from rlbench_pin.processes import SerialEngine
 from rlbench_pin.recording.config import PictureConfig
-from rlbench_pin.recording.engines import SerialEngine
 from rlbench_pin.recording.rerender import read_seeds, rerender
 from tests.demos_for_tests import edit_manifest, make_demo
 

@@ -13,8 +13,8 @@ from rlbench_pin.datasets import read_picture
 from rlbench_pin.datasets.formats.rlbench_folders import export_rlbench
 from rlbench_pin.environment import Discrete, JointPosition, MoveArmThenGripper, ObservationConfig
 from rlbench_pin.errors import DatasetError, UnknownName
+from rlbench_pin.processes import SerialEngine
 from rlbench_pin.recording.config import PictureConfig, RecordConfig
-from rlbench_pin.recording.engines import SerialEngine
 from rlbench_pin.recording.record import record
 
 TASK = "reach_target"

@@ -43,7 +43,7 @@ def test_pages_and_programs_say_the_same() -> None:
 def test_names_that_need_an_extra_say_so(door: str, name: str, library: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """They are looked up when first used, so that the rest of their package works without."""
     monkeypatch.setitem(sys.modules, library, None)
-    for module in ("rlbench_pin.recording.ray_engine", "rlbench_pin.control.qp.foreign_solver"):
+    for module in ("rlbench_pin.processes.ray_engine", "rlbench_pin.control.qp.foreign_solver"):
         monkeypatch.delitem(sys.modules, module, raising=False)
     package = getattr(rlbench_pin, door)
     monkeypatch.delitem(vars(package), name, raising=False)

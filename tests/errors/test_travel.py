@@ -17,8 +17,8 @@ import pytest
 
 import rlbench_pin
 from rlbench_pin.errors import InfeasibleControl, MissingExtra, NoIkSolution, RlbenchPinError, StorageError, WaypointError
+from rlbench_pin.processes import WorkerDeath
 from rlbench_pin.recording.config import WorkItem
-from rlbench_pin.recording.engines import WorkerDeath
 
 SKIPPED = ("rlbench_pin.compat.",)
 """Modules that need the known names, and a program; a test in a process of its own looks at their errors."""
@@ -43,6 +43,7 @@ VALUES: dict[str, object] = {
     "Sequence[tuple[str, str]]": [("hand", "cube")],
     "list[Path]": [Path("a.toml"), Path("b.toml")],
     "Sequence[WorkerDeath]": [DEATH],
+    "FaultKind": "crashed",
 }
 
 

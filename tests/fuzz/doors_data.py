@@ -15,9 +15,11 @@ from rlbench_pin import checking, datasets, environment, evaluation, gym, observ
 from rlbench_pin.datasets import formats
 from rlbench_pin.environment import Discrete, ExtraCamera, JointPosition, MoveArmThenGripper, TaskEnvironment
 from rlbench_pin.environment.presets import low_dim_config
+from rlbench_pin.evaluation import EvaluationConfig
 from rlbench_pin.recording import PictureConfig, RecordConfig
 from rlbench_pin.robot import RobotModel, robot_description
 from tests.demos_for_tests import make_demo
+from tests.evaluation.results.made import results
 from tests.fuzz.doors import Door, Fresh, functions, methods, parameters_of
 
 SKIPPED = frozenset({
@@ -27,17 +29,24 @@ SKIPPED = frozenset({
     "RepeatTrial", "WordsTrial",
     "Rate", "Rest", "Move", "TaskInfo", "StoredEpisode", "RecordReport", "ReplayResult", "Command", "ControllerSummary", "Leg",
     "LegTrial", "CheckProgress", "Failure", "Item", "Reach", "TaskReport", "TaskState", "DemoOutcome", "EnvironmentState",
-    "LegReport", "ActionSpec",  # records that doors return
+    "LegReport", "ActionSpec", "EpisodeItem", "EpisodeOutcome", "EvaluationProgress", "PolicyContext",
+    "Reference", "TaskSet", "TaskSelection", "Comparison", "Pairs", "TaskComparison", "PValues", "Summary",
+    "TaskSummary", "Estimate", "Table",  # records that doors return, or policies are given
     "Follower", "TrackingProblem", "Waypoint", "Task",  # what the package makes itself; users read them
+    "KeyFramePolicy",  # a base class
     "hold", "record", "rerender", "ProcessEngine", "run_trials", "explain_failure", "follow_demo", "follow_leg", "plan_trial",
-    "record_legs", "make_env", "GymnasiumEnv", "LeRobotEnv", "LazyAsyncVectorEnv", "Runtime", "TaskEnvironment", "Cameras",
-    "Camera", "AllOf", "AnyOf", "Detected", "DetectedSeveral", "FollowPath", "Grasped", "HasColor", "InOrder", "JointMoved",
+    "record_legs", "evaluate", "make_env", "GymnasiumEnv", "LeRobotEnv", "LazyAsyncVectorEnv", "Runtime", "TaskEnvironment",
+    "Cameras", "Camera",
+    "AllOf", "AnyOf", "Detected", "DetectedSeveral", "FollowPath", "Grasped", "HasColor", "InOrder", "JointMoved",
     "ListEmpty", "NothingGrasped", "TipInside",  # have cases elsewhere: doors_work, doors_world, test_actions
     "SpawnBoundary", "clearance", "easiest_top_grasp", "free_direction", "place_task", "settle", "at_rest",
     "swap_places",  # likewise, or asked in every tick
 })  # fmt: skip
+SMALL = EvaluationConfig(policy="rest", tasks=("reach_target",), episodes=1, max_seconds=0.1)
+"""The smallest evaluation."""
 LONG = ("close", "get_task", "step", "set_state", "get_demos", "reset_to_demo", "remove_camera", "put", "try_demo")
 """These have cases elsewhere, or need what a made-up demonstration has not."""
+RATES = {"first": 0.5, "second": 0.9, "shared": 0.5}
 RECORDS = ("BodySpec", "SensorSpec", "FrameSpec", "RegionSpec", "WaypointSpec", "PlacementSpec")
 """Records with a pose."""
 PLAYED = frozenset(
@@ -54,7 +63,7 @@ PLAYED = frozenset(
     }
 )
 """Likewise: their good arguments are refused here."""
-LOOSE = {"key_frames": "demo", "rgb_handles_to_mask": "rgb", "encode_demo": "demo"}
+LOOSE = {"key_frames": "demo", "rgb_handles_to_mask": "rgb", "encode_demo": "demo", "holm": "p_values"}
 
 
 def samples(folder: Path, task: TaskEnvironment) -> dict[str, object]:
@@ -115,7 +124,53 @@ def special_samples(folder: Path, task: TaskEnvironment, numbers: Iterator[int],
     special |= {f"{name}.task": kind for name in ("keep_task", "task_digest", "task_reference", "task_scene")}
     special |= {f"{name}.task": task for name in ("Film", "convert_by_playing", "replay_demo", "verify")}
     special |= {"keep_tasks.tasks": [kind], "keep_tasks.root": new, "keep_task.root": new}
-    return special | more_samples(library, new, first)
+    return special | more_samples(library, new, first) | evaluation_samples(folder, numbers)
+
+
+def evaluation_samples(folder: Path, numbers: Iterator[int]) -> dict[str, object]:
+    """Return those of results of evaluations and of sets of tasks."""
+    made = results({"reach_target": "10", "open_drawer": "11"})
+    summary = evaluation.summarise(made, np.random.default_rng(0))
+    record = made.episodes[0]
+    fields = {f"EpisodeRecord.{name}": value for name, value in vars(record).items()}
+    fields |= {f"Results.{name}": getattr(made, name) for name in inspect.signature(evaluation.Results).parameters}
+    return fields | {
+        "read_results.path": evaluation.write_results(folder / "results.json", made),
+        "write_results.path": Fresh(lambda: folder / f"results{next(numbers)}.json"),
+        "write_results.results": made,
+        "results_text.results": made,
+        "summarise.results": made,
+        "compare.first": made,
+        "compare.second": made,
+        "compare.measure": "lasts",
+        "comparison_table.comparison": evaluation.compare(made, made, np.random.default_rng(0)),
+        "task_table.summary": summary,
+        "overview_table.summaries": [summary],
+        "draw_results.summaries": [summary],
+        "draw_results.path": Fresh(lambda: folder / f"plot{next(numbers)}.svg"),
+        "mean_rate.rates": [],
+        "mean_rate.draws": 10,
+        "holm.p_values": [0.1],
+        "mcnemar.only_first": 3,
+        "mcnemar.only_second": 4,
+        **{f"{name}.{rate}": value for name in ("paired_power", "episodes_needed") for rate, value in RATES.items()},
+        "paired_power.episodes": 25,
+        "paired_power.level": 0.05,
+        "episodes_needed.power": 0.3,
+        "width_note.episodes": 25,
+        "task_set.name": "FS10_V1",
+    }
+
+
+def policy_samples() -> dict[str, object]:
+    """Return those of doors about policies."""
+    return {
+        "find_policy.reference": "rest",
+        "open_policy.reference": "rest",
+        "FunctionPolicy.function": lambda observation: observation,
+        "KeyFrame.is_open": True,
+        "PolicySettings.action_mode": {"mode": "JointPositionActionMode"},
+    }
 
 
 def more_samples(library: Path, new: Fresh, first: Path) -> dict[str, object]:
@@ -124,6 +179,12 @@ def more_samples(library: Path, new: Fresh, first: Path) -> dict[str, object]:
         "counted_demo.path": first,
         "counted_demo.fields": ["front_rgb"],
         "replay_stored.paths": [first],
+        "EpisodeRunner.config": SMALL,
+        "EvaluationConfig.policy": "rest",
+        "evaluation_seed.seed": 0,
+        "evaluation_seed.index": 0,
+        "plan_episodes.config": SMALL,
+        "plan_episodes.tasks": None,
         "write_seeds.path": new,
         "write_seeds.seeds": [],
         "write_scene.path": new,
@@ -138,6 +199,7 @@ def more_samples(library: Path, new: Fresh, first: Path) -> dict[str, object]:
         "fill_up_colors.asked": [],
         "fill_up_colors.count": 2,
         "fill_up_colors.palette": tasks.COLORS,
+        **policy_samples(),
         "Episode.array.field": "joint_positions",
         "Episode.series.field": "joint_positions",
         "Episode.misc.key": "scalar",

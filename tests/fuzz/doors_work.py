@@ -13,7 +13,7 @@ from rlbench_pin import control, gym, robot
 from rlbench_pin.checking import Item, TrialJournal, explain_failure, run_trials
 from rlbench_pin.control.qp.quadratic_program import empty_rows
 from rlbench_pin.environment import TaskEnvironment
-from rlbench_pin.evaluation import follow_demo, follow_leg, plan_trial, record_legs
+from rlbench_pin.evaluation import EvaluationConfig, evaluate, follow_demo, follow_leg, plan_trial, record_legs
 from rlbench_pin.recording import PictureConfig, ProcessEngine, RecordConfig, SerialEngine, record, rerender, write_seeds
 from rlbench_pin.recording.rerender import EpisodeSeed
 from rlbench_pin.tasks import conditions
@@ -118,12 +118,14 @@ def recording_doors(folder: Path) -> list[Door]:
     out = Fresh(lambda: folder / f"recorded{next(numbers)}")
     pictures = PictureConfig(products=())
     config, engine = RecordConfig(tasks=(TASK,), episodes=1, pictures=pictures), SerialEngine()
+    small = EvaluationConfig(policy="rest", tasks=(TASK,), episodes=1, max_seconds=0.1)
     seeds = write_seeds(folder / "seeds.json", [EpisodeSeed(TASK, 0, 0, 1, 0)])
     journal = TrialJournal(None, [])
     item = Item(TASK, "words", (0,), 1)
     return [
         Door("record", lambda: record, {"config": config, "root": out, "engine": engine}, finite=False),
         Door("rerender", lambda: rerender, {"source": seeds, "out": out, "pictures": pictures, "engine": engine}, finite=False),
+        Door("evaluate", lambda: evaluate, {"config": small, "out": out, "engine": engine}, finite=False),
         Door("ProcessEngine", lambda: ProcessEngine),
         Door("run_trials", lambda: run_trials, {"items": [item], "workers": 1, "journal": journal}, finite=False),
         Door("explain_failure", lambda: explain_failure, {"task": TASK, "seed": 0, "variation": 0}),

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import pytest
 
-from rlbench_pin.cli.record import make_engine
+from rlbench_pin.cli.process.engines import make_engine
 from rlbench_pin.datasets import task_faults
-from rlbench_pin.recording.config import PictureConfig, RecordConfig, WorkItem
-from rlbench_pin.recording.engines import MAX_DEATHS, Engine, ProcessEngine, RetryPolicy, SerialEngine, WorkersDie
+from rlbench_pin.processes import Engine, ProcessEngine, SerialEngine
+from rlbench_pin.recording.config import PictureConfig, RecordConfig
 from rlbench_pin.recording.record import RecordReport, record
 
 TASKS = ("reach_target", "push_button")
@@ -34,33 +34,6 @@ def serial(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("serial")
     assert record(CONFIG, root, engine=SerialEngine()).missing == 0
     return root
-
-
-def item(index: int = 0) -> WorkItem:
-    """Some piece of work."""
-    return WorkItem("reach_target", "reach_target", 0, index, 1, (0,))
-
-
-def test_an_item_that_kills_is_given_up() -> None:
-    """The third worker that dies of one item is the last; the others go on."""
-    retries = RetryPolicy()
-    for _ in range(MAX_DEATHS - 1):
-        assert retries.on_death(item(), "SIGSEGV")[1] is None
-        assert retries.on_death(item(1), "SIGSEGV")[1] is None
-        retries.on_success()
-    death, result = retries.on_death(item(), "SIGSEGV")
-    assert death.cause == "SIGSEGV"
-    assert result is not None
-    assert result.entry is None
-    assert "worker died" in result.failures[0]
-
-
-def test_workers_that_only_die_end_the_recording() -> None:
-    """When one after the other dies without finishing anything, the error counts the causes."""
-    retries = RetryPolicy()
-    with pytest.raises(WorkersDie, match="10 x SIGKILL.*--workers 0"):
-        for index in range(20):
-            retries.on_death(item(index), "SIGKILL")
 
 
 @pytest.mark.slow
@@ -124,8 +97,8 @@ def actors_below(ancestor: int) -> list[tuple[int, bool]]:
     def is_below(pid: int) -> bool:
         return pid == ancestor or (pid in parents and is_below(parents[pid]))
 
-    actors = [pid for pid, title in titles.items() if title.startswith(b"ray::Recorder") and is_below(pid)]
-    return [(pid, titles[pid].startswith(b"ray::Recorder.make")) for pid in actors]
+    actors = [pid for pid, title in titles.items() if title.startswith(b"ray::RayWorker") and is_below(pid)]
+    return [(pid, titles[pid].startswith(b"ray::RayWorker.make")) for pid in actors]
 
 
 @pytest.mark.slow
@@ -182,11 +155,3 @@ def test_more_ray_actors_than_cores_do_not_wait_forever(tmp_path: Path, serial: 
         ray.shutdown()
     assert (report.recorded, report.deaths) == (10, ())
     assert manifests(tmp_path) == manifests(serial)
-
-
-def test_stopping_begins_nothing(tmp_path: Path) -> None:
-    """An engine that is stopped before it starts makes nothing and starts no process."""
-    stop = threading.Event()
-    stop.set()
-    assert list(SerialEngine().map(CONFIG.pictures, [item()], stop)) == []
-    assert multiprocessing.active_children() == []

@@ -12,5 +12,7 @@ class ListTasks:
     Those of other packages come last, with the package that brings them.
     """
 
+    sets: bool = False
+    """List the sets of tasks instead, each with how many of its tasks are built."""
     json: bool = False
     """Print JSON for programs."""

@@ -85,7 +85,17 @@ COMMANDS: dict[str, Home] = {
         "doctor", "Doctor", "Say what works here: take a picture with each renderer, write a film, name the libraries."
     ),
     "evaluate": Home(
-        "evaluate", "Evaluate", "Compare controllers on the motions of demonstrations: errors, limits, clearance, time."
+        "evaluation.evaluate",
+        "Evaluate",
+        "Evaluate a policy on tasks: success with its interval, collisions, limits. Whatever kills it, `--resume` goes on.",
+    ),
+    "serve": Home(
+        "evaluation.serve",
+        "Serve",
+        "Serve a policy at an address until Ctrl-C; `rlbench-pin evaluate` with that address elsewhere evaluates it.",
+    ),
+    "results": Home(
+        "evaluation.results", "ShowResults", "Print tables of results files, compare them episode by episode, draw them."
     ),
     "problems": Home(
         "problems",

@@ -42,7 +42,8 @@ def assert_unit_quaternion(quaternion: FloatArray) -> None:
     if not np.isclose(norm, 1.0):
         raise InvalidActionError(
             f"The quaternion {np.round(quaternion, 4).tolist()} has norm {norm:.4f}. "
-            "Divide it by its norm; the order is x, y, z, w."
+            "Divide it by its norm; the order is x, y, z, w.",
+            "not a rotation",
         )
 
 

@@ -52,7 +52,9 @@ class Discrete(GripperMode):
     def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
         """Return the number, or raise InvalidActionError when it does not lie between 0 and 1."""
         if not 0.0 <= values[0] <= 1.0:
-            raise InvalidActionError(f"The gripper action is {values[0]}; it must lie between 0 (closed) and 1 (open).")
+            raise InvalidActionError(
+                f"The gripper action is {values[0]}; it must lie between 0 (closed) and 1 (open).", "gripper out of range"
+            )
         return values
 
     def execute(self, runtime: Runtime, values: FloatArray) -> None:

@@ -24,10 +24,10 @@ def as_action(action: object, size: int, what: str, more: int = 0) -> FloatArray
         raise InvalidActionError(f"{what} takes {size} numbers, not {shown(action)}. It {error.problem}.") from error
     if array.shape not in ((size,), (size + more,)):
         shapes = f"({size},)" if more == 0 else f"({size},) or ({size + more},)"
-        raise InvalidActionError(f"{what} takes an array of shape {shapes}, not {array.shape}.")
+        raise InvalidActionError(f"{what} takes an array of shape {shapes}, not {array.shape}.", "wrong shape")
     if not all(map(math.isfinite, array.tolist())):
         bad = ", ".join(str(i) for i in np.flatnonzero(~np.isfinite(array)))
-        raise InvalidActionError(f"{what} got NaN or infinity at index {bad}. Check the policy's output.")
+        raise InvalidActionError(f"{what} got NaN or infinity at index {bad}. Check the policy's output.", "not finite")
     return array.copy()
 
 

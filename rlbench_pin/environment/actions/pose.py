@@ -130,7 +130,7 @@ class EndEffectorPoseViaPlanning(PoseMode):
         try:
             plan = self._plan(runtime, target, ignore)
         except PlanningError as error:
-            raise InvalidActionError(f"No motion to the target pose: {error}") from error
+            raise InvalidActionError(f"No motion to the target pose: {error}", error.reason) from error
         follow(runtime, plan.trajectory)
 
     def _plan(self, runtime: Runtime, target: FloatArray, ignore_collisions: bool) -> Plan:
@@ -156,7 +156,9 @@ class EndEffectorPoseViaIK(PoseMode):
         try:
             goal = solve_ik(runtime.model, target, q, runtime.planning_rng, starts=1)[0]
         except PlanningError as error:
-            raise InvalidActionError(f"No joint positions near the present ones reach the target pose: {error}") from error
+            raise InvalidActionError(
+                f"No joint positions near the present ones reach the target pose: {error}", error.reason
+            ) from error
         drive_until_there(runtime, goal, IK_DONE, IK_TICKS)
 
 
@@ -218,7 +220,9 @@ class ERJointViaIK(PoseMode):
         try:
             goal = solve_pinned_ik(runtime.model, target, q, dict(zip(joints, angles.tolist(), strict=True)))
         except PlanningError as error:
-            raise InvalidActionError(f"The pose cannot be reached with joints {joints} at {angles.round(3)}: {error}") from error
+            raise InvalidActionError(
+                f"The pose cannot be reached with joints {joints} at {angles.round(3)}: {error}", error.reason
+            ) from error
         drive_until_there(runtime, goal, self.eps, 50)
 
 

@@ -159,6 +159,10 @@ class SimRobot:
         """Names of the bodies that arm or hand touch, sorted."""
         return self._contacts.touching(self.model.uid)
 
+    def contact_forces(self) -> dict[tuple[str, str], float]:
+        """Return (link, what it touches) -> sum of the normal forces between them in the last physics step [N]."""
+        return self._contacts.forces(self.model.uid)
+
     def _commanded_torques(self) -> FloatArray | None:
         """Torques of the last tick, where they were commanded."""
         return self._control.target if self._control.mode == "torque" else self._control.torques

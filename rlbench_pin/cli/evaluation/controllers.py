@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
+from pathlib import Path
 
 from tqdm import tqdm
 
-from rlbench_pin.cli.arguments import evaluate as arguments
 from rlbench_pin.cli.list_tasks import named_tasks
 from rlbench_pin.cli.process.files import check_file, write_json
 from rlbench_pin.cli.process.words import check_at_least, checked_names
@@ -20,14 +19,25 @@ from rlbench_pin.evaluation.controllers.trials import LegTrial, chosen_controlle
 from rlbench_pin.tasks import find_task
 
 
-class Evaluate(arguments.Evaluate):
-    """The work of `rlbench-pin evaluate`."""
+@dataclass(frozen=True)
+class ControllerComparison:
+    """Controllers on the legs of demonstrations."""
+
+    tasks: tuple[str, ...]
+    """Task names, or task files."""
+    episodes: int = 1
+    """Demonstrations of each task."""
+    seed: int = 0
+    """Seed of the first episode; episode i uses seed + i."""
+    legs: int | None = None
+    """Number of legs of each demonstration; all when None."""
+    only: tuple[str, ...] = ()
+    """Controllers to compare; all when none is given."""
+    json: Path | None = None
+    """File to write everything to."""
 
     def run(self) -> int:
         """Follow, and print one table per kind of leg."""
-        if not self.controllers:
-            print("rlbench-pin evaluate: say what to evaluate, `--controllers`.", file=sys.stderr)
-            return 2
         check_at_least(self, episodes=1, seed=0, legs=1)
         checked_names(self.tasks, named_tasks, "rlbench-pin evaluate --controllers --tasks TASK...")
         chosen_controllers(self.only)
@@ -72,6 +82,3 @@ def report(summaries: Sequence[ControllerSummary], title: str = "") -> str:
     headings = {"free": "Legs planned around obstacles", "contact": "Legs that may touch"}
     parts = [(heading, [s for s in summaries if s.kind == kind]) for kind, heading in headings.items()]
     return "\n\n".join(f"{title}{heading}\n\n{table(rows)}" for heading, rows in parts if rows)
-
-
-__all__ = ["Evaluate", "report"]

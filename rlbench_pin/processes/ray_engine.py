@@ -1,15 +1,14 @@
-"""map(pieces of work) -> episodes on a Ray cluster: one actor per worker, each with an environment of its own."""
+"""map(workers, pieces of work) -> results on a Ray cluster: one actor per worker."""
 
 from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
+from typing import Any
 
 from rlbench_pin.errors import MissingExtra
-from rlbench_pin.recording.config import PictureConfig, WorkItem
-from rlbench_pin.recording.engines import POLL_INTERVAL, Event, RetryPolicy
-from rlbench_pin.recording.work import ItemResult, Recorder
+from rlbench_pin.processes.engines import POLL_INTERVAL, GivenUp, ItemT, ResultT, RetryPolicy, Worker, WorkerDeath
 
 try:
     import ray
@@ -32,21 +31,25 @@ class RayEngine:
     def __init__(self, workers: int = 1, address: str | None = None) -> None:
         self.workers, self.address = max(1, workers), address
 
-    def map(self, config: PictureConfig, items: Sequence[WorkItem], stop: threading.Event) -> Generator[Event, None, None]:
+    def map(
+        self, worker: Callable[[], Worker[ItemT, ResultT]], items: Sequence[ItemT], stop: threading.Event
+    ) -> Generator[ResultT | WorkerDeath[ItemT] | GivenUp[ItemT], None, None]:
         """Yield results as they come."""
         began = not ray.is_initialized()
         if began:
             ray.init(address=self.address, log_to_driver=False, logging_level="ERROR", include_dashboard=False)
         try:
-            yield from self._map(config, items, stop)
+            yield from self._map(worker, items, stop)
         finally:
             if began:
                 ray.shutdown()
 
-    def _map(self, config: PictureConfig, items: Sequence[WorkItem], stop: threading.Event) -> Generator[Event, None, None]:
-        queue, retries = deque(items), RetryPolicy()
-        idle = [_new_actor(config) for _ in range(min(self.workers, len(queue)))]
-        busy: dict[ray.ObjectRef, tuple[ActorHandle, WorkItem]] = {}
+    def _map(
+        self, worker: Callable[[], Worker[ItemT, ResultT]], items: Sequence[ItemT], stop: threading.Event
+    ) -> Generator[ResultT | WorkerDeath[ItemT] | GivenUp[ItemT], None, None]:
+        queue, retries = deque(items), RetryPolicy[ItemT]()
+        idle = [_new_actor(worker) for _ in range(min(self.workers, len(queue)))]
+        busy: dict[ray.ObjectRef, tuple[ActorHandle, ItemT]] = {}
         while queue or busy:
             while idle and queue and not stop.is_set():
                 actor, item = idle.pop(), queue.popleft()
@@ -58,9 +61,9 @@ class RayEngine:
             for reference in ray.wait(list(busy), timeout=POLL_INTERVAL)[0]:
                 actor, item = busy.pop(reference)
                 try:
-                    result: ItemResult = ray.get(reference)
+                    result: ResultT = ray.get(reference)
                 except RayError as error:
-                    idle.append(_new_actor(config))
+                    idle.append(_new_actor(worker))
                     death, given_up = retries.on_death(item, type(error).__name__)
                     yield death
                     if given_up is not None:
@@ -73,7 +76,22 @@ class RayEngine:
                 yield result
 
 
-def _new_actor(config: PictureConfig) -> ActorHandle:
+class RayWorker:
+    """What an actor is: one worker, made in the process of the actor.
+
+    Args:
+        worker: Makes it.
+    """
+
+    def __init__(self, worker: Callable[[], Worker[Any, Any]]) -> None:
+        self._worker = worker()
+
+    def make(self, item: object) -> object:
+        """Do one piece of work."""
+        return self._worker.make(item)
+
+
+def _new_actor(worker: Callable[[], Worker[ItemT, ResultT]]) -> ActorHandle:
     options = {"num_cpus": 1, "runtime_env": {"env_vars": {"OMP_NUM_THREADS": "1"}}}
-    actor: ActorHandle = ray.remote(Recorder).options(**options).remote(config)
+    actor: ActorHandle = ray.remote(RayWorker).options(**options).remote(worker)
     return actor

@@ -1,0 +1,17 @@
+"""A checkpoint of LeRobot, from LeRobot's own environment: `python serve_lerobot.py FOLDER unix:/tmp/policy.sock`.
+
+That environment needs `pip install msgpack`; `policy_server.py` and `lerobot_directory.py` of rlbench_pin lie beside this file.
+FOLDER is `pretrained_model` of a checkpoint, trained on an export of `rlbench-pin dataset export lerobot`.
+
+What to look for: pictures come from the cameras and in the size that the checkpoint says.
+"""
+
+from __future__ import annotations
+
+import sys
+
+from lerobot_directory import LeRobotPolicy
+from policy_server import serve
+
+if __name__ == "__main__":
+    serve(lambda: LeRobotPolicy(sys.argv[1]), sys.argv[2])

@@ -1,0 +1,1 @@
+"""Commands about how well something does on the tasks."""

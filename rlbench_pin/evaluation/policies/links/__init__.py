@@ -1,0 +1,1 @@
+"""Where policies run: in this process, in one of their own, behind a socket."""

@@ -1,0 +1,174 @@
+"""What policies are called, and what that leads to; nothing of a policy runs here."""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+import os
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.machinery import ModuleSpec, PathFinder
+from pathlib import Path
+from typing import Literal
+from urllib.parse import quote
+
+from rlbench_pin.errors import MissingExtra, UnknownName, nearest_name
+from rlbench_pin.evaluation.policies.faults import LibraryMissing, PolicyReferenceError
+from rlbench_pin.evaluation.policies.links.loading import split_reference
+from rlbench_pin.evaluation.policies.policy_server import NoPolicy, split_tcp
+
+_ADAPTERS = "rlbench_pin.evaluation.policies.adapters"
+BUILT_IN: Mapping[str, str] = {
+    "rest": f"{_ADAPTERS}.trivial:Rest",
+    "random": f"{_ADAPTERS}.trivial:Random",
+}
+"""Name -> `module:factory` of the policies that this package brings."""
+HERE = ("rest", "random")
+"""Those that need no process of their own."""
+EXPERT = "expert"
+"""The planner's own demonstrations; the evaluation plays them itself."""
+FORMS = "`module:factory`, `file.py:factory`, `sb3:FILE`, `lerobot:FOLDER`, `unix:PATH` or `tcp://HOST:PORT`"
+
+
+@dataclass(frozen=True)
+class Reference:
+    """What a policy is called, and where that leads."""
+
+    text: str
+    """As it was written."""
+    place: Literal["here", "process", "socket"]
+    """Where the policy runs."""
+    target: str
+    """`module:factory` or `file.py:factory` with arguments, or an address."""
+
+
+def find_policy(reference: str) -> Reference:
+    """Return what a reference leads to, after a look at whether it exists. Nothing is imported that the policy brings.
+
+    Args:
+        reference: A name of `BUILT_IN`, `module:factory`, `file.py:factory`, `sb3:FILE`, `lerobot:FOLDER`, `unix:PATH` or
+            `tcp://HOST:PORT`; but for the last two, `?key=value&...` may follow, arguments of the factory.
+
+    Raises:
+        UnknownName: It is a single word, and no policy of this package is called so.
+        PolicyReferenceError: There is no such module, file, factory, or it has none of these forms.
+        MissingExtra: The library that it needs is not installed.
+    """
+    if not isinstance(reference, str) or not reference or "\0" in reference:
+        raise PolicyReferenceError(reference, f"is called by a text such as {FORMS}")
+    if reference.startswith(("unix:", "tcp:")):
+        return _at_address(reference)
+    for kind, find in (("sb3:", _sb3), ("lerobot:", _lerobot)):
+        if reference.startswith(kind):
+            return Reference(reference, "process", find(reference, reference.removeprefix(kind)))
+    name, _, query = reference.partition("?")
+    if name == EXPERT:
+        hint = "`rlbench-pin evaluate expert` and `evaluate(...)` do that; as an object there is none."
+        raise PolicyReferenceError(reference, "needs the planner and the scene, so the evaluation plays it itself", hint)
+    if name in BUILT_IN:
+        target = f"{BUILT_IN[name]}?{query}" if query else BUILT_IN[name]
+        return Reference(reference, "here" if name in HERE else "process", target)
+    if ":" not in name:
+        raise UnknownName("policy", reference, (*BUILT_IN, EXPERT))
+    _check_factory(reference)
+    return Reference(reference, "process", reference)
+
+
+def _at_address(reference: str) -> Reference:
+    if reference == "unix:":
+        raise PolicyReferenceError(reference, "needs the path of its socket", "Write `unix:PATH`.")
+    if reference.startswith("tcp:"):
+        try:
+            split_tcp(reference)
+        except ValueError as error:
+            raise PolicyReferenceError(reference, f"has no such address: {error}") from error
+    return Reference(reference, "socket", reference)
+
+
+def _with_path(factory: str, key: str, path: Path, query: str) -> str:
+    return f"{_ADAPTERS}.{factory}?{key}={quote(str(path.resolve()))}{f'&{query}' if query else ''}"
+
+
+def _sb3(reference: str, rest: str) -> str:
+    file, _, query = rest.partition("?")
+    path = next((p for p in (Path(file), Path(f"{file}.zip")) if _is_file(p)), None)
+    if path is None:
+        raise PolicyReferenceError(reference, f"needs a file that there is not: '{file}'", "`model.save(FILE)` makes one.")
+    if importlib.util.find_spec("stable_baselines3") is None:
+        raise MissingExtra("A policy `sb3:FILE`", "stable_baselines3", "rl")
+    return _with_path("sb3:load", "file", path, query)
+
+
+def _lerobot(reference: str, rest: str) -> str:
+    folder, _, query = rest.partition("?")
+    path = Path(folder)
+    if not _is_file(path / "config.json"):
+        hint = "It is the folder `pretrained_model` of a checkpoint, in which `config.json` and `model.safetensors` lie."
+        raise PolicyReferenceError(reference, f"needs a folder with a `config.json`, which '{folder}' is not", hint)
+    if importlib.util.find_spec("lerobot") is None:
+        hint = "Serve the policy from an environment that has it, and evaluate `unix:PATH`: docs/policies.md says how."
+        raise LibraryMissing("A policy `lerobot:FOLDER`", "lerobot", hint)
+    return _with_path("lerobot_directory:LeRobotPolicy", "folder", path, query)
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # a name that no file can have
+        return False
+
+
+def _check_factory(reference: str) -> None:
+    """Raise PolicyReferenceError unless there is such a module or file, and the factory is not missing in its text."""
+    try:
+        where, name, _ = split_reference(reference)
+    except NoPolicy as error:
+        raise PolicyReferenceError(reference, f"is called in none of the known forms: {error}", f"They are {FORMS}.") from error
+    file: Path | None
+    if where.endswith(".py"):
+        file = Path(where)
+        if not _is_file(file):
+            raise PolicyReferenceError(reference, f"needs a file that there is not: '{where}'", "Paths begin in this folder.")
+    else:
+        spec = _spec_of(where)
+        if spec is None:
+            hint = "It has to be installed, or lie in this folder or on PYTHONPATH; `file.py:factory` names a file."
+            raise PolicyReferenceError(reference, f"needs a module that there is not: '{where}'", hint)
+        file = Path(spec.origin) if spec.has_location and spec.origin and spec.origin.endswith(".py") else None
+    if file is not None:
+        _check_name(reference, file, name)
+
+
+def _spec_of(dotted: str) -> ModuleSpec | None:
+    """Return where a module is, without importing its packages."""
+    top, *rest = dotted.split(".")
+    if not all(part.isidentifier() for part in (top, *rest)):
+        return None
+    try:
+        spec = PathFinder.find_spec(top, [os.getcwd(), *sys.path]) or importlib.util.find_spec(top)
+        name = top
+        for part in rest:
+            if spec is None or spec.submodule_search_locations is None:
+                return None
+            name = f"{name}.{part}"
+            spec = PathFinder.find_spec(name, list(spec.submodule_search_locations))
+    except (ImportError, ValueError, OSError):
+        return None
+    return spec
+
+
+def _check_name(reference: str, file: Path, name: str) -> None:
+    try:
+        tree = ast.parse(file.read_bytes())
+    except (SyntaxError, ValueError, OSError) as error:
+        raise PolicyReferenceError(reference, f"needs '{file}', which cannot be read: {error}") from error
+    names = {n.name for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.ClassDef | ast.AsyncFunctionDef)}
+    names |= {n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    imported = [alias for n in ast.walk(tree) if isinstance(n, ast.Import | ast.ImportFrom) for alias in n.names]
+    names |= {alias.asname or alias.name.split(".")[0] for alias in imported}
+    if name not in names and not names & {"*", "__getattr__"}:
+        near = nearest_name(name, names)
+        raise PolicyReferenceError(
+            reference, f"needs '{name}', which is not in '{file}'", f"Did you mean '{near}'?" if near else ""
+        )

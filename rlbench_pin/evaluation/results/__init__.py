@@ -1,0 +1,1 @@
+"""Results of evaluations: records, the file, rates with intervals, comparisons, tables and plots."""

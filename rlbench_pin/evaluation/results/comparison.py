@@ -1,0 +1,208 @@
+"""Two policies on the same episodes: who succeeds where the other does not, per task and in all."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass
+from typing import Literal
+
+import numpy as np
+
+from rlbench_pin.errors import IncompatibleResults
+from rlbench_pin.evaluation.results.mcnemar import SIGNIFICANT, PValues, holm, mcnemar
+from rlbench_pin.evaluation.results.records import EpisodeRecord, Results
+from rlbench_pin.evaluation.results.statistics import DRAWS, LEVEL, Estimate
+from rlbench_pin.values import as_choice, as_flag, as_record
+
+Measure = Literal["success", "lasts"]
+"""What counts: success, or success that lasts."""
+IMPLIED = ("episodes", "seed", "variations", "time_limit")
+"""Limits that may differ: the episodes themselves say the first three, and the last is of a clock on the wall."""
+_SHOWN = 3
+_Episodes = dict[tuple[str, int, int], EpisodeRecord]
+_ADVICE = "Evaluate both with the same `--tasks`, `--episodes` and `--seed`; `--common` compares the episodes that both have."
+_LIMITS_ADVICE = "Evaluate both with the same limits; `--any-limits` compares them nevertheless."
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """How the episodes of one task, or of all, went for two policies."""
+
+    both: int
+    """Pairs in which both succeeded."""
+    only_first: int
+    """Pairs in which the first alone did."""
+    only_second: int
+    """Pairs in which the second alone did."""
+    neither: int
+    """Pairs in which none did."""
+
+    @property
+    def of(self) -> int:
+        """All pairs."""
+        return self.both + self.only_first + self.only_second + self.neither
+
+    @property
+    def difference(self) -> float:
+        """Rate of the second less that of the first."""
+        return (self.only_second - self.only_first) / self.of if self.of else 0.0
+
+    @property
+    def p(self) -> PValues:
+        """Of McNemar's test."""
+        return mcnemar(self.only_first, self.only_second)
+
+
+@dataclass(frozen=True)
+class TaskComparison:
+    """Two policies on one task."""
+
+    task: str
+    pairs: Pairs
+    p_holm: float
+    """Exact p-value, corrected for as many tests as there are tasks."""
+
+    @property
+    def significant(self) -> bool:
+        """Whether the difference is called significant."""
+        return self.p_holm < SIGNIFICANT
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two policies on the same episodes."""
+
+    first: str
+    second: str
+    measure: Measure
+    tasks: tuple[TaskComparison, ...]
+    pairs: Pairs
+    """Of all tasks together."""
+    difference: Estimate
+    """Mean over tasks of the rate of the second less that of the first, with a bootstrap interval."""
+    remarks: tuple[str, ...]
+    """What else differs, and may explain a difference."""
+
+    @property
+    def significant(self) -> bool:
+        """Whether the difference over all tasks is called significant: the exact p-value is below 0.05."""
+        return self.pairs.p.exact < SIGNIFICANT
+
+
+def compare(
+    first: Results,
+    second: Results,
+    rng: np.random.Generator,
+    *,
+    measure: Measure = "success",
+    common: bool = False,
+    any_limits: bool = False,
+) -> Comparison:
+    """Compare two policies, episode by episode.
+
+    Args:
+        first: Results of the one.
+        second: Results of the other, of the same episodes: tasks, variations, seeds.
+        rng: Draws the bootstrap.
+        measure: `success`, or `lasts` for success that lasts.
+        common: Compare the episodes that both have, where they do not have the same.
+        any_limits: Compare although episodes ended at different limits.
+
+    Raises:
+        IncompatibleResults: They do not have the same episodes, or other limits; says what differs.
+    """
+    one, other = (as_record(results, Results, "results") for results in (first, second))
+    as_record(rng, np.random.Generator, "rng")
+    as_choice(measure, "measure", ("success", "lasts"))
+    common, any_limits = as_flag(common, "common"), as_flag(any_limits, "any_limits")
+    before, after = _by_key(one), _by_key(other)
+    _check_episodes(one, other, before, after, common)
+    limits = _limit_differences(one, other)
+    if limits and not any_limits:
+        raise IncompatibleResults(one.policy, other.policy, limits, _LIMITS_ADVICE)
+    counted = _counted(one, after, measure)
+    corrected = holm([pairs.p.exact for pairs in counted.values()])
+    tasks = tuple(TaskComparison(task, pairs, p) for (task, pairs), p in zip(counted.items(), corrected))
+    together = Pairs(*(sum(column) for column in zip(*map(astuple, counted.values()))))
+    difference = _mean_difference(tuple(counted.values()), rng)
+    return Comparison(one.policy, other.policy, measure, tasks, together, difference, (*limits, *_remarks(one, other)))
+
+
+def _counted(one: Results, after: _Episodes, measure: Measure) -> dict[str, Pairs]:
+    """Return how the episodes of each task went, of those that both have."""
+    found: dict[str, list[tuple[bool, bool]]] = {task: [] for task in one.tasks}
+    for episode in one.episodes:
+        if episode.key in after:
+            found[episode.task].append((getattr(episode, measure), getattr(after[episode.key], measure)))
+    return {task: _pairs(outcomes) for task, outcomes in found.items() if outcomes}
+
+
+def _by_key(results: Results) -> _Episodes:
+    return {episode.key: episode for episode in results.episodes}
+
+
+def _check_episodes(one: Results, other: Results, before: _Episodes, after: _Episodes, common: bool) -> None:
+    """Raise IncompatibleResults unless both have the same episodes, or some in common are enough."""
+    shared = before.keys() & after.keys()
+    if shared and (common or len(shared) == len(before) == len(after)):
+        return
+    parts: tuple[tuple[str, Sequence[object], Sequence[object]], ...] = (
+        ("tasks", one.tasks, other.tasks),
+        ("seeds", one.seeds, other.seeds),
+    )
+    found = [text for what, a, b in parts if (text := _difference(what, a, b))]
+    if not found:
+        found = [_difference("episodes (task, variation, seed)", tuple(before), tuple(after)) or "neither has an episode"]
+    raise IncompatibleResults(one.policy, other.policy, found, "They have no episode in common." if not shared else _ADVICE)
+
+
+def _difference(what: str, a: Sequence[object], b: Sequence[object]) -> str:
+    """Say which items only one of two lists has; nothing where none."""
+    texts = []
+    for which, here, there in (("first", a, set(b)), ("second", b, set(a))):
+        if only := [item for item in here if item not in there]:
+            more = f" and {len(only) - _SHOWN} more" if len(only) > _SHOWN else ""
+            texts.append(f"only the {which} has {what} {', '.join(map(str, only[:_SHOWN]))}{more}")
+    return "; ".join(texts)
+
+
+def _limit_differences(one: Results, other: Results) -> list[str]:
+    names = [name for name in sorted({*one.limits, *other.limits}) if name not in IMPLIED]
+    pairs = [(name, one.limits.get(name), other.limits.get(name)) for name in names]
+    return [f"{name} is {a!r} in the first and {b!r} in the second" for name, a, b in pairs if a != b]
+
+
+def _remarks(one: Results, other: Results) -> list[str]:
+    """Say what else differs: versions and commits, with which the same seed may be another episode."""
+    names = sorted({*one.versions, *other.versions})
+    versions = [f"{name} {one.versions.get(name)} and {other.versions.get(name)}" for name in names]
+    found = [text for name, text in zip(names, versions) if one.versions.get(name) != other.versions.get(name)]
+    remarks = [f"They were made with different versions: {', '.join(found)}."] if found else []
+    if one.commit != other.commit:
+        remarks.append(f"They were made at different commits: {one.commit or 'none'} and {other.commit or 'none'}.")
+    return remarks
+
+
+def _pairs(outcomes: Sequence[tuple[bool, bool]]) -> Pairs:
+    counts = {(a, b): 0 for a in (True, False) for b in (True, False)}
+    for a, b in outcomes:
+        counts[a, b] += 1
+    return Pairs(counts[True, True], counts[True, False], counts[False, True], counts[False, False])
+
+
+def _mean_difference(strata: Sequence[Pairs], rng: np.random.Generator) -> Estimate:
+    """Return the mean over tasks of the difference; pairs are drawn again within each task.
+
+    Where no two outcomes differ, or all do in one way, half a pair is added to each way of differing, for the spread alone.
+    """
+    spread = np.zeros(DRAWS)
+    for pairs in strata:
+        counts = np.array([pairs.only_first, pairs.only_second, pairs.both + pairs.neither], dtype=np.float64)
+        if counts.max() == pairs.of:
+            counts += (0.5, 0.5, 0.0)
+        shares = counts / counts.sum()
+        drawn = rng.multinomial(pairs.of, shares, DRAWS)
+        spread += (drawn[:, 1] - drawn[:, 0]) / pairs.of - (shares[1] - shares[0])
+    value = float(np.mean([pairs.difference for pairs in strata]))
+    low, high = np.quantile(spread / len(strata), LEVEL)
+    return Estimate(value, max(-1.0, value + min(0.0, float(low))), min(1.0, value + max(0.0, float(high))))

@@ -1,0 +1,122 @@
+"""A picture of results: success with its interval, a bar per task and policy, in colours that are told apart by everybody."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from rlbench_pin.datasets.storage import write_whole
+from rlbench_pin.errors import InvalidValue
+from rlbench_pin.evaluation.results.statistics import Summary
+from rlbench_pin.evaluation.results.tables import MEAN, printable
+from rlbench_pin.values import as_path, as_record, as_several, as_whole
+
+SUFFIXES = (".png", ".svg")
+MOST = 8
+"""Policies in one picture at most."""
+COLORS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#000000")
+"""Of Okabe and Ito, in an order in which neighbours differ in lightness as well."""
+_FIXED = {"svg.hashsalt": "rlbench_pin", "svg.fonttype": "none", "font.family": "DejaVu Sans", "font.size": 9.0}
+_BAR, _GAP, _FRAME, _WIDTH = 0.17, 0.12, 1.1, 7.5
+"""Height of a bar, space between tasks, height of everything else, width of the picture [inch]."""
+
+
+def draw_results(path: Path | str, summaries: Sequence[Summary]) -> Path:
+    """Draw several evaluations side by side; equal results give the same file.
+
+    Args:
+        path: A PNG or SVG file.
+        summaries: What came of the evaluations, 1 to 8.
+
+    Raises:
+        InvalidValue: The file has another ending, or there are too many policies.
+        StorageError: It cannot be written.
+    """
+    found = [as_record(s, Summary, "A summary") for s in as_several(summaries, "summaries")]
+    path = check_plot(path, len(found))
+    kind = path.suffix.lower()[1:]
+    written = io.BytesIO()
+    with rc_context(_FIXED):
+        figure = _figure(found)
+        metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
+        figure.savefig(written, format=kind, dpi=150, metadata=metadata)
+    return write_whole(path, written.getvalue())
+
+
+def check_plot(path: Path | str, policies: int) -> Path:
+    """Return the path of a plot, or raise InvalidValue where `draw_results` would.
+
+    Args:
+        path: A PNG or SVG file.
+        policies: How many are to be drawn.
+    """
+    path = as_path(path, "path")
+    if path.suffix.lower() not in SUFFIXES:
+        raise InvalidValue("path of a plot", str(path), f"has to end with {' or '.join(SUFFIXES)}")
+    if not 1 <= as_whole(policies, "policies") <= MOST:
+        raise InvalidValue("policies in one plot", policies, f"have to be 1 to {MOST}: more bars are not told apart")
+    return path
+
+
+def _figure(summaries: Sequence[Summary]) -> Figure:
+    """Return the figure: a group of bars per task, the first task on top, the mean below a line."""
+    names = list(dict.fromkeys(task.task for summary in summaries for task in summary.tasks))
+    groups = [*names, MEAN] if len(names) > 1 else names
+    step = _BAR * len(summaries) + _GAP
+    figure = Figure(
+        figsize=(_WIDTH, step * max(1, len(groups)) + _FRAME + 0.2 * ((len(summaries) - 1) // 3)), layout="constrained"
+    )
+    axes = figure.add_subplot()
+    for place, summary in enumerate(summaries):
+        rates = [_bar(summary, group) for group in groups]
+        at = [step * i + _BAR * (place - (len(summaries) - 1) / 2) for i, rate in enumerate(rates) if rate is not None]
+        values = np.array([rate for rate in rates if rate is not None]).reshape(-1, 3)
+        spread = np.abs(values[:, 1:] - values[:, :1]).T
+        color = COLORS[place]
+        bar: dict[str, Any] = {"color": color, "label": _label(summary.policy), "edgecolor": "black", "linewidth": 0.5}
+        axes.barh(at, values[:, 0], height=0.9 * _BAR, clip_on=False, zorder=2, **bar)
+        line: dict[str, Any] = {"fmt": "o", "markersize": 3.5, "markerfacecolor": color, "markeredgecolor": "#222222"}
+        axes.errorbar(values[:, 0], at, xerr=spread, ecolor="#222222", elinewidth=1, capsize=2, clip_on=False, zorder=3, **line)
+    if len(names) > 1:
+        axes.axhline(step * (len(groups) - 1.5), color="black", linewidth=0.6)
+    axes.set_yticks([step * i for i in range(len(groups))], [_label(group).strip() for group in groups])
+    axes.set_ylim(step * (len(groups) - 0.5), -step / 2)
+    axes.set_xlim(0.0, 1.0)
+    axes.set_xticks(np.linspace(0.0, 1.0, 6), [f"{v} %" for v in range(0, 101, 20)])
+    axes.set_xlabel(f"success, with intervals of 95 % ({_episodes(summaries)})")
+    axes.grid(axis="x", color="#cccccc", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.tick_params(axis="y", length=0)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    figure.legend(loc="outside upper center", ncols=min(3, len(summaries)), frameon=False)
+    return figure
+
+
+def _bar(summary: Summary, group: str) -> tuple[float, float, float] | None:
+    """Return rate and interval of a task, or of the mean; None where there are none."""
+    if group == MEAN:
+        return summary.success.value, summary.success.low, summary.success.high
+    for task in summary.tasks:
+        if task.task == group and task.success.of:
+            return task.success.value, *task.success.interval
+    return None
+
+
+def _label(name: str) -> str:
+    """Return a name as matplotlib draws it: no formula begins at a dollar, and a legend leaves out what begins with a line."""
+    text = printable(name, most=45).replace("$", r"\$")
+    return f" {text}" if text.startswith("_") else text
+
+
+def _episodes(summaries: Sequence[Summary]) -> str:
+    """Say how many episodes of a task there are."""
+    counts = sorted({task.success.of for summary in summaries for task in summary.tasks})
+    span = str(counts[0]) if len(counts) == 1 else f"{counts[0]} to {counts[-1]}" if counts else "no"
+    return f"{span} episode{'s' * (counts != [1])} of each task"

@@ -1,0 +1,245 @@
+"""What an evaluation has found: one record per episode, and all of them with what they were made with."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Literal, get_args
+
+from rlbench_pin.errors import InvalidValue
+from rlbench_pin.values import (
+    LARGEST_COUNT,
+    as_choice,
+    as_flag,
+    as_names,
+    as_number,
+    as_record,
+    as_seed,
+    as_text,
+    as_whole,
+    one_of,
+)
+
+FORMAT = 1
+"""Number of the format of results files."""
+End = Literal["success", "failed", "steps", "seconds", "fault"]
+"""How an episode ended: with success, by the task as failed, at the limit of steps or of seconds, or by a fault of the policy."""
+ENDS: tuple[str, ...] = get_args(End)
+LONGEST_TEXT = 10_000
+"""Letters of a text of a results file at most."""
+DEEPEST = 20
+"""Levels of lists and tables in the settings of a policy at most."""
+
+
+@dataclass(frozen=True)
+class EpisodeRecord:
+    """What came of one episode: all of it follows from policy, task, seed and limits; times of computation do not belong here."""
+
+    task: str
+    variation: int
+    seed: int
+    success: bool
+    """Whether the goal was reached."""
+    lasts: bool
+    """Whether success was still there after the scene had come to rest with the arm standing still."""
+    steps: int
+    """Actions, refused ones among them."""
+    seconds: float
+    """Time that passed in the simulation [s]."""
+    end: End
+    refused: Mapping[str, int] = field(default_factory=dict)
+    """Cause -> actions that were refused for it."""
+    collisions: int = 0
+    """Times that the arm began to touch what it should not."""
+    max_force: float = 0.0
+    """Largest force of these contacts [N]."""
+    violations: Mapping[str, int] = field(default_factory=dict)
+    """Limit of the arm -> control ticks in which it was violated."""
+    fault: str = ""
+    """Kind of the fault of the policy that ended the episode; empty without one."""
+    fault_detail: str = ""
+    """What was said of it."""
+
+    def __post_init__(self) -> None:
+        """Check every value, and keep it as plain Python has it."""
+        what = type(self).__name__
+        checked: dict[str, Any] = {
+            "task": _name(self.task, f"{what}.task"),
+            "variation": as_whole(self.variation, f"{what}.variation", least=0, most=LARGEST_COUNT),
+            "seed": as_seed(self.seed, f"{what}.seed"),
+            "success": as_flag(self.success, f"{what}.success"),
+            "lasts": as_flag(self.lasts, f"{what}.lasts"),
+            "steps": as_whole(self.steps, f"{what}.steps", least=0, most=LARGEST_COUNT),
+            "seconds": as_number(self.seconds, f"{what}.seconds", least=0.0),
+            "end": one_of(*ENDS)(self.end, f"{what}.end"),
+            "refused": _counts(self.refused, f"{what}.refused"),
+            "collisions": as_whole(self.collisions, f"{what}.collisions", least=0, most=LARGEST_COUNT),
+            "max_force": as_number(self.max_force, f"{what}.max_force", least=0.0),
+            "violations": _counts(self.violations, f"{what}.violations"),
+            "fault": _text(self.fault, f"{what}.fault"),
+            "fault_detail": _text(self.fault_detail, f"{what}.fault_detail"),
+        }
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+        if self.success != (self.end == "success"):
+            raise InvalidValue(f"{what}.success", self.success, f"contradicts its end, '{self.end}'")
+        if self.lasts and not self.success:
+            raise InvalidValue(f"{what}.lasts", True, "needs a success")
+        if bool(self.fault) != (self.end == "fault"):
+            raise InvalidValue(f"{what}.fault", self.fault, f"contradicts its end, '{self.end}'")
+
+    @property
+    def key(self) -> tuple[str, int, int]:
+        """What names the episode: task, variation, seed."""
+        return self.task, self.variation, self.seed
+
+
+@dataclass(frozen=True)
+class Results:
+    """What an evaluation has found, with everything that it was made with; equal content is equal to the byte."""
+
+    policy: str
+    """The policy, as it was asked for."""
+    settings: Mapping[str, Any]
+    """What the policy asked for: action mode, observations, steps; plain data."""
+    task_set: str
+    """The tasks as they were asked for: names, or sets of tasks."""
+    tasks: tuple[str, ...]
+    """Names of the tasks, in order."""
+    seeds: tuple[int, ...]
+    """Seeds of the episodes, the same for each task, in order."""
+    limits: Mapping[str, float | int | str | bool | None]
+    """What ended episodes, and what else an episode depends on: steps, seconds, how variations were chosen."""
+    versions: Mapping[str, str]
+    """Version of this package and of the libraries that shape an episode."""
+    commit: str
+    """Commit of the checkout that the package ran from; empty outside of one."""
+    episodes: tuple[EpisodeRecord, ...]
+    """In the order of tasks, and of seeds within a task."""
+
+    def __post_init__(self) -> None:
+        """Check every value, and keep it as plain Python has it."""
+        checked: dict[str, Any] = {
+            "policy": _name(self.policy, "Results.policy"),
+            "settings": _plain_table(self.settings, "Results.settings"),
+            "task_set": _name(self.task_set, "Results.task_set"),
+            "tasks": tuple(_name(task, "Results.tasks") for task in as_names(self.tasks, "Results.tasks")),
+            "seeds": tuple(as_seed(seed, "Results.seeds") for seed in _several(self.seeds, "Results.seeds")),
+            "limits": _scalars(self.limits),
+            "versions": {
+                _name(k, "Results.versions"): _text(v, "Results.versions")
+                for k, v in sorted(_table(self.versions, "Results.versions").items())
+            },
+            "commit": _text(self.commit, "Results.commit"),
+            "episodes": tuple(
+                as_record(e, EpisodeRecord, "Results.episodes") for e in _several(self.episodes, "Results.episodes")
+            ),
+        }
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+        self._check_episodes()
+
+    def _check_episodes(self) -> None:
+        tasks, seeds, met = {t: i for i, t in enumerate(self.tasks)}, set(self.seeds), set[tuple[str, int, int]]()
+        if len(tasks) < len(self.tasks) or len(seeds) < len(self.seeds):
+            raise InvalidValue("Results.tasks and seeds", (self.tasks, self.seeds), "have to be different from each other")
+        place = 0
+        for episode in self.episodes:
+            if episode.task not in tasks or episode.seed not in seeds or episode.key in met or tasks[episode.task] < place:
+                raise InvalidValue(
+                    "Results.episodes", episode.key, "has to be of its tasks and seeds, each once, in the order of the tasks"
+                )
+            met.add(episode.key)
+            place = tasks[episode.task]
+
+    @cached_property
+    def sha256(self) -> str:
+        """Checksum over everything else."""
+        return hashlib.sha256(canonical(self.content())).hexdigest()
+
+    def content(self) -> dict[str, Any]:
+        """Return everything but the checksum as plain data, as the file has it."""
+        head = {name: getattr(self, name) for name in HEAD}
+        return {"format": FORMAT, **head, "episodes": [dict(vars(episode)) for episode in self.episodes]}
+
+    def of_task(self, task: str) -> tuple[EpisodeRecord, ...]:
+        """Return the episodes of one task, in order."""
+        as_choice(task, "task of these results", self.tasks)
+        return tuple(episode for episode in self.episodes if episode.task == task)
+
+
+HEAD = ("policy", "settings", "task_set", "tasks", "seeds", "limits", "versions", "commit")
+"""Fields of a results file beside format, episodes and checksum."""
+
+
+def canonical(content: object) -> bytes:
+    """Return plain data as JSON that is equal to the byte for equal data."""
+    return json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
+
+
+def _name(value: object, what: str) -> str:
+    text = _text(value, what)
+    if not text:
+        raise InvalidValue(what, value, "has to be a name")
+    return text
+
+
+def _text(value: object, what: str) -> str:
+    text = as_text(value, what)
+    if len(text) > LONGEST_TEXT:
+        raise InvalidValue(what, text, f"has more than {LONGEST_TEXT} letters")
+    return text
+
+
+def _several(value: object, what: str) -> Sequence[Any]:
+    if isinstance(value, str | bytes) or not isinstance(value, Sequence):
+        raise InvalidValue(what, value, "has to be a list")
+    return value
+
+
+def _table(value: object, what: str) -> Mapping[Any, Any]:
+    if not isinstance(value, Mapping) or not all(isinstance(name, str) for name in value):
+        raise InvalidValue(what, value, "has to be a table with names")
+    return value
+
+
+def _counts(value: object, what: str) -> dict[str, int]:
+    table = _table(value, what)
+    return {_name(name, what): as_whole(table[name], f"{what}[{name!r}]", least=0, most=LARGEST_COUNT) for name in sorted(table)}
+
+
+def _scalars(value: object) -> dict[str, Any]:
+    table = _table(value, "Results.limits")
+    if any(isinstance(item, list | tuple | Mapping) for item in table.values()):
+        raise InvalidValue("Results.limits", value, "holds numbers, texts, true, false and null")
+    return _plain_table(table, "Results.limits")
+
+
+def _plain_table(value: object, what: str) -> dict[str, Any]:
+    plain = _plain(_table(value, what), what, 0)
+    assert isinstance(plain, dict)
+    return plain
+
+
+def _plain(value: object, what: str, depth: int) -> object:
+    """Return plain data as JSON gives it back: tables in alphabetical order, lists, finite numbers."""
+    if depth > DEEPEST:
+        raise InvalidValue(what, "...", f"has more than {DEEPEST} levels")
+    if value is None or isinstance(value, bool):
+        return value
+    if isinstance(value, str):
+        return _text(value, what)
+    if isinstance(value, Mapping):
+        table = _table(value, what)
+        return {name: _plain(table[name], what, depth + 1) for name in sorted(table)}
+    if isinstance(value, list | tuple):
+        return [_plain(item, what, depth + 1) for item in value]
+    if isinstance(value, int):
+        return as_whole(value, what, least=-(2**63), most=2**64 - 1)
+    if isinstance(value, float) and math.isfinite(value):
+        return float(value)
+    raise InvalidValue(what, value, "has to be plain data: texts, finite numbers, true, false, null, lists, tables")

@@ -1,0 +1,193 @@
+"""What to evaluate, and the episodes it is divided into. Their seeds are published, and nothing else draws them."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from rlbench_pin.datasets.layout import ALL_VARIATIONS
+from rlbench_pin.environment.actions import Discrete, JointPosition, MoveArmThenGripper
+from rlbench_pin.environment.environment import Environment
+from rlbench_pin.environment.episode import EVALUATION_SEEDS, drawn_variations
+from rlbench_pin.environment.presets import low_dim_config
+from rlbench_pin.errors import InvalidArgument, RlbenchPinError, TaskEnvironmentError
+from rlbench_pin.evaluation.policies.settings import PolicySettings
+from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
+from rlbench_pin.tasks import Task, checked_class, find_task, is_task_file, task_digest, task_reference
+from rlbench_pin.values import as_flag, as_names, as_number, as_record, as_text, as_whole
+
+EXPERT = "expert"
+"""The policy that is the planner of demonstrations. It is not asked for actions: the runner plays its demonstration."""
+MOST_EPISODES = 100_000
+"""Episodes of one task at most."""
+LARGEST_START = 2**48
+"""Largest seed of an evaluation."""
+SECONDS = 120.0
+"""Length of an episode at most, unless said otherwise [s]: the longest demonstrations of all tasks take 42 s."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvaluationConfig:
+    """Which policy, on which episodes, within which limits. The same settings give the same results, whoever does the work.
+
+    Raises:
+        InvalidArgument: A number, a text or a switch cannot be used (also an InvalidValue).
+    """
+
+    policy: str
+    """The policy: `rest`, `random`, `expert`, or a reference to one of your own; `docs/policies.md` has all kinds."""
+    tasks: tuple[str, ...]
+    """Task names, or paths of task files."""
+    task_set: str = ""
+    """The tasks as they were asked for, for the results file; the names when empty."""
+    episodes: int = 25
+    """Episodes of each task, spread evenly over its variations."""
+    seed: int = 0
+    """Seed of the evaluation: which stretch of the published seeds is used."""
+    max_steps: int | None = None
+    """Actions of an episode at most; None leaves it to the policy and its action mode."""
+    max_seconds: float = SECONDS
+    """Simulated time of an episode at most [s]. An action that begins in time is played to its end."""
+    variations: int = ALL_VARIATIONS
+    """Most variations of a task; -1 is all."""
+    time_limit: float = 30.0
+    """Time that a policy has for one answer [s], of a clock on the wall. One that takes longer has failed."""
+    start_limit: float = 300.0
+    """Time that a policy has to start [s]."""
+    robot: str = DEFAULT_ROBOT
+    """Name of the arm."""
+    tell_task: bool = True
+    """Whether policies are told the name of the task beside the instruction."""
+
+    def __post_init__(self) -> None:
+        """Check every value, and keep it as plain Python has it."""
+        checked = {
+            "policy": as_text(self.policy, "policy", InvalidArgument),
+            "tasks": tuple(as_names(self.tasks, "tasks", InvalidArgument)),
+            "task_set": as_text(self.task_set, "task_set", InvalidArgument),
+            "episodes": as_whole(self.episodes, "episodes", InvalidArgument, least=1, most=MOST_EPISODES),
+            "seed": as_whole(self.seed, "seed", InvalidArgument, least=0, most=LARGEST_START),
+            "variations": as_whole(self.variations, "variations", InvalidArgument, least=ALL_VARIATIONS),
+            "robot": robot_description(self.robot).name,
+            "tell_task": as_flag(self.tell_task, "tell_task", InvalidArgument),
+        }
+        for name in ("max_seconds", "time_limit", "start_limit"):
+            checked[name] = as_number(getattr(self, name), name, InvalidArgument, above=0.0)
+        if self.max_steps is not None:
+            checked["max_steps"] = as_whole(self.max_steps, "max_steps", InvalidArgument, least=1)
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+        if self.variations == 0:
+            raise InvalidArgument("variations", 0, "leaves nothing to evaluate", "Write -1 for all variations.")
+        if not self.policy:
+            raise InvalidArgument("policy", "", "names no policy", "`rest`, `random` and `expert` are built in.")
+        if not self.tasks:
+            raise TaskEnvironmentError("No task was named. `rlbench-pin list` prints them.")
+
+    def seeds(self) -> tuple[int, ...]:
+        """Return the seeds of the episodes of each task, in order."""
+        return tuple(evaluation_seed(self.seed, index) for index in range(self.episodes))
+
+
+@dataclass(frozen=True)
+class EpisodeItem:
+    """One episode to play."""
+
+    task: str
+    """How workers find the task: its name, or the path of its file."""
+    name: str
+    """Task name."""
+    index: int
+    """Number of the episode among those of its task."""
+    variation: int
+    """Variation of the task."""
+    seed: int
+    """Seed of the episode."""
+    policy_seed: int
+    """Seed that the policy is told."""
+    task_digest: str = ""
+    """What the files of the task must add up to; not compared when empty."""
+
+
+class TaskFilesChanged(RlbenchPinError):
+    """The files of a task are no longer those with which the evaluation began."""
+
+    def __init__(self, task: str) -> None:
+        self.task = task
+        super().__init__(f"The files of the task '{task}' changed while it was evaluated. Begin the evaluation again.")
+
+
+def evaluation_seed(seed: int, index: int) -> int:
+    """Return the seed of episode `index` of the evaluation `seed`: 2^53 + 2 (seed + index).
+
+    Recordings make their seeds below 2^53 and resets without one draw theirs below 2^31, so that no demonstration begins where
+    an evaluation does. Even numbers up to 2^54 are numbers that JSON readers of every language keep.
+    """
+    seed = as_whole(seed, "seed", InvalidArgument, least=0, most=LARGEST_START)
+    return EVALUATION_SEEDS + 2 * (seed + as_whole(index, "index", InvalidArgument, least=0, most=MOST_EPISODES))
+
+
+def policy_seed(seed: int, name: str, index: int) -> int:
+    """Return what a policy is told to draw from, 0 <= seed < 2^53: a hash, from which the seed of the episode does not follow."""
+    text = f"rlbench_pin policy/{seed}/{name}/{index}".encode()
+    return int.from_bytes(hashlib.sha256(text).digest()[:8], "big") >> 11
+
+
+def plan_episodes(config: EvaluationConfig, tasks: Mapping[str, type[Task]] | None = None) -> list[EpisodeItem]:
+    """Return the episodes of an evaluation, task by task.
+
+    Args:
+        config: What to evaluate.
+        tasks: Word of the configuration -> its task, where they are found already.
+
+    Raises:
+        UnknownName: A task does not exist.
+    """
+    config = as_record(config, EvaluationConfig, "config")
+    found = {word: find_task(word) for word in config.tasks} if tasks is None else tasks
+    tasks = as_record(found, Mapping, "tasks")  # type: ignore[type-abstract]
+    names = [checked_class(task).get_name() for task in tasks.values()]
+    if len(set(names)) < len(names):
+        raise InvalidArgument("tasks", config.tasks, "have to have different names")
+    items: list[EpisodeItem] = []
+    with make_environment(config, expert_settings()) as environment:
+        for task in tasks.values():
+            count, found_by = environment.get_task(task).variation_count(), task_reference(task)
+            planned = _task_episodes(config, found_by if is_task_file(task) else task.get_name(), task.get_name(), count)
+            items += [replace(item, task_digest=task_digest(task)) for item in planned]
+    return items
+
+
+def found_task(item: EpisodeItem) -> type[Task]:
+    """Return the class of the task of an item.
+
+    Raises:
+        TaskFilesChanged: Its files have changed since the episodes were planned.
+    """
+    task = find_task(item.task)
+    if item.task_digest and task_digest(task) != item.task_digest:
+        raise TaskFilesChanged(item.name)
+    return task
+
+
+def make_environment(config: EvaluationConfig, settings: PolicySettings) -> Environment:
+    """Return an environment with the actions and observations of a policy."""
+    mode, seen = settings.make_action_mode(), settings.make_obs_config()
+    return Environment(mode, obs_config=seen, robot_setup=config.robot, seed=0)
+
+
+def expert_settings() -> PolicySettings:
+    """Return the settings with which demonstrations are played, and other things are done that need no policy."""
+    return PolicySettings.of(MoveArmThenGripper(JointPosition(), Discrete()), low_dim_config())
+
+
+def _task_episodes(config: EvaluationConfig, found_by: str, name: str, count: int) -> list[EpisodeItem]:
+    most = config.episodes if config.variations == ALL_VARIATIONS else min(config.variations, config.episodes)
+    variations: Sequence[int] = drawn_variations(count, most)
+    return [
+        EpisodeItem(
+            found_by, name, index, variations[index % len(variations)], seed, policy_seed(config.seed, name, index)
+        )
+        for index, seed in enumerate(config.seeds())
+    ]  # fmt: skip

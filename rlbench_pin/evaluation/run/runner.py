@@ -1,0 +1,133 @@
+"""What a worker does: one episode in, its record out. It keeps the policy and the environment of the task between episodes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from types import TracebackType
+
+from rlbench_pin.environment.environment import Environment
+from rlbench_pin.environment.task_environment import TaskEnvironment
+from rlbench_pin.evaluation.policies.client import PolicyClient, open_policy
+from rlbench_pin.evaluation.policies.faults import PolicyFault
+from rlbench_pin.evaluation.policies.settings import PolicySettings
+from rlbench_pin.evaluation.results.records import EpisodeRecord
+from rlbench_pin.evaluation.run.config import (
+    EXPERT,
+    EpisodeItem,
+    EvaluationConfig,
+    expert_settings,
+    found_task,
+    make_environment,
+)
+from rlbench_pin.evaluation.run.episode import NO_DEMONSTRATION, Episode, EpisodeOutcome, make_context, shortened
+from rlbench_pin.evaluation.run.limits import Limits
+from rlbench_pin.values import as_record
+
+Around = Callable[[TaskEnvironment], AbstractContextManager[object]]
+"""Makes what is around an episode from its start to its end, such as a film of it."""
+NOT_PLAYED = "not played"
+"""The fault of an episode in which something else than the policy failed: the task could not be placed, or a worker died."""
+
+
+class EpisodeRunner:
+    """Plays episodes, one after the other.
+
+    Args:
+        config: What is evaluated.
+
+    Raises:
+        PolicyReferenceError: There is no such policy.
+    """
+
+    def __init__(self, config: EvaluationConfig) -> None:
+        self.config = as_record(config, EvaluationConfig, "config")
+        self._client = None if config.policy == EXPERT else open_client(config)
+        self._environment: Environment | None = None
+        self._task: TaskEnvironment | None = None
+        self._loaded = ""
+
+    def make(self, item: EpisodeItem) -> EpisodeOutcome:
+        """Play an episode; whatever goes wrong in it is in its record."""
+        return self.play(item)
+
+    def play(self, item: EpisodeItem, around: Around = lambda task: nullcontext()) -> EpisodeOutcome:
+        """Play an episode.
+
+        Args:
+            item: Which one.
+            around: Makes what is around it from its start to its end.
+        """
+        try:
+            settings = self.settings()
+            task = self._load(item, settings)
+            instructions, seen = task.reset(seed=item.seed, variation=item.variation)
+            episode = Episode(item, task)
+            limits = Limits.of(self.config, settings, task.action_mode, task.world.control_dt)
+            with around(task), episode.meter.running():
+                if self._client is None:
+                    end, detail = episode.demonstrate(limits)
+                    fault = NO_DEMONSTRATION if end == "fault" else ""
+                else:
+                    try:
+                        context = make_context(self.config, item, task, limits)
+                        end, fault, detail = episode.play(self._client, instructions[0], context, limits, seen), "", ""
+                    except PolicyFault as error:
+                        end, fault, detail = "fault", error.kind, error.detail
+            lasts = end == "success" and task.success_lasts()
+            return EpisodeOutcome(item, episode.record(end, fault, detail, lasts=lasts), tuple(episode.action_times))
+        except PolicyFault as error:  # it did not even start
+            return EpisodeOutcome(item, not_played(item, error.kind, error.detail))
+        except Exception as error:  # a fault of one episode must not cost the others
+            self._close_environment()
+            return EpisodeOutcome(item, not_played(item, NOT_PLAYED, f"{type(error).__name__}: {error}"))
+
+    def settings(self) -> PolicySettings:
+        """Return what the policy asks for; the first time, this starts it.
+
+        Raises:
+            PolicyFault: It does not start.
+        """
+        return expert_settings() if self._client is None else self._client.settings
+
+    def close(self) -> None:
+        """End the policy and free the environment; the next item makes both again."""
+        self._close_environment()
+        if self._client is not None:
+            self._client.close()
+
+    def __enter__(self) -> EpisodeRunner:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def _load(self, item: EpisodeItem, settings: PolicySettings) -> TaskEnvironment:
+        if self._task is None or self._loaded != item.task:
+            chosen = found_task(item)
+            if self._environment is None:
+                self._environment = make_environment(self.config, settings)
+            self._task, self._loaded = self._environment.get_task(chosen), item.task
+        return self._task
+
+    def _close_environment(self) -> None:
+        if self._environment is not None:
+            self._environment.shutdown()
+        self._environment, self._task, self._loaded = None, None, ""
+
+
+def open_client(config: EvaluationConfig) -> PolicyClient:
+    """Return the policy of an evaluation; it starts when it is first asked for something.
+
+    Raises:
+        PolicyReferenceError: There is no such policy.
+    """
+    return open_policy(config.policy, time_limit=config.time_limit, start_limit=config.start_limit)
+
+
+def not_played(item: EpisodeItem, fault: str, detail: str) -> EpisodeRecord:
+    """Return the record of an episode that never began, or was lost."""
+    return EpisodeRecord(
+        task=item.name, variation=item.variation, seed=item.seed, success=False, lasts=False, steps=0, seconds=0.0,
+        end="fault", fault=fault, fault_detail=shortened(detail),
+    )  # fmt: skip

@@ -1,0 +1,62 @@
+"""Write the tables of docs/results_files.md: how wide intervals are, and how many episodes a difference needs.
+
+The prose around them is written by hand. With `--check` nothing is written; it only says whether the page is out of date.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from reference_lib.docs import table
+from update_readme import replace_part
+
+from rlbench_pin.evaluation import episodes_needed
+from rlbench_pin.rates import wilson
+
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "results_files.md"
+EPISODES = (25, 50, 100, 200, 400, 1000)
+RATES = (0.0, 0.48, 0.8, 0.96)
+DIFFERENCES = ((0.5, 0.55), (0.8, 0.85), (0.5, 0.6), (0.8, 0.9), (0.5, 0.7))
+SHARED = (0.0, 0.5, 0.8)
+
+
+def widths() -> str:
+    """Return the intervals of some rates."""
+    rows = []
+    for n in EPISODES:
+        spans = [wilson(round(rate * n), n) for rate in RATES]
+        rows.append((str(n), *(f"{100 * low:.1f} to {100 * high:.1f}" for low, high in spans)))
+    return table(("Episodes", *(f"{rate:.0%}" for rate in RATES)), rows, "r" * (1 + len(RATES)))
+
+
+def needed() -> str:
+    """Return how many episodes some differences need."""
+    rows = [(f"{p:.0%} and {q:.0%}", *(str(episodes_needed(p, q, shared)) for shared in SHARED)) for p, q in DIFFERENCES]
+    return table(("Rates", *(f"{shared:.0%} as hard for both" for shared in SHARED)), rows, "lrrr")
+
+
+def written_anew() -> tuple[str, str]:
+    """Return the page as it is, and as it should be."""
+    before = PAGE.read_text(encoding="utf-8")
+    after = replace_part(before, "widths", f"\n{widths()}\n")
+    return before, replace_part(after, "needed", f"\n{needed()}\n")
+
+
+def main() -> int:
+    """Update, or check."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 when the page is out of date")
+    arguments = parser.parse_args()
+    before, after = written_anew()
+    if not arguments.check:
+        PAGE.write_text(after, encoding="utf-8")
+    print(f"{'out of date' if arguments.check else 'updated'}: {'nothing' if before == after else PAGE.name}")
+    return int(arguments.check and before != after)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
