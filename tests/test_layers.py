@@ -49,7 +49,8 @@ HOMES: dict[str, tuple[str, ...]] = {
     "xml": ("urdf",),
     "yaml": ("planning",),
     "qpsolvers": ("control",),
-    "scipy": ("planning", "control", "checking"),
+    "scipy": ("planning", "control", "checking", "evaluation"),
+    "small_gicp": ("evaluation",),
     "tyro": ("cli",),
     "tqdm": ("cli",),
     "PIL": ("checking", "recording", "sim", "datasets", "compat"),
@@ -58,6 +59,8 @@ HOMES: dict[str, tuple[str, ...]] = {
     "zarr": ("datasets",),
     "gymnasium": ("gym", "compat"),
     "msgpack": ("evaluation",),
+    "torch": ("evaluation",),
+    "safetensors": ("evaluation",),
     "trimesh": (),
     "manifold3d": (),
     "pickle": ("datasets", "errors"),  # foreign files; may evidence of errors travel?

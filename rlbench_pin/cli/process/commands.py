@@ -97,6 +97,9 @@ COMMANDS: dict[str, Home] = {
     "results": Home(
         "evaluation.results", "ShowResults", "Print tables of results files, compare them episode by episode, draw them."
     ),
+    "train": Home(
+        "evaluation.train", "Train", "Train a baseline on recorded demonstrations. Whatever kills it, `--resume` goes on."
+    ),
     "problems": Home(
         "problems",
         "Problems",

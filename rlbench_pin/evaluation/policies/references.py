@@ -22,6 +22,9 @@ _ADAPTERS = "rlbench_pin.evaluation.policies.adapters"
 BUILT_IN: Mapping[str, str] = {
     "rest": f"{_ADAPTERS}.trivial:Rest",
     "random": f"{_ADAPTERS}.trivial:Random",
+    "classical": "rlbench_pin.evaluation.baselines.classical:policy",
+    "cloning": "rlbench_pin.evaluation.baselines.cloning:policy",
+    "key_frames": "rlbench_pin.evaluation.baselines.key_frames:policy",
 }
 """Name -> `module:factory` of the policies that this package brings."""
 HERE = ("rest", "random")

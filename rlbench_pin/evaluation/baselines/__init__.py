@@ -1,0 +1,1 @@
+"""Policies that show the scale of the benchmark, each small."""
