@@ -24,6 +24,8 @@ SKIPPED = ("rlbench_pin.compat.",)
 """Modules that need the known names, and a program; a test in a process of its own looks at their errors."""
 KNOWN_NAMES = ("rlbench", "pyrep")
 """Names that exist after `compat.install()`."""
+OPTIONAL = ("ray", "qpsolvers", "torch", "safetensors", "tensorboard")
+"""Libraries of extras without which a module cannot be imported."""
 DEATH = WorkerDeath(WorkItem("reach_target", "reach_target", 0, 0, 1, (0,)), "SIGKILL")
 # Annotation of an argument -> a value for it.
 VALUES: dict[str, object] = {
@@ -54,7 +56,7 @@ def all_kinds() -> list[type[RlbenchPinError]]:
             try:
                 importlib.import_module(module.name)
             except MissingExtra as error:
-                assert error.library in ("ray", "qpsolvers")
+                assert error.library in OPTIONAL
             except ModuleNotFoundError as error:
                 assert error.name in KNOWN_NAMES  # see also the test in a process of its own
     found: dict[type[RlbenchPinError], None] = {}
