@@ -20,6 +20,8 @@ NOT_RUN = {
     "it is how the tests are run": 1,
     "Ray, torch": 1,
     "LeRobot, robomimic": 2,
+    "torch": 1,
+    "takes minutes": 1,
 }
 """What stands behind `# not run by tests:` in the first line of a block -> how many blocks have it."""
 

@@ -230,7 +230,7 @@ def _own_copy(mode: ActionMode | None) -> ActionMode:
         return JointPositionActionMode()
     try:
         return deepcopy(mode)
-    except RuntimeError as error:  # a mode of the user's own that holds a solver of C++
+    except (RuntimeError, TypeError) as error:  # a mode of the user's own that holds a solver of C++; no mode at all
         raise TaskEnvironmentError(
             f"This {type(mode).__name__} cannot be copied: {error}. Pass a new one to each environment."
         ) from error
@@ -256,4 +256,4 @@ class UnknownChoice(UnknownName, ValueError):
 
 def _check_choice(kind: str, value: object, choices: tuple[str, ...]) -> None:
     if not isinstance(value, str) or value not in choices:
-        raise UnknownChoice(kind, str(value), choices)
+        raise UnknownChoice(kind, value, choices)  # type: ignore[arg-type] # it shows whatever it is

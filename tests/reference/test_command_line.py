@@ -16,7 +16,8 @@ from tests.reference.support import page, part, rows
 def examples() -> list[str]:
     """Return the command lines of the page."""
     blocks = re.findall(r"```bash\n(.*?)```", page("command_line"), re.DOTALL)
-    return [line.split("  #")[0].strip() for block in blocks for line in block.splitlines()]
+    lines = (line.split("  #")[0].strip() for block in blocks for line in block.splitlines())
+    return [line for line in lines if not line.startswith("#")]
 
 
 def test_every_command_has_its_section_and_an_example() -> None:

@@ -21,6 +21,10 @@ AnyTasks = Annotated[tuple[str, ...], tyro.conf.arg(metavar="[TASK...]", help_be
 """Tasks behind a command that can do without."""
 SomeTasks = Annotated[tuple[str, ...], tyro.conf.arg(metavar="TASK...", help_behavior_hint="(required)")]
 """Tasks behind a command that cannot; it says so in its own words."""
+RobotName = Annotated[str, tyro.conf.arg(metavar="ARM")]
+"""An arm."""
+Device = Annotated[str, tyro.conf.arg(metavar="DEVICE")]
+"""Where torch computes."""
 MaybePath = Annotated[Path | None, tyro.conf.arg(metavar="PATH")]
 """A file or folder that may be left out."""
 MaybeInt = Annotated[int | None, tyro.conf.arg(metavar="INT")]

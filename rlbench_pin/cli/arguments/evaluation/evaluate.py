@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from rlbench_pin.cli.process.words import Controllers, EngineName, MaybeInt, MaybePath, TaskNames
+from rlbench_pin.cli.process.words import Controllers, EngineName, MaybeInt, MaybePath, RobotName, TaskNames
 
 TASKS = (
     "reach_target", "push_button", "pick_and_lift", "take_lid_off_saucepan", "open_drawer",
@@ -63,7 +63,7 @@ class Evaluate:
     """Time that the policy has for one action [s], by the clock on the wall. Taking longer costs the episode."""
     start_limit: float = 300.0
     """Time that the policy has to start [s]."""
-    robot: str = "panda"
+    robot: RobotName = "panda"
     """Name of the arm."""
     tell_task: bool = True
     """Tell the policy the name of the task, beside the instruction."""

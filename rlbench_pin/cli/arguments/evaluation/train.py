@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from rlbench_pin.cli.process.words import MaybeInt, OnlyCameras, OnlyTasks, SomeFolders
+from rlbench_pin.cli.process.words import Device, MaybeInt, OnlyCameras, OnlyTasks, SomeFolders
 
 Baseline = Annotated[Literal["cloning", "key-frames"], tyro.conf.arg(help_behavior_hint="(required)")]
 
@@ -34,7 +34,7 @@ class Train:
     """Batches for each task; when not given, 3000 of 128 ticks, or 1500 of 8 clouds."""
     seed: int = 0
     """Seed of first weights, batches and augmentation. On the CPU the same seed gives the same files."""
-    device: str = "cpu"
+    device: Device = "cpu"
     """Where torch computes: `cpu`, `cuda`, `cuda:1`."""
     resume: bool = False
     """Go on with what the folder holds."""
