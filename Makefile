@@ -9,7 +9,7 @@ JOBS ?= 2
 TASKS ?=
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: help setup demo lint check format test sweep bench lock clean
+.PHONY: help setup demo lint check format test sweep baselines bench lock clean
 
 help:
 	@echo "make demo    a Panda takes the lid off a saucepan: an episode and a video in out/demo"
@@ -18,6 +18,7 @@ help:
 	@echo "make lint    format, lint and types only"
 	@echo "make format  format, and fix what the linter can"
 	@echo "make sweep   100 demonstrations of each task and the long tests; writes docs/results and the table in README.md"
+	@echo "make baselines  records, trains and plays the baselines; writes docs/results/baselines and docs/baselines.md"
 	@echo "make bench   how fast; writes benchmarks/results"
 	@echo "make lock    newest versions that pyproject.toml allows, into constraints.txt"
 
@@ -65,6 +66,11 @@ ifeq ($(strip $(TASKS)),)
 else
 	$(BIN)/rlbench-pin $(SWEEP)
 endif
+
+# Records, trains and plays the baselines, hours on two cores; a stopped run goes on. Writes docs/results/baselines and the tables of docs/baselines.md.
+baselines: $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[learn,rl,classical]"
+	$(BIN)/python scripts/run_baselines.py --jobs $(JOBS)
 
 bench: $(STAMP)
 	$(BIN)/python benchmarks/run_all.py --out benchmarks/results

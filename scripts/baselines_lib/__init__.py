@@ -1,0 +1,1 @@
+"""What `make baselines` plays, and the tables of what came of it."""

@@ -1,0 +1,95 @@
+"""Play all baselines and write docs/results/baselines/ and the tables of docs/baselines.md. `make baselines` calls it.
+
+Hours on two cores. Whatever stops it, the same command goes on: recordings, trainings and evaluations resume, and what is
+finished is read. Named rows are played alone. It wants the extras `learn`, `rl` and `classical`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from baselines_lib.rows import Command, Row, commands, rows
+from baselines_lib.tables import RESULTS, write_tables
+from tqdm import tqdm
+
+from rlbench_pin.evaluation import read_results, write_results
+
+
+class Run:
+    """Commands of `rlbench-pin`, with their output in files.
+
+    Args:
+        out: Folder of data, models and results.
+        jobs: Worker processes of one command, and trainings at once.
+    """
+
+    def __init__(self, out: Path, jobs: int) -> None:
+        """Make the folder."""
+        self._out, self._jobs = out, jobs
+        self._done: set[Command] = set()
+        (out / "logs").mkdir(parents=True, exist_ok=True)
+
+    def play(self, row: Row, bar: tqdm) -> None:
+        """Run the commands of a row, and keep its results.
+
+        Raises:
+            SystemExit: A command failed; says which, and where its output is.
+        """
+        with ThreadPoolExecutor(self._jobs) as pool:
+            for stage in (*row.before, (row.play,)):
+                list(pool.map(lambda command: self._call(command, bar), stage))
+        RESULTS.mkdir(parents=True, exist_ok=True)
+        for name, file in row.results.items():
+            write_results(RESULTS / f"{name}.json", read_results(self._out / file))
+
+    def _call(self, command: Command, bar: tqdm) -> None:
+        """Run a command, once however many rows need it."""
+        if command not in self._done:
+            words = [word.format(out=self._out, jobs=self._jobs) for word in command]
+            log = self._out / "logs" / f"{'_'.join(words)[:120].replace('/', '-')}.log"
+            bar.set_postfix_str(" ".join(words[:3]))
+            with log.open("a", encoding="utf-8") as file:
+                program = [sys.executable, "-m", "rlbench_pin.cli.main", *words, *self._resume(words)]
+                code = subprocess.run(program, stdout=file, stderr=subprocess.STDOUT, check=False).returncode
+            if code != 0:
+                raise SystemExit(
+                    f"`rlbench-pin {' '.join(words)}` ended with {code}; '{log}' has what it said. The same command goes on."
+                )
+            self._done.add(command)
+        bar.update()
+
+    def _resume(self, words: list[str]) -> list[str]:
+        """Return the flag that goes on; a recording takes it only where there is one."""
+        begun = words[0] != "record" or (self._out / "data" / "recording.json").exists()
+        return ["--resume"] * begun
+
+
+def main() -> int:
+    """Play the rows that are named, or all."""
+    known = rows()
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("rows", nargs="*", metavar="ROW", help=f"rows to play: {', '.join(known)}; all when none is named")
+    parser.add_argument(
+        "--out", type=Path, default=Path("out/baselines"), help="data, models, logs and results (default: %(default)s)"
+    )
+    parser.add_argument("--jobs", type=int, default=2, help="worker processes (default: %(default)s)")
+    arguments = parser.parse_args()
+    if unknown := [name for name in arguments.rows if name not in known]:
+        parser.error(f"there is no row {', '.join(unknown)}; there are {', '.join(known)}")
+    chosen = [known[name] for name in arguments.rows or known]
+    run = Run(arguments.out, arguments.jobs)
+    with tqdm(total=sum(1 for row in chosen for _ in commands(row)), unit="command", dynamic_ncols=True) as bar:
+        for row in chosen:
+            run.play(row, bar)
+    write_tables()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
