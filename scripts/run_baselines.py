@@ -66,7 +66,7 @@ class Run:
 
     def _resume(self, words: list[str]) -> list[str]:
         """Return the flag that goes on; a recording takes it only where there is one."""
-        begun = words[0] != "record" or (self._out / "data" / "recording.json").exists()
+        begun = words[0] != "record" or Path(words[-1], "recording.json").exists()
         return ["--resume"] * begun
 
 

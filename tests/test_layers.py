@@ -57,10 +57,11 @@ HOMES: dict[str, tuple[str, ...]] = {
     "ray": ("processes",),
     "matplotlib": ("evaluation",),
     "zarr": ("datasets",),
-    "gymnasium": ("gym", "compat"),
+    "gymnasium": ("gym", "compat", "evaluation"),
     "msgpack": ("evaluation",),
     "torch": ("evaluation",),
     "safetensors": ("evaluation",),
+    "stable_baselines3": ("evaluation",),
     "trimesh": (),
     "manifold3d": (),
     "pickle": ("datasets", "errors"),  # foreign files; may evidence of errors travel?

@@ -7,13 +7,21 @@ from dataclasses import dataclass
 from itertools import chain
 
 from rlbench_pin.evaluation import task_set
+from rlbench_pin.evaluation.baselines.classical.recipes import TASKS as CLASSICAL_TASKS
 from rlbench_pin.tasks import library_names
 
 Command = tuple[str, ...]
 """Words behind `rlbench-pin`; `{out}` stands for the folder of the run, `{jobs}` for the number of workers."""
+Stage = tuple[Command, ...]
+"""Commands that do not need each other."""
 
-STATE_TASKS = ("reach_target", "push_button", "close_microwave", "toilet_seat_down", "close_drawer", "lamp_on")
+CLONED = ("reach_target", "push_button", "close_microwave", "toilet_seat_down", "close_drawer", "lamp_on")
 """What is cloned from state and from pictures."""
+SHAPED = ("slide_block_to_target", "take_lid_off_saucepan")
+"""What is learned by trial with the task's own reward and demonstrations; `reach_target` is, without."""
+SPARSE = ("push_button", "close_drawer")
+"""What is learned by trial for success alone, with demonstrations."""
+SHOTS = (1, 5, 20)
 
 
 @dataclass(frozen=True)
@@ -23,68 +31,103 @@ class Row:
     Attributes:
         results: Name of a row of the table -> its results file in the folder of the run.
         play: The command that plays the episodes.
-        before: What it takes: stages, one after the other, of commands that do not need each other.
+        before: What it takes, one stage after the other.
     """
 
     results: dict[str, str]
     play: Command
-    before: tuple[tuple[Command, ...], ...] = ()
-
-
-def built(name: str) -> tuple[str, ...]:
-    """Return the tasks of a set that are built."""
-    return tuple(task for task in task_set(name).tasks if task in library_names())
-
-
-def evaluated(
-    name: str, policy: str, tasks: Iterable[str], episodes: int, *more: str, before: Sequence[Sequence[Command]] = ()
-) -> Row:
-    """Return a row that `rlbench-pin evaluate` plays."""
-    file = f"{name}.json"
-    play = (
-        "evaluate",
-        policy,
-        "--tasks",
-        *tasks,
-        "--episodes",
-        str(episodes),
-        *more,
-        "--workers",
-        "{jobs}",
-        "--out",
-        f"{{out}}/{file}",
-    )
-    return Row({name: file}, play, tuple(tuple(stage) for stage in before))
-
-
-def recorded(tasks: Iterable[str]) -> Command:
-    """Return the command that records 100 demonstrations of each task without pictures, which training draws by itself."""
-    return ("record", *tasks, "--episodes", "100", "--products", "--workers", "{jobs}", "--out", "{out}/data")
-
-
-def trained(baseline: str, folder: str, tasks: Iterable[str], *more: str) -> tuple[Command, ...]:
-    """Return the commands that train a network for each task on the demonstrations."""
-    words = ("{out}/data", "--out", f"{{out}}/models/{folder}", *more)
-    return tuple(("train", baseline, *words, "--tasks", task) for task in tasks)
+    before: tuple[Stage, ...] = ()
 
 
 def rows() -> dict[str, Row]:
-    """Return all rows in the order of the table; what comes first is needed by none of the others."""
-    key_frame_tasks = built("PERACT18")
-    every = sorted({*STATE_TASKS, *key_frame_tasks})
-    data = (recorded(every),)
-    low = ("--max-seconds", "10")
-    found = {
+    """Return all rows in the order of the table."""
+    return {**bounds(), **cloned(), **keyed(), **by_trial(), **few_shot()}
+
+
+def bounds() -> dict[str, Row]:
+    """Return the planner, resting, random motion, and the classical baseline: nothing has to be trained."""
+    short = ("--max-seconds", "10")
+    return {
         "expert": evaluated("expert", "expert", ["all"], 10),
-        "rest": evaluated("rest", "rest", ["all"], 10, *low),
-        "random": evaluated("random", "random", ["all"], 10, *low),
+        "rest": evaluated("rest", "rest", ["all"], 10, *short),
+        "random": evaluated("random", "random", ["all"], 10, *short),
+        "classical": evaluated("classical", "classical", CLASSICAL_TASKS, 20),
     }
-    for shots in (20, 100):
-        folder = f"key_frames_{shots}"
-        training = trained("key-frames", folder, key_frame_tasks, "--demos", str(shots))
-        policy = f"key_frames?folder={{out}}/models/{folder}"
-        found[folder] = evaluated(folder, policy, key_frame_tasks, 25, before=(data, training))
+
+
+def cloned() -> dict[str, Row]:
+    """Return behaviour cloning from state and from pictures."""
+    pictures = ("record", *CLONED, "--episodes", "100", "--cameras", "front", "wrist", "--products", "rgb")
+    filmed = (*pictures, "--workers", "{jobs}", "--out", "{out}/filmed")
+    state = (stored(), trained("cloning", "data", "cloning_state", CLONED, "--steps", "600"))
+    seen = ((filmed,), trained("cloning", "filmed", "cloning_pictures", CLONED, "--cameras", "front", "wrist"))
+    return {
+        "cloning_state": evaluated("cloning_state", "cloning?folder={out}/models/cloning_state", CLONED, 100, before=state),
+        "cloning_pictures": evaluated(
+            "cloning_pictures", "cloning?folder={out}/models/cloning_pictures", CLONED, 25, before=seen
+        ),
+    }
+
+
+def keyed() -> dict[str, Row]:
+    """Return key-frame cloning of the tasks of PerAct that are built, from 20 and from 100 demonstrations."""
+    found = {}
+    for demos in ("20", "100"):
+        name = f"key_frames_{demos}"
+        training = trained("key-frames", "data", name, key_frame_tasks(), "--demos", demos)
+        policy = f"key_frames?folder={{out}}/models/{name}"
+        found[name] = evaluated(name, policy, key_frame_tasks(), 25, before=(stored(), training))
     return found
+
+
+def by_trial() -> dict[str, Row]:
+    """Return SAC and PPO."""
+    found = {}
+    for name, alone, helped in (("sac", "20480", "6144"), ("ppo", "40960", "8192")):
+        out = ("--out", f"{{out}}/models/{name}")
+        taught = ("--demonstrations", "50", "--steps", helped, *out)
+        training = [("train", name, "reach_target", "--shaped", "--steps", alone, *out)]
+        training += [("train", name, task, "--shaped", *taught) for task in SHAPED]
+        training += [("train", name, task, *taught) for task in SPARSE]
+        tasks = ("reach_target", *SHAPED, *SPARSE)
+        found[name] = evaluated(name, f"{name}:{{out}}/models/{name}", tasks, 100, before=(tuple(training),))
+    return found
+
+
+def few_shot() -> dict[str, Row]:
+    """Return the few-shot learner on the test tasks of two splits."""
+    found = {}
+    for split, episodes in (("FS10_V1", "25"), ("V1", "10")):
+        folder = f"nearest_{split}"
+        words = ("--split", split, "--available", "--shots", *map(str, SHOTS), "--episodes", episodes, "--time-limit", "120")
+        play = ("challenge", "run", "nearest", *words, "--workers", "{jobs}", "--out", f"{{out}}/{folder}")
+        found[folder] = Row({f"{folder}_{shots}": f"{folder}/shots_{shots}.json" for shots in SHOTS}, play)
+    return found
+
+
+def key_frame_tasks() -> tuple[str, ...]:
+    """Return the tasks of PerAct that are built."""
+    return tuple(task for task in task_set("PERACT18").tasks if task in library_names())
+
+
+def stored() -> Stage:
+    """Return the command that records 100 demonstrations without pictures of each task that is cloned."""
+    tasks = sorted({*CLONED, *key_frame_tasks()})
+    return (("record", *tasks, "--episodes", "100", "--products", "--workers", "{jobs}", "--out", "{out}/data"),)
+
+
+def trained(baseline: str, data: str, folder: str, tasks: Iterable[str], *more: str) -> Stage:
+    """Return the commands that train a network for each task."""
+    words = (f"{{out}}/{data}", "--out", f"{{out}}/models/{folder}", *more)
+    return tuple(("train", baseline, *words, "--tasks", task) for task in tasks)
+
+
+def evaluated(
+    name: str, policy: str, tasks: Iterable[str], episodes: int, *more: str, before: Sequence[Stage] = ()
+) -> Row:  # fmt: skip
+    """Return a row that `rlbench-pin evaluate` plays."""
+    words = ("--tasks", *tasks, "--episodes", str(episodes), *more, "--workers", "{jobs}", "--out", f"{{out}}/{name}.json")
+    return Row({name: f"{name}.json"}, ("evaluate", policy, *words), tuple(before))
 
 
 def commands(row: Row) -> Iterable[Command]:

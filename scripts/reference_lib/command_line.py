@@ -19,6 +19,8 @@ from rlbench_pin.cli.process.running import DONE, FAILED, MISUSED
 _DEFAULT = re.compile(r" ?\((?:default: (.*)|required|optional)\)$", re.DOTALL)
 _NONE = re.compile(r"\{None\}\||(?<=\{)None,")
 """How a parser says that a flag may be left out."""
+WITH_ACTIONS = ("dataset", "train", "challenge")
+"""Commands that have a section for each of their actions."""
 CODES: Mapping[int, str] = {
     DONE: "Done.",
     FAILED: "Failed: an episode is missing, a task or a file did not pass, something could not be read or written.",
@@ -36,11 +38,11 @@ def parts() -> dict[str, str]:
 
 
 def commands() -> dict[str, type]:
-    """Return command, or `dataset` and its action with a hyphen -> class."""
-    found: dict[str, Any] = {name: home.load() for name, home in COMMANDS.items() if name != "dataset"}
-    union = get_type_hints(COMMANDS["dataset"].load(), include_extras=True)["action"]
-    for action, words in _subcommands(union):
-        found[f"dataset-{words}"] = action
+    """Return command, or command and its action with a hyphen -> class."""
+    found: dict[str, Any] = {name: home.load() for name, home in COMMANDS.items() if name not in WITH_ACTIONS}
+    for name in WITH_ACTIONS:
+        for action, word in _subcommands(get_type_hints(COMMANDS[name].load(), include_extras=True)["action"]):
+            found[f"{name}-{word}"] = action
     return found
 
 

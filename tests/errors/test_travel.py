@@ -24,7 +24,7 @@ SKIPPED = ("rlbench_pin.compat.",)
 """Modules that need the known names, and a program; a test in a process of its own looks at their errors."""
 KNOWN_NAMES = ("rlbench", "pyrep")
 """Names that exist after `compat.install()`."""
-OPTIONAL = ("ray", "qpsolvers", "torch", "safetensors", "tensorboard")
+OPTIONAL = ("ray", "qpsolvers", "torch", "safetensors", "tensorboard", "stable_baselines3")
 """Libraries of extras without which a module cannot be imported."""
 DEATH = WorkerDeath(WorkItem("reach_target", "reach_target", 0, 0, 1, (0,)), "SIGKILL")
 # Annotation of an argument -> a value for it.
@@ -35,6 +35,7 @@ VALUES: dict[str, object] = {
     "object": np.array([0.5, -1.0]),
     "np.ndarray": np.array([0.1, 0.2, 0.3, 0.0, 0.0, 0.0, 1.0]),
     "np.ndarray | None": np.array([0.1, 0.2, 0.4, 0.0, 0.0, 0.0, 1.0]),
+    "Path": Path("models/settings.json"),
     "Path | str": Path("data/episode0.h5"),
     "OSError": OSError(errno.ENOSPC, "No space left on device"),
     "Exception": ValueError("why"),

@@ -33,10 +33,11 @@ SKIPPED = frozenset({
     "Reference", "TaskSet", "TaskSelection", "Comparison", "Pairs", "TaskComparison", "PValues", "Summary",
     "TaskSummary", "Estimate", "Table",  # records that doors return, or policies are given
     "Follower", "TrackingProblem", "Waypoint", "Task",  # what the package makes itself; users read them
+    "ChallengeProgress", "Demonstration", "LearningCurve", "ShotsResult", "MetaSplit", "TrainingTask",  # likewise
     "KeyFramePolicy",  # a base class
     "hold", "record", "rerender", "ProcessEngine", "run_trials", "explain_failure", "follow_demo", "follow_leg", "plan_trial",
-    "record_legs", "evaluate", "make_env", "GymnasiumEnv", "LeRobotEnv", "LazyAsyncVectorEnv", "Runtime", "TaskEnvironment",
-    "Cameras", "Camera",
+    "record_legs", "evaluate", "run_challenge", "make_env", "GymnasiumEnv", "LeRobotEnv", "LazyAsyncVectorEnv", "Runtime",
+    "TaskEnvironment", "Cameras", "Camera",
     "AllOf", "AnyOf", "Detected", "DetectedSeveral", "FollowPath", "Grasped", "HasColor", "InOrder", "JointMoved",
     "ListEmpty", "NothingGrasped", "TipInside",  # have cases elsewhere: doors_work, doors_world, test_actions
     "SpawnBoundary", "clearance", "easiest_top_grasp", "free_direction", "place_task", "settle", "at_rest",
@@ -165,7 +166,13 @@ def evaluation_samples(folder: Path, numbers: Iterator[int]) -> dict[str, object
 def policy_samples() -> dict[str, object]:
     """Return those of doors about policies."""
     return {
+        "ChallengeConfig.learner": "nearest",
+        "find_learner.reference": "nearest",
         "find_policy.reference": "rest",
+        "learning_curve.learner": "nearest",
+        "learning_curve.split": "V1",
+        "learning_curve.results": {},
+        "meta_split.name": "V1",
         "open_policy.reference": "rest",
         "FunctionPolicy.function": lambda observation: observation,
         "KeyFrame.is_open": True,

@@ -89,6 +89,11 @@ COMMANDS: dict[str, Home] = {
         "Evaluate",
         "Evaluate a policy on tasks: success with its interval, collisions, limits. Whatever kills it, `--resume` goes on.",
     ),
+    "challenge": Home(
+        "evaluation.challenge",
+        "Challenge",
+        "The few-shot challenge: a learner meets unseen tasks with 1, 5 and 20 demonstrations of each, and nothing else.",
+    ),
     "serve": Home(
         "evaluation.serve",
         "Serve",
@@ -98,7 +103,7 @@ COMMANDS: dict[str, Home] = {
         "evaluation.results", "ShowResults", "Print tables of results files, compare them episode by episode, draw them."
     ),
     "train": Home(
-        "evaluation.train", "Train", "Train a baseline on recorded demonstrations. Whatever kills it, `--resume` goes on."
+        "evaluation.train", "Train", "Train a baseline, on demonstrations or by trial. Whatever kills it, `--resume` goes on."
     ),
     "problems": Home(
         "problems",

@@ -1,1 +1,1 @@
-"""Policies that show the scale of the benchmark, each small."""
+"""Baselines: small policies and learners that show the scale."""

@@ -19,19 +19,23 @@ from rlbench_pin.evaluation.policies.links.loading import split_reference
 from rlbench_pin.evaluation.policies.policy_server import NoPolicy, split_tcp
 
 _ADAPTERS = "rlbench_pin.evaluation.policies.adapters"
+_BASELINES = "rlbench_pin.evaluation.baselines"
 BUILT_IN: Mapping[str, str] = {
     "rest": f"{_ADAPTERS}.trivial:Rest",
     "random": f"{_ADAPTERS}.trivial:Random",
-    "classical": "rlbench_pin.evaluation.baselines.classical:policy",
-    "cloning": "rlbench_pin.evaluation.baselines.cloning:policy",
-    "key_frames": "rlbench_pin.evaluation.baselines.key_frames:policy",
+    "classical": f"{_BASELINES}.classical:policy",
+    "cloning": f"{_BASELINES}.cloning:policy",
+    "key_frames": f"{_BASELINES}.key_frames:policy",
 }
 """Name -> `module:factory` of the policies that this package brings."""
 HERE = ("rest", "random")
 """Those that need no process of their own."""
 EXPERT = "expert"
 """The planner's own demonstrations; the evaluation plays them itself."""
-FORMS = "`module:factory`, `file.py:factory`, `sb3:FILE`, `lerobot:FOLDER`, `unix:PATH` or `tcp://HOST:PORT`"
+FORMS = (
+    "`module:factory`, `file.py:factory`, `sb3:FILE`, `ppo:FOLDER`, `sac:FOLDER`, `lerobot:FOLDER`, `unix:PATH` or"
+    " `tcp://HOST:PORT`"
+)
 
 
 @dataclass(frozen=True)
@@ -50,8 +54,9 @@ def find_policy(reference: str) -> Reference:
     """Return what a reference leads to, after a look at whether it exists. Nothing is imported that the policy brings.
 
     Args:
-        reference: A name of `BUILT_IN`, `module:factory`, `file.py:factory`, `sb3:FILE`, `lerobot:FOLDER`, `unix:PATH` or
-            `tcp://HOST:PORT`; but for the last two, `?key=value&...` may follow, arguments of the factory.
+        reference: A name of `BUILT_IN`, `module:factory`, `file.py:factory`, `sb3:FILE`, `ppo:FOLDER`, `sac:FOLDER`,
+            `lerobot:FOLDER`, `unix:PATH` or `tcp://HOST:PORT`; but for the last two, `?key=value&...` may follow, arguments
+            of the factory.
 
     Raises:
         UnknownName: It is a single word, and no policy of this package is called so.
@@ -62,7 +67,7 @@ def find_policy(reference: str) -> Reference:
         raise PolicyReferenceError(reference, f"is called by a text such as {FORMS}")
     if reference.startswith(("unix:", "tcp:")):
         return _at_address(reference)
-    for kind, find in (("sb3:", _sb3), ("lerobot:", _lerobot)):
+    for kind, find in (("sb3:", _sb3), ("lerobot:", _lerobot), ("ppo:", _trained), ("sac:", _trained)):
         if reference.startswith(kind):
             return Reference(reference, "process", find(reference, reference.removeprefix(kind)))
     name, _, query = reference.partition("?")
@@ -101,6 +106,18 @@ def _sb3(reference: str, rest: str) -> str:
     if importlib.util.find_spec("stable_baselines3") is None:
         raise MissingExtra("A policy `sb3:FILE`", "stable_baselines3", "rl")
     return _with_path("sb3:load", "file", path, query)
+
+
+def _trained(reference: str, rest: str) -> str:
+    folder, _, query = rest.partition("?")
+    algorithm = reference.partition(":")[0]
+    if not any(_is_file(path) for path in Path(folder).glob("*/settings.json")):
+        hint = f"`rlbench-pin train {algorithm} TASK --out {folder}` makes one, with a folder for each task."
+        raise PolicyReferenceError(reference, f"needs a folder with models, which '{folder}' is not", hint)
+    if importlib.util.find_spec("stable_baselines3") is None:
+        raise MissingExtra(f"A policy `{algorithm}:FOLDER`", "stable_baselines3", "rl")
+    arguments = f"folder={quote(str(Path(folder).resolve()))}&algorithm={algorithm}"
+    return f"{_BASELINES}.reinforcement:policy?{arguments}{f'&{query}' if query else ''}"
 
 
 def _lerobot(reference: str, rest: str) -> str:

@@ -23,6 +23,7 @@ from rlbench_pin.evaluation.run.config import EpisodeItem, EvaluationConfig, pla
 from rlbench_pin.evaluation.run.episode import EpisodeOutcome
 from rlbench_pin.evaluation.run.journal import EvaluationConflict, Journal, OpenJournal
 from rlbench_pin.evaluation.run.origin import checkout_commit
+from rlbench_pin.evaluation.run.policy_files import policy_digests
 from rlbench_pin.evaluation.run.runner import NOT_PLAYED, EpisodeRunner, not_played
 from rlbench_pin.evaluation.run.times import times_path, write_times
 from rlbench_pin.processes import Engine, GivenUp, ProcessEngine, WorkerDeath
@@ -74,6 +75,7 @@ def evaluate(
     resume: bool = False,
     on_progress: OnProgress | None = None,
     stop: threading.Event | None = None,
+    make_runner: Callable[[EvaluationConfig], EpisodeRunner] = EpisodeRunner,
 ) -> Results:
     """Evaluate a policy, write the results file and, beside it, that of the times.
 
@@ -84,6 +86,7 @@ def evaluate(
         resume: Go on with an evaluation that did not end; one that did is read. Otherwise there must be neither.
         on_progress: Called with how far it is, first before anything was played.
         stop: When set, nothing more is begun; what is under way is finished and kept.
+        make_runner: Makes what plays in a worker, from `config`; it can be pickled.
 
     Raises:
         EvaluationConflict: There are results or a journal of something else where these are to be written.
@@ -95,22 +98,34 @@ def evaluate(
     engine = ProcessEngine() if engine is None else as_record(engine, Engine, "engine")  # type: ignore[type-abstract]
     stop = threading.Event() if stop is None else as_record(stop, threading.Event, "stop")
     as_function(on_progress, "on_progress")
+    as_function(make_runner, "make_runner")
+    work = _Work(config, make_runner, engine, on_progress or (lambda progress: None), stop)
     _check_out(out, as_flag(resume, "resume"))
-    return _evaluated(config, out, engine, resume, on_progress or (lambda progress: None), stop)
+    return _evaluated(work, out, resume)
 
 
-def _evaluated(
-    config: EvaluationConfig, out: Path, engine: Engine, resume: bool, watch: OnProgress, stop: threading.Event
-) -> Results:
+@dataclass(frozen=True)
+class _Work:
+    """What is to be played, by whom, and who watches and stops it."""
+
+    config: EvaluationConfig
+    make_runner: Callable[[EvaluationConfig], EpisodeRunner]
+    engine: Engine
+    watch: OnProgress
+    stop: threading.Event
+
+
+def _evaluated(work: _Work, out: Path, resume: bool) -> Results:
     """Do what `evaluate` promises, with arguments that are checked."""
-    with EpisodeRunner(config) as runner:
+    config = work.config
+    with work.make_runner(config) as runner:
         settings = runner.settings()
     items = plan_episodes(config)
     empty = empty_results(config, settings, items)
     if out.exists():
         return _finished(out, empty)
     with Journal(journal_path(out), _head(empty, items)).opened(resume) as journal:
-        outcomes = _play(config, items, journal, engine, watch, stop)
+        outcomes = _play(work, items, journal)
         if len(outcomes) < len(items):
             raise EvaluationStopped(len(outcomes), len(items), journal.path)
         write_times(times_path(out), config, outcomes)
@@ -145,7 +160,8 @@ def empty_results(config: EvaluationConfig, settings: PolicySettings, items: Seq
 def _head(empty: Results, items: Sequence[EpisodeItem]) -> dict[str, Any]:
     """Return what decides whether the episodes of a journal are of this evaluation."""
     content = {name: value for name, value in empty.content().items() if name not in ("format", "episodes", "seeds")}
-    return {**content, "task_files": {item.name: item.task_digest for item in items if item.task_digest}}
+    tasks = {item.name: item.task_digest for item in items if item.task_digest}
+    return {**content, "task_files": tasks, "policy_files": policy_digests(empty.policy)}
 
 
 def _check_out(out: Path, resume: bool) -> None:
@@ -167,22 +183,15 @@ def _finished(out: Path, empty: Results) -> Results:
     return results
 
 
-def _play(
-    config: EvaluationConfig,
-    items: Sequence[EpisodeItem],
-    journal: OpenJournal,
-    engine: Engine,
-    watch: OnProgress,
-    stop: threading.Event,
-) -> list[EpisodeOutcome]:
+def _play(work: _Work, items: Sequence[EpisodeItem], journal: OpenJournal) -> list[EpisodeOutcome]:
     """Play what the journal does not hold, keep it there, and return all that is played, in order."""
     outcomes = {outcome.item: outcome for outcome in journal.found(items)}
     records = [outcome.record for outcome in outcomes.values()]
     successes, faults = sum(r.success for r in records), sum(bool(r.fault) for r in records)
     progress = EvaluationProgress(len(items), len(outcomes), successes=successes, faults=faults)
-    watch(progress)
+    work.watch(progress)
     todo = [item for item in items if item not in outcomes]
-    with closing(engine.map(partial(EpisodeRunner, config), todo, stop)) as events:
+    with closing(work.engine.map(partial(work.make_runner, work.config), todo, work.stop)) as events:
         for event in events:
             if isinstance(event, WorkerDeath):
                 progress = replace(progress, deaths=progress.deaths + 1)
@@ -191,7 +200,7 @@ def _play(
                 journal.add(outcome)
                 outcomes[outcome.item] = outcome
                 progress = progress.with_outcome(outcome)
-            watch(progress)
+            work.watch(progress)
     return [outcomes[item] for item in items if item in outcomes]
 
 

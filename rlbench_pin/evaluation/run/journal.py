@@ -95,10 +95,19 @@ class Journal:
         for name in [] if not lines else sorted({*self._head, *lines[0]}):
             then, now = lines[0].get(name), self._head.get(name)
             if then != now:
+                then, now = _differing(then, now)
                 raise EvaluationConflict(
                     f"'{self.path}' was begun with {name} = {shown(then)}, this is {name} = {shown(now)}. Go on with the same, "
                     "or choose another file for the results."
                 )
+
+
+def _differing(then: Any, now: Any) -> tuple[Any, Any]:
+    """Return what differs of two values: of two mappings the entries that are not alike, so that a message names them."""
+    if not (isinstance(then, dict) and isinstance(now, dict)):
+        return then, now
+    names = [name for name in sorted({*then, *now}) if then.get(name) != now.get(name)]
+    return {name: then.get(name) for name in names}, {name: now.get(name) for name in names}
 
 
 class OpenJournal:

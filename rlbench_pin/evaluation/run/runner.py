@@ -35,14 +35,17 @@ class EpisodeRunner:
 
     Args:
         config: What is evaluated.
+        client: The policy; None opens the one that `config` names.
 
     Raises:
         PolicyReferenceError: There is no such policy.
     """
 
-    def __init__(self, config: EvaluationConfig) -> None:
+    def __init__(self, config: EvaluationConfig, client: PolicyClient | None = None) -> None:
         self.config = as_record(config, EvaluationConfig, "config")
-        self._client = None if config.policy == EXPERT else open_client(config)
+        self._client = client
+        if client is None and config.policy != EXPERT:
+            self._client = open_client(config)
         self._environment: Environment | None = None
         self._task: TaskEnvironment | None = None
         self._loaded = ""

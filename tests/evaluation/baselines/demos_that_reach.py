@@ -37,7 +37,12 @@ def gliding_demo(seed: int) -> Demo:
 def look(middle: np.ndarray, seed: int = 0) -> Observation:
     """Return an observation of five cameras that see a ball of points over a table."""
     rng = np.random.default_rng(seed)
-    observation = Observation(gripper_pose=pose_at((0.2, 0.0, TABLE_HEIGHT + 0.4), np.pi, 0.0, 0.0), gripper_open=1.0)
+    observation = Observation(
+        gripper_pose=pose_at((0.2, 0.0, TABLE_HEIGHT + 0.4), np.pi, 0.0, 0.0),
+        gripper_open=1.0,
+        joint_positions=np.array([0.0, 0.2, 0.0, -0.9, 0.0, 1.2, 0.0]),
+        gripper_joint_positions=np.array([0.04, 0.04]),
+    )
     for camera in CAMERAS:
         points = rng.uniform((-0.4, -0.6, TABLE_HEIGHT), (0.8, 0.6, TABLE_HEIGHT), size=(24, 24, 3))
         directions = rng.normal(size=(12, 24, 3))

@@ -43,7 +43,8 @@ class Evaluate:
 
     policy: tyro.conf.Positional[MaybePolicy] = ""
     """`rest`, `random` or `expert` (the planner of demonstrations), `module:factory`, `file.py:factory`, `sb3:FILE`,
-    `lerobot:FOLDER`, or where one is served: `tcp://HOST:PORT`, `unix:PATH`. docs/policies.md says how to write one."""
+    `ppo:FOLDER`, `sac:FOLDER`, `lerobot:FOLDER`, or where one is served: `tcp://HOST:PORT`, `unix:PATH`. docs/policies.md
+    says how to write one."""
     tasks: TaskNames = TASKS
     """Task names, task files, sets of tasks such as FS10_V1, or `all`, with spaces or commas between them."""
     available: bool = False

@@ -1,27 +1,23 @@
-"""What `rlbench-pin train BASELINE DATA...` takes."""
+"""What `rlbench-pin train cloning|key-frames DATA...` takes, and `rlbench-pin train` as a whole."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import tyro
 
+from rlbench_pin.cli.arguments.evaluation.train_by_trial import Ppo, Sac
 from rlbench_pin.cli.process.words import Device, MaybeInt, OnlyCameras, OnlyTasks, SomeFolders
-
-Baseline = Annotated[Literal["cloning", "key-frames"], tyro.conf.arg(help_behavior_hint="(required)")]
 
 
 @dataclass(frozen=True)
-class Train:
-    """Train a baseline on recorded demonstrations. Whatever kills it, `--resume` goes on."""
+class Cloning:
+    """Learn joint commands from recorded demonstrations, from state or pictures."""
 
-    baseline: tyro.conf.Positional[Baseline]
-    """`cloning`: joint commands from state or pictures; `key-frames`: tip poses from point clouds."""
     data: tyro.conf.Positional[SomeFolders] = ()
-    """Folders of datasets. `key-frames` needs no stored pictures: it plays the demonstrations again."""
-
+    """Folders of datasets."""
     out: Path = Path("out/model")
     """Folder of the models, one for each task."""
     tasks: OnlyTasks = ()
@@ -29,12 +25,47 @@ class Train:
     demos: int = -1
     """Demonstrations of each task, spread over its variations; -1 is all."""
     cameras: OnlyCameras = ()
-    """With `cloning`: cameras to learn from in place of the state of the task."""
+    """Cameras to learn from in place of the state of the task."""
     steps: MaybeInt = None
-    """Batches for each task; when not given, 3000 of 128 ticks, or 1500 of 8 clouds."""
+    """Batches of 128 ticks for each task; 3000 when not given."""
     seed: int = 0
     """Seed of first weights, batches and augmentation. On the CPU the same seed gives the same files."""
     device: Device = "cpu"
     """Where torch computes: `cpu`, `cuda`, `cuda:1`."""
     resume: bool = False
     """Go on with what the folder holds."""
+
+
+@dataclass(frozen=True)
+class KeyFrames:
+    """Learn tip poses from recorded demonstrations, from point clouds of five cameras."""
+
+    data: tyro.conf.Positional[SomeFolders] = ()
+    """Folders of datasets; stored pictures are not needed: the demonstrations are played again."""
+    out: Path = Path("out/model")
+    """Folder of the models, one for each task."""
+    tasks: OnlyTasks = ()
+    """Tasks to train; all of the datasets when none is named."""
+    demos: int = -1
+    """Demonstrations of each task, spread over its variations; -1 is all."""
+    steps: MaybeInt = None
+    """Batches of 8 clouds for each task; 1500 when not given."""
+    seed: int = 0
+    """Seed of first weights, batches and augmentation. On the CPU the same seed gives the same files."""
+    device: Device = "cpu"
+    """Where torch computes: `cpu`, `cuda`, `cuda:1`."""
+    resume: bool = False
+    """Go on with what the folder holds."""
+
+
+@dataclass(frozen=True)
+class Train:
+    """Train a baseline, on demonstrations or by trial. Whatever kills it, `--resume` goes on."""
+
+    action: tyro.conf.OmitSubcommandPrefixes[
+        Annotated[Cloning, tyro.conf.subcommand("cloning")]
+        | Annotated[KeyFrames, tyro.conf.subcommand("key-frames")]
+        | Annotated[Ppo, tyro.conf.subcommand("ppo")]
+        | Annotated[Sac, tyro.conf.subcommand("sac")]
+    ] = field()
+    """Which baseline."""

@@ -3,5 +3,6 @@
 from __future__ import annotations
 
 from rlbench_pin.evaluation.baselines.classical.policy import ClassicalPolicy, policy
+from rlbench_pin.evaluation.baselines.classical.recipes import TASKS
 
-__all__ = ["ClassicalPolicy", "policy"]
+__all__ = ["TASKS", "ClassicalPolicy", "policy"]

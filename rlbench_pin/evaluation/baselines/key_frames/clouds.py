@@ -1,4 +1,4 @@
-"""Pictures of several cameras as one small cloud of coloured points, with the neighbours of each."""
+"""Pictures of several cameras as one cloud of coloured points, without the arm and nearly without table; and samples of it."""
 
 from __future__ import annotations
 
@@ -6,39 +6,44 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import torch
+from scipy.spatial import cKDTree
 
 from rlbench_pin.environment import ObservationConfig, picture_config
 from rlbench_pin.errors import DatasetError
+from rlbench_pin.evaluation.baselines.sight import arm_surface
 from rlbench_pin.observation import CAMERAS, Observation
-from rlbench_pin.spatial import TABLE_HEIGHT
+from rlbench_pin.robot import RobotModel
+from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray
 
 LOW, HIGH = np.array([-0.3, -0.5, TABLE_HEIGHT - 0.01]), np.array([0.7, 0.5, TABLE_HEIGHT + 1.0])
 """Corners of the box that is kept, in the world [m]."""
-CELL = 0.01
+CELL = 0.005
 """Size of the grid of which each cell keeps one point [m]."""
-POINTS = 768
-"""Points of a cloud."""
-NEIGHBOURS = 12
-"""Nearest points that a point is told about."""
-FLAT = 0.006
+OWN = 0.015
+"""Points nearer than this to the arm's own surface are taken for the arm [m]."""
+FLAT = 0.003
 """What is less high over the table counts as table [m]."""
 TABLE_SHARE = 0.1
-"""Share of the points that table may have."""
-IMAGE_SIZE = (128, 128)
+"""Points of the table that are kept, as a share of the others."""
+IMAGE_SIZE = (256, 256)
 """Width and height of the pictures [px]."""
 
 
 @dataclass(frozen=True)
 class Cloud:
-    """What several cameras see together."""
+    """Coloured points in the world."""
 
     points: np.ndarray
-    """Positions in the world, float32 (POINTS, 3) [m]."""
+    """Positions, float32 (n, 3) [m]."""
     colors: np.ndarray
-    """Red, green, blue 0..1, float32 (POINTS, 3)."""
-    neighbours: np.ndarray
-    """Numbers of the nearest points, itself first, int64 (POINTS, NEIGHBOURS)."""
+    """Red, green, blue, uint8 (n, 3)."""
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def where(self, rows: np.ndarray) -> Cloud:
+        """Return some of the points, in the order of their numbers `rows`."""
+        return Cloud(self.points[rows], self.colors[rows])
 
 
 def cloud_config() -> ObservationConfig:
@@ -55,10 +60,15 @@ def switch_cameras(config: ObservationConfig, on: bool) -> None:
         camera.rgb = camera.point_cloud = on
 
 
-def make_cloud(observation: Observation, cameras: Sequence[str] = CAMERAS) -> Cloud:
-    """Fuse the pictures of an observation: crop, one point per cell, few of the table, a fixed number.
+def make_cloud(observation: Observation, arm: RobotModel, cameras: Sequence[str] = CAMERAS) -> Cloud:
+    """Fuse the pictures of an observation: crop, one point per cell, no arm, little table.
 
     Nothing is drawn at random: the same pictures give the same cloud.
+
+    Args:
+        observation: Colours and points of the cameras, positions of joints and fingers.
+        arm: Model of the arm, to leave out its own points.
+        cameras: Their names.
 
     Raises:
         DatasetError: A camera lacks colours or points, or nothing is seen in the box.
@@ -67,28 +77,28 @@ def make_cloud(observation: Observation, cameras: Sequence[str] = CAMERAS) -> Cl
     if any(p is None or c is None for p, c in pairs):
         raise DatasetError(f"An observation lacks colours or point clouds of one of {list(cameras)}. See `cloud_config`.")
     points = np.concatenate([np.asarray(p, dtype=np.float32).reshape(-1, 3) for p, _ in pairs])
-    colors = np.concatenate([np.asarray(c).reshape(-1, 3) for _, c in pairs])
-    inside = ((points > LOW) & (points < HIGH)).all(axis=1)
-    points, colors = points[inside], colors[inside]
-    if len(points) == 0:
-        raise DatasetError("No camera sees anything above the table, so there is no cloud.")
-    cells = np.floor((points - LOW) / CELL).astype(np.int64) @ np.array([1, 1_000, 1_000_000])
-    _, first = np.unique(cells, return_index=True)
-    rows = _chosen(first, points[first, 2] < TABLE_HEIGHT + FLAT)
-    chosen = np.ascontiguousarray(points[rows], dtype=np.float32)
-    return Cloud(chosen, colors[rows].astype(np.float32) / 255.0, neighbours(chosen))
+    colors = np.concatenate([np.asarray(c, dtype=np.uint8).reshape(-1, 3) for _, c in pairs])
+    inside = np.flatnonzero(((points > LOW) & (points < HIGH)).all(axis=1))
+    rows = inside[thinned(points[inside], CELL)]
+    own = arm_surface(arm, np.asarray(observation.joint_positions), np.asarray(observation.gripper_joint_positions))
+    rows = rows[cKDTree(own).query(points[rows], distance_upper_bound=OWN)[0] > OWN]
+    if len(rows) == 0:
+        raise DatasetError("No camera sees anything above the table but the arm, so there is no cloud.")
+    is_table = points[rows, 2] < TABLE_HEIGHT + FLAT
+    things, table = rows[~is_table], np.random.default_rng(0).permutation(rows[is_table])
+    return Cloud(points, colors).where(np.concatenate([things, table[: max(100, int(len(things) * TABLE_SHARE))]]))
 
 
-def _chosen(rows: np.ndarray, is_table: np.ndarray) -> np.ndarray:
-    """Return `POINTS` of the rows, spread evenly, a share of them at most from the table; repeated where there are too few."""
-    rng = np.random.default_rng(0)
-    things, table = rng.permutation(rows[~is_table]), rng.permutation(rows[is_table])
-    of_table = min(len(table), max(int(POINTS * TABLE_SHARE), POINTS - len(things)))
-    kept = np.concatenate([things[: POINTS - of_table], table[:of_table]])
-    return np.resize(kept, POINTS)
+def thinned(points: FloatArray, cell: float) -> np.ndarray:
+    """Return the numbers of the points of which each is the first in its cell of a grid [m]."""
+    cells = np.floor((points - LOW) / cell).astype(np.int64) @ np.array([1, 10_000, 100_000_000])
+    return np.unique(cells, return_index=True)[1]
 
 
-def neighbours(points: np.ndarray, count: int = NEIGHBOURS) -> np.ndarray:
-    """Return the numbers of the nearest points of each point, nearest first, int64 (n, count)."""
-    tensor = torch.as_tensor(points, dtype=torch.float32)
-    return torch.cdist(tensor, tensor).topk(count, largest=False).indices.numpy()
+def near(points: FloatArray, middle: FloatArray, radius: float, count: int, rng: np.random.Generator) -> np.ndarray:
+    """Return the numbers of `count` points: some of those in a ball, spread evenly, or else the nearest; repeated if too few."""
+    far = np.linalg.norm(points - middle, axis=1)
+    inside = np.flatnonzero(far < radius)
+    if len(inside) >= count:
+        return rng.permutation(inside)[:count]
+    return np.resize(np.argsort(far)[:count], count)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,62 +18,41 @@ from rlbench_pin.environment import (
     key_frame_actions,
 )
 from rlbench_pin.errors import DatasetError
-from rlbench_pin.evaluation.baselines.key_frames.clouds import Cloud, cloud_config, make_cloud, switch_cameras
+from rlbench_pin.evaluation.baselines.key_frames.clouds import Cloud, cloud_config, make_cloud, near, switch_cameras
+from rlbench_pin.evaluation.baselines.key_frames.sights import CLOSE_RADIUS, overview
 from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.robot import RobotModel, robot_description
 from rlbench_pin.spatial import FloatArray
 
-MOST_STEPS = 24
-"""Key frames that are told apart by their number; later ones count as the last."""
+ROBOT = "panda"
+"""The arm of the demonstrations."""
+KEPT, MARGIN = 3000, 0.05
+"""Points that are kept about a key frame, and how far beyond `CLOSE_RADIUS` they reach [m]."""
 
 
-@dataclass(frozen=True)
-class Look:
-    """What is known at one moment."""
+@dataclass(frozen=True, eq=False)
+class Example:
+    """A moment at which a key frame is behind and the next one ahead."""
 
-    cloud: Cloud
-    """What the cameras see."""
+    whole: Cloud
+    """What the cameras see, on a coarse grid."""
+    close: Cloud
+    """What they see about the next key frame."""
     tip: FloatArray
     """Pose of the tip, (7,)."""
     opening: float
     """Whether the hand is open."""
-
-
-def look_at(observation: Observation) -> Look:
-    """Return what an observation says, without its pictures.
-
-    Raises:
-        DatasetError: It lacks colours or point clouds.
-    """
-    return Look(make_cloud(observation), np.asarray(observation.gripper_pose), float(observation.gripper_open or 0.0))
-
-
-@dataclass(frozen=True)
-class KeyFrameExamples:
-    """Moments at which a key frame is behind and the next one ahead; all of some demonstrations of one task."""
-
-    points: FloatArray
-    """(n, POINTS, 3) [m]."""
-    colors: FloatArray
-    """(n, POINTS, 3), 0..1."""
-    neighbours: np.ndarray
-    """(n, POINTS, NEIGHBOURS)."""
-    tip: FloatArray
-    """Pose of the tip, (n, 7)."""
-    opening: FloatArray
-    """Whether the hand is open, (n,)."""
-    step: np.ndarray
-    """Number of key frames behind, (n,)."""
+    step: int
+    """Number of key frames behind."""
     target: FloatArray
-    """Next key frame: tip pose, opening, whether collisions are ignored, (n, 9)."""
-    episode: np.ndarray
-    """Number of its demonstration, (n,)."""
-    instructions: tuple[tuple[str, ...], ...]
-    """Sentences of each demonstration."""
+    """Next key frame: tip pose, opening, whether collisions are ignored, (9,)."""
+    sentences: tuple[str, ...]
+    """What its demonstration was told to do, in several words."""
 
 
 def read_key_frames(
     root: Path, task: str, demos: int = -1, on_demo: Callable[[int, int], None] = lambda done, total: None
-) -> KeyFrameExamples:
+) -> list[Example]:
     """Read the first demonstrations of a task, spread over its variations, play them again and look at their key frames.
 
     Pictures need not be stored: the demonstrations start from their state and repeat their actions, and the cameras look at the
@@ -89,15 +68,14 @@ def read_key_frames(
         DatasetError: Too few are stored, or they lack what is needed.
     """
     stored = stored_demos(root, task, demos, -1, rng=np.random.default_rng(0))
-    config = cloud_config()
+    config, arm = cloud_config(), RobotModel(robot_description(ROBOT))
+    examples: list[Example] = []
     with Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=config, seed=0, renderer="cpu") as environment:
         running = environment.get_task(task)
-        looked: list[tuple[Demo, list[Look]]] = []
         for number, demo in enumerate(stored, start=1):
-            seen = _observations(running, demo, lambda on: switch_cameras(config, on))
-            looked.append((demo, [look_at(observation) for observation in seen]))
+            examples += demo_examples(demo, _observations(running, demo, lambda on: switch_cameras(config, on)), arm)
             on_demo(number, len(stored))
-    return make_key_frame_examples(looked)
+    return examples
 
 
 def _observations(task: TaskEnvironment, demo: Demo, switch: Callable[[bool], None]) -> Iterator[Observation]:
@@ -118,25 +96,19 @@ def _observations(task: TaskEnvironment, demo: Demo, switch: Callable[[bool], No
             return
 
 
-def make_key_frame_examples(looked: Sequence[tuple[Demo, Sequence[Look]]]) -> KeyFrameExamples:
-    """Return the examples of demonstrations, each with what was seen at its start and at every key frame but the last.
+def demo_examples(demo: Demo, seen: Iterable[Observation], arm: RobotModel) -> list[Example]:
+    """Return the examples of a demonstration.
 
-    Raises:
-        DatasetError: There are none.
+    Args:
+        demo: The demonstration.
+        seen: What the cameras see at its start and at every key frame but the last.
+        arm: Model of the arm.
     """
-    if not looked:
-        raise DatasetError("There are no demonstrations to learn from. `rlbench-pin record` makes some.")
-    looks = [look for _, seen in looked for look in seen]
-    clouds = [look.cloud for look in looks]
-    targets = [target for demo, seen in looked for target, _ in zip(key_frame_actions(demo), seen, strict=True)]
-    return KeyFrameExamples(
-        points=np.stack([c.points for c in clouds]),
-        colors=np.stack([c.colors for c in clouds]),
-        neighbours=np.stack([c.neighbours for c in clouds]),
-        tip=np.stack([look.tip for look in looks]),
-        opening=np.array([look.opening for look in looks]),
-        step=np.concatenate([np.arange(len(seen)) for _, seen in looked]),
-        target=np.stack(targets),
-        episode=np.concatenate([np.full(len(seen), number) for number, (_, seen) in enumerate(looked)]),
-        instructions=tuple(tuple(str(s) for s in d[0].misc.get("descriptions", ())) or ("",) for d, _ in looked),
-    )
+    said = tuple(str(s) for s in demo[0].misc.get("descriptions", ())) or ("",)
+    examples, rng = [], np.random.default_rng(0)
+    for step, (target, observation) in enumerate(zip(key_frame_actions(demo), seen, strict=True)):
+        cloud = make_cloud(observation, arm)
+        close = cloud.where(np.unique(near(cloud.points, target[:3], CLOSE_RADIUS + MARGIN, KEPT, rng)))
+        tip, opening = np.asarray(observation.gripper_pose), float(observation.gripper_open or 0.0)
+        examples.append(Example(overview(cloud), close, tip, opening, step, target, said))
+    return examples

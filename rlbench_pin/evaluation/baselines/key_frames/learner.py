@@ -1,4 +1,4 @@
-"""Key-frame cloning of one task: batches of clouds, shifted and turned, and how unlikely the network finds what was done."""
+"""Key-frame cloning of one task: batches of moved scenes, and how unlikely the networks find what was done."""
 
 from __future__ import annotations
 
@@ -11,72 +11,72 @@ from typing import Any
 import numpy as np
 import torch
 
-from rlbench_pin.evaluation.baselines.cloning.sentences import SENTENCE_SIZE, encode_sentence
+from rlbench_pin.errors import DatasetError
 from rlbench_pin.evaluation.baselines.cloning.storage import MODEL, SETTINGS, fill_network, read_settings, write_settings
 from rlbench_pin.evaluation.baselines.cloning.training import Losses, TrainConfig, seeded, train
-from rlbench_pin.evaluation.baselines.key_frames.examples import MOST_STEPS, KeyFrameExamples, read_key_frames
-from rlbench_pin.evaluation.baselines.key_frames.network import VoteNetwork, Votes
-from rlbench_pin.evaluation.baselines.key_frames.poses import axes_of, vertical_turn
-from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray
+from rlbench_pin.evaluation.baselines.key_frames.examples import Example, read_key_frames
+from rlbench_pin.evaluation.baselines.key_frames.network import Votes, make_networks
+from rlbench_pin.evaluation.baselines.key_frames.poses import Frame, axes_of, turn
+from rlbench_pin.evaluation.baselines.key_frames.sights import OVERVIEW, Sight, Told, close_up, sight, whole
+from rlbench_pin.spatial import FloatArray
 
 KIND = "key_frames"
-MIDDLE = np.array([0.2, 0.0, TABLE_HEIGHT + 0.2])
-"""Point of the world that is the network's origin [m]."""
-CONTEXT = SENTENCE_SIZE + 9 + 1 + MOST_STEPS
-"""Numbers that say what to do and how the hand stands."""
 SHIFT, TURN = 0.06, 0.35
 """Largest shift along x and y [m], and turn about the vertical [rad], of a scene in training."""
-
-
-def context_row(sentence: FloatArray, tip: FloatArray, axes: FloatArray, opening: float, step: int) -> FloatArray:
-    """Return what the network is told beside the cloud, (CONTEXT,); positions are relative to `MIDDLE`."""
-    number = np.zeros(MOST_STEPS)
-    number[min(step, MOST_STEPS - 1)] = 1.0
-    return np.concatenate([sentence, tip, axes, [opening], number])
+MISSED, TILTED = 0.012, 0.08
+"""How far beside the key frame the close look is in training: standard deviations along each axis [m] and about it [rad]."""
 
 
 class KeyFrameLearner:
-    """Examples on a device, and losses of a network on batches of them."""
+    """Examples on a device, and losses of two networks on batches of them."""
 
-    def __init__(self, examples: KeyFrameExamples, device: str = "cpu", seed: int = 0) -> None:
-        """Keep examples and make a network for them."""
+    def __init__(self, examples: Sequence[Example], device: str = "cpu", seed: int = 0) -> None:
+        """Keep examples and make networks for them.
+
+        Raises:
+            DatasetError: There are none.
+        """
+        if not examples:
+            raise DatasetError("There are no demonstrations to learn from. `rlbench-pin record` makes some.")
         self._examples, self._device = examples, torch.device(device)
-        network = seeded(lambda: VoteNetwork(CONTEXT), seed)
-        assert isinstance(network, VoteNetwork)
+        network = seeded(make_networks, seed)
+        assert isinstance(network, torch.nn.ModuleDict)
         self.network = network.to(self._device)
-        self._sentences = [np.stack([encode_sentence(s) for s in said]) for said in examples.instructions]
-        self._tip_axes = np.stack([axes_of(p) for p in examples.tip])
-        self._target_axes = np.stack([axes_of(p[:7]) for p in examples.target])
 
     def losses(self, rng: np.random.Generator, batch: int) -> Losses:
-        """Draw a batch and return the negative logarithm of the density at the key frames, and the error of the hand."""
-        data = self._examples
-        rows = rng.integers(len(data.step), size=batch)
-        turned = [self._moved(row, rng) for row in rows]
-        points, tip, context, position, axes = (np.stack(column) for column in zip(*turned, strict=True))
-        votes: Votes = self.network(
-            self._tensor(points), self._tensor(data.colors[rows]), torch.as_tensor(data.neighbours[rows], device=self._device),
-            self._tensor(tip), self._tensor(context),
-        )  # fmt: skip
-        pose = -votes.log_density(self._tensor(position), self._tensor(axes)).mean()
-        hand = torch.nn.functional.binary_cross_entropy_with_logits(votes.hand, self._tensor(data.target[rows, 7:]).clamp(0, 1))
-        return {"total": pose + hand, "pose": pose, "hand": hand}
+        """Draw a batch and return the negative logarithms of the densities at the key frames, and the error of the hand."""
+        drawn = [self._examples[row] for row in rng.integers(len(self._examples), size=batch)]
+        told = [Told(e.sentences[rng.integers(len(e.sentences))], e.tip, e.opening, e.step) for e in drawn]
+        frames = {"coarse": [_moved(rng) for _ in drawn], "fine": [_beside(e.target[:7], rng) for e in drawn]}
+        clouds = {
+            "coarse": [whole(e.whole, rng) for e in drawn],
+            "fine": [close_up(e.close, f.origin, rng) for e, f in zip(drawn, frames["fine"], strict=True)],
+        }
+        hand = self._tensor([e.target[7:].clip(0.0, 1.0) for e in drawn])
+        losses: Losses = {}
+        for name, network in self.network.items():
+            sights = [sight(*seen) for seen in zip(clouds[name], told, frames[name], strict=True)]
+            votes: Votes = network(*Sight.batch(sights, self._device))
+            position = [f.points(e.target[:3]) for e, f in zip(drawn, frames[name], strict=True)]
+            axes = [f.axes(axes_of(e.target[:7])) for e, f in zip(drawn, frames[name], strict=True)]
+            losses[name] = -votes.log_density(self._tensor(position), self._tensor(axes)).mean()
+            losses[f"{name} hand"] = torch.nn.functional.binary_cross_entropy_with_logits(votes.hand, hand)
+        return {"total": torch.stack(list(losses.values())).sum(), **losses}
 
-    def _moved(self, row: int, rng: np.random.Generator) -> tuple[FloatArray, ...]:
-        """Return points, tip, context, target position and target axes of an example in a shifted and turned scene."""
-        data = self._examples
-        rotation = vertical_turn(rng.uniform(-TURN, TURN))
-        shift = np.append(rng.uniform(-SHIFT, SHIFT, size=2), 0.0)
-        points, tip, position = (
-            (p - MIDDLE) @ rotation.T + shift for p in (data.points[row], data.tip[row, :3], data.target[row, :3])
-        )
-        tip_axes, axes = ((a.reshape(2, 3) @ rotation.T).ravel() for a in (self._tip_axes[row], self._target_axes[row]))
-        said = self._sentences[data.episode[row]]
-        sentence = said[rng.integers(len(said))]
-        return points, tip, context_row(sentence, tip, tip_axes, data.opening[row], int(data.step[row])), position, axes
+    def _tensor(self, rows: Sequence[FloatArray]) -> torch.Tensor:
+        return torch.as_tensor(np.stack(rows), dtype=torch.float32, device=self._device)
 
-    def _tensor(self, values: FloatArray) -> torch.Tensor:
-        return torch.as_tensor(values, dtype=torch.float32, device=self._device)
+
+def _moved(rng: np.random.Generator) -> Frame:
+    """Return a frame near that of the overview, so that the scene seems shifted and turned."""
+    shift = np.append(rng.uniform(-SHIFT, SHIFT, size=2), 0.0)
+    return Frame(OVERVIEW.origin + shift, turn(np.array([0.0, 0.0, rng.uniform(-TURN, TURN)])))
+
+
+def _beside(pose: FloatArray, rng: np.random.Generator) -> Frame:
+    """Return the frame of a tip pose that misses another by about as much as the first network does."""
+    frame = Frame.of_tip(pose)
+    return Frame(frame.origin + rng.normal(scale=MISSED, size=3), frame.rotation @ turn(rng.normal(scale=TILTED, size=3)))
 
 
 def train_key_frames(
@@ -117,22 +117,26 @@ def train_key_frames(
     return finished
 
 
-def _settings(task: str, examples: KeyFrameExamples, config: TrainConfig) -> dict[str, Any]:
+def _settings(task: str, examples: Sequence[Example], config: TrainConfig) -> dict[str, Any]:
+    lengths: dict[str, int] = {}
+    for example in examples:
+        for sentence in example.sentences:
+            lengths[sentence] = max(lengths.get(sentence, 0), example.step + 1)
     return {
         "task": task,
-        "instructions": list(dict.fromkeys(s for said in examples.instructions for s in said)),
-        "demonstrations": len(examples.instructions),
+        "key_frames": lengths,
+        "demonstrations": sum(e.step == 0 for e in examples),
         "train": asdict(replace(config, device="cpu")),
     }
 
 
-def load_key_frames(folder: Path, device: str = "cpu") -> VoteNetwork:
-    """Return the network in a folder.
+def load_key_frames(folder: Path, device: str = "cpu") -> torch.nn.ModuleDict:
+    """Return the networks in a folder.
 
     Raises:
         ModelFileError: A file is missing or damaged.
     """
     read_settings(folder / SETTINGS, KIND)
-    network = VoteNetwork(CONTEXT)
-    fill_network(network, folder / MODEL)
-    return network.to(device).eval()
+    networks = make_networks()
+    fill_network(networks, folder / MODEL)
+    return networks.to(device).eval()

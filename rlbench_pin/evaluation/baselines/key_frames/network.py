@@ -7,11 +7,32 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor, nn
 
+from rlbench_pin.evaluation.baselines.key_frames.sights import CONTEXT, POINT
+
 WIDTH = 64
 MODES = 2
 """Votes of each point; a hand with two fingers can often come from either side."""
-POSITION_SCALE, ROTATION_SCALE = 0.015, 0.15
-"""Scales of the Laplace densities around votes: [m], and in entries of the two rotated axes."""
+
+
+@dataclass(frozen=True)
+class Scales:
+    """What is large and what is small to a network."""
+
+    position: float
+    """Scale of the Laplace densities around votes [m]."""
+    axes: float
+    """The same in entries of the two rotated axes."""
+    scene: float
+    """Size of what it sees [m]."""
+    gap: float
+    """Distance of neighbouring points [m]."""
+    rest: tuple[float, ...]
+    """Axes of a hand to begin from (6,)."""
+
+
+COARSE = Scales(0.015, 0.15, 0.5, 0.05, (1.0, 0.0, 0.0, 0.0, 0.0, -1.0))
+FINE = Scales(0.004, 0.04, 0.1, 0.02, (1.0, 0.0, 0.0, 0.0, 0.0, 1.0))
+"""Of the network that sees the whole scene, and of the one that sees the surroundings of what the first has found."""
 
 
 @dataclass(frozen=True)
@@ -26,11 +47,13 @@ class Votes:
     """x and z axis of the tip, not yet orthonormal, (b, v, 6)."""
     hand: Tensor
     """Logits that the hand is open and that collisions are ignored, (b, 2)."""
+    scales: Scales
+    """Of the densities."""
 
     def log_density(self, position: Tensor, axes: Tensor) -> Tensor:
         """Return the logarithm of the mixture density, up to a constant, at tip poses: positions (b, 3) and axes (b, 6)."""
-        far = (self.position - position[:, None]).abs().sum(-1) / POSITION_SCALE
-        turned = (self.axes - axes[:, None]).abs().sum(-1) / ROTATION_SCALE
+        far = (self.position - position[:, None]).abs().sum(-1) / self.scales.position
+        turned = (self.axes - axes[:, None]).abs().sum(-1) / self.scales.axes
         return (self.weight - far - turned).logsumexp(dim=1)
 
 
@@ -38,41 +61,36 @@ class VoteNetwork(nn.Module):
     """Convolutions over neighbouring points (Wang et al. 2019), told what to do by sentence, hand and number of the step.
 
     Args:
-        context: Numbers of what is known beside the cloud.
+        scales: What is large and small to it.
     """
 
-    def __init__(self, context: int) -> None:
+    def __init__(self, scales: Scales) -> None:
         super().__init__()
-        self.first = nn.Linear(10, WIDTH)
-        self.context = nn.Sequential(nn.Linear(context, 128), nn.GELU(), nn.Linear(128, 128), nn.GELU())
+        self.scales = scales
+        self.first = nn.Linear(POINT + 4, WIDTH)
+        self.context = nn.Sequential(nn.Linear(CONTEXT, 128), nn.GELU(), nn.Linear(128, 128), nn.GELU())
         self.layers = nn.ModuleList([_EdgeLayer() for _ in range(3)])
         self.look = nn.ModuleList([_Overview() for _ in range(2)])
         self.votes = nn.Sequential(nn.Linear(WIDTH, 128), nn.GELU(), nn.Linear(128, MODES * 10))
         self.hand = nn.Sequential(nn.Linear(WIDTH + 128, 64), nn.GELU(), nn.Linear(64, 2))
 
-    def forward(self, points: Tensor, colors: Tensor, neighbours: Tensor, tip: Tensor, context: Tensor) -> Votes:
-        """Return the votes on clouds.
-
-        Args:
-            points: (b, n, 3), relative to the middle of the workspace [m].
-            colors: (b, n, 3).
-            neighbours: Numbers of near points, (b, n, k).
-            tip: Position of the tip now, as the points, (b, 3) [m].
-            context: Everything else that is known, (b, c).
-        """
-        away = points - tip[:, None]
-        x = self.first(torch.cat([2.0 * points, 2.0 * colors - 1.0, 2.0 * away, away.norm(dim=-1, keepdim=True)], dim=-1))
+    def forward(self, points: Tensor, neighbours: Tensor, context: Tensor) -> Votes:
+        """Return the votes on a batch of sights: points (b, n, POINT), neighbours (b, n, k), contexts (b, CONTEXT)."""
+        where, rest = points[..., :3], points[..., 3:]
+        away = (where - where[:, -1:]) / self.scales.scene
+        x = self.first(torch.cat([where / self.scales.scene, rest, away, away.norm(dim=-1, keepdim=True)], dim=-1))
         told = self.context(context)
-        around = _gather(points, neighbours) - points[:, :, None]
-        x = self.layers[0](x, around, neighbours, told)
-        x = self.layers[1](x, around, neighbours, told)
+        place = where / self.scales.gap
+        x = self.layers[0](x, place, neighbours, told)
+        x = self.layers[1](x, place, neighbours, told)
         x, _ = self.look[0](x, told)
-        x = self.layers[2](x, around, neighbours, told)
+        x = self.layers[2](x, place, neighbours, told)
         x, seen = self.look[1](x, told)
         out = self.votes(x).unflatten(-1, (MODES, 10))
-        position = (points[:, :, None] + 0.2 * out[..., 1:4]).flatten(1, 2)
+        position = (where[:, :, None] + 0.4 * self.scales.scene * out[..., 1:4]).flatten(1, 2)
+        axes = (out[..., 4:] + out.new_tensor(self.scales.rest)).flatten(1, 2)
         hand = self.hand(torch.cat([seen, told], dim=-1))
-        return Votes(out[..., 0].flatten(1).log_softmax(dim=1), position, out[..., 4:].flatten(1, 2), hand)
+        return Votes(out[..., 0].flatten(1).log_softmax(dim=1), position, axes, hand, self.scales)
 
 
 class _EdgeLayer(nn.Module):
@@ -86,11 +104,10 @@ class _EdgeLayer(nn.Module):
         self.told = nn.Linear(128, 2 * WIDTH)
         self.out = nn.Linear(WIDTH, WIDTH)
 
-    def forward(self, x: Tensor, around: Tensor, neighbours: Tensor, told: Tensor) -> Tensor:
+    def forward(self, x: Tensor, place: Tensor, neighbours: Tensor, told: Tensor) -> Tensor:
         """Return the features after the layer, (b, n, WIDTH)."""
-        normed = self.norm(x)
-        edges = _gather(self.other(normed), neighbours) + self.offset(20.0 * around)
-        pooled = torch.relu(edges.amax(dim=2) + self.own(normed))
+        normed, at = self.norm(x), self.offset(place)
+        pooled = torch.relu(strongest_neighbour(self.other(normed) + at, neighbours) + self.own(normed) - at)
         scale, shift = self.told(told)[:, None].chunk(2, dim=-1)
         return x + self.out(torch.relu(pooled * (1.0 + scale) + shift))  # type: ignore[no-any-return]
 
@@ -113,8 +130,22 @@ class _Overview(nn.Module):
         return x + self.back(torch.relu(torch.cat([x, spread], dim=-1))), seen
 
 
-def _gather(values: Tensor, rows: Tensor) -> Tensor:
-    """Return values (b, n, w) of rows (b, n, k) as (b, n, k, w)."""
+def strongest_neighbour(values: Tensor, rows: Tensor) -> Tensor:
+    """Return the largest of values (b, n, w) among rows (b, n, k <= 8), (b, n, w).
+
+    Gradients need only the row that is strongest. To find it, the last three bits of a number say which neighbour it is from:
+    half the time of a maximum with indices on a CPU.
+    """
     b, n, k = rows.shape
-    flat = (rows + (torch.arange(b, device=rows.device) * n)[:, None, None]).reshape(-1)
-    return values.reshape(b * n, -1).index_select(0, flat).view(b, n, k, -1)
+    flat = (rows + (torch.arange(b, device=rows.device) * n)[:, None, None]).reshape(b * n, k)
+    flat_values = values.reshape(b * n, -1)
+    with torch.no_grad():
+        marked = (flat_values.view(torch.int32) & -8).index_select(0, flat.reshape(-1)).view(b * n, k, -1)
+        marked |= torch.arange(k, dtype=torch.int32, device=rows.device)[:, None]
+        slot = marked.view(torch.float32).amax(dim=1).view(torch.int32) & 7
+    return flat_values.gather(0, flat.gather(1, slot.long())).view(b, n, -1)
+
+
+def make_networks() -> nn.ModuleDict:
+    """Return the two networks of a task, `coarse` and `fine`."""
+    return nn.ModuleDict({"coarse": VoteNetwork(COARSE), "fine": VoteNetwork(FINE)})

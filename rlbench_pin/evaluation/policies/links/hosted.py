@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 from collections import deque
+from collections.abc import Sequence
 from typing import IO
 
 from rlbench_pin.evaluation.policies.faults import FaultKind, PolicyFault
@@ -30,12 +31,14 @@ class HostedPolicy:
     Args:
         reference: What the policy is called.
         target: `module:factory` or `file.py:factory`, with its arguments.
+        host: The module that runs in the process.
+        more: Further arguments of that.
     """
 
     lost: FaultKind = "crashed"
 
-    def __init__(self, reference: str, target: str) -> None:
-        self.reference, self._target = reference, target
+    def __init__(self, reference: str, target: str, host: str = HOST, more: Sequence[str] = ()) -> None:
+        self.reference, self._target, self._host, self._more = reference, target, host, tuple(more)
         self._process: subprocess.Popen[bytes] | None = None
         self._alive: IO[bytes] | None = None
         self._output = Output()
@@ -45,7 +48,7 @@ class HostedPolicy:
         self.close()
         ours, theirs = socket.socketpair()
         watched, held = os.pipe()
-        command = [sys.executable, "-m", HOST, str(theirs.fileno()), str(watched), self._target]
+        command = [sys.executable, "-m", self._host, str(theirs.fileno()), str(watched), self._target, *self._more]
         paths = os.pathsep.join(path for path in sys.path if path)
         try:
             self._process = subprocess.Popen(

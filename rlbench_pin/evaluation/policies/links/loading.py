@@ -37,27 +37,45 @@ def _value(text: str) -> Any:
         return text
 
 
+POLICY = ("act", "reset", "action_mode", "obs_config")
+"""What a policy has."""
+
+
 def make_policy(reference: str) -> Any:
     """Import what a reference names, call it, and return the policy.
 
     Raises:
         NoPolicy: There is no such module or factory, or what it returns is no policy.
     """
+    return make_named(reference, "policy", POLICY)
+
+
+def make_named(reference: str, kind: str, parts: tuple[str, ...]) -> Any:
+    """Import what a reference names, call it unless it is the thing itself, and return that.
+
+    Args:
+        reference: `module:factory?key=value&...` or `file.py:factory?...`.
+        kind: What it is to be, one word.
+        parts: What such a thing has; a method first.
+
+    Raises:
+        NoPolicy: There is no such module or factory, or what it returns lacks a part.
+    """
     where, name, arguments = split_reference(reference)
     module = _import_file(Path(where)) if where.endswith(".py") else importlib.import_module(where)
     if name not in vars(module) and not hasattr(module, name):
         raise NoPolicy(f"'{where}' has no '{name}'.")
-    policy = getattr(module, name)
-    if callable(policy) and not callable(getattr(policy, "act", None)) or isinstance(policy, type):
+    made = getattr(module, name)
+    if callable(made) and not callable(getattr(made, parts[0], None)) or isinstance(made, type):
         try:
-            inspect.signature(policy).bind(**arguments)
+            inspect.signature(made).bind(**arguments)
         except TypeError as error:
             raise NoPolicy(f"'{where}:{name}' cannot be called so: {error}.") from error
-        policy = policy(**arguments)
-    lacking = [part for part in ("reset", "act", "action_mode", "obs_config") if not hasattr(policy, part)]
+        made = made(**arguments)
+    lacking = [part for part in parts if not hasattr(made, part)]
     if lacking:
-        raise NoPolicy(f"'{where}:{name}' gives a {type(policy).__name__}, which is no policy: it has no {lacking[0]}.")
-    return policy
+        raise NoPolicy(f"'{where}:{name}' gives a {type(made).__name__}, which is no {kind}: it has no {lacking[0]}.")
+    return made
 
 
 def _import_file(path: Path) -> Any:

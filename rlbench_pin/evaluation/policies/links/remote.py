@@ -75,6 +75,7 @@ class RemotePolicy:
         known = self.settings
         if self._channel is None and self._begin() != known:
             self._fail("wrong answer", "Started again, it asks for another action mode or other observations than before.")
+        self._prepare()
         self._ask({"call": "reset", "instruction": instruction, "context": sent_context(context)}, self._time_limit)
 
     def act(self, observation: Observation) -> np.ndarray:
@@ -108,6 +109,9 @@ class RemotePolicy:
         except BaseException:
             self._drop()
             raise
+
+    def _prepare(self) -> None:
+        """Tell the policy, which has just said what it asks for or has ended an episode, what it needs for the next one."""
 
     def _ask(self, question: dict[str, Any], limit: float) -> Any:
         """Return what the policy answers, or end it and raise."""

@@ -16,6 +16,7 @@ from rlbench_pin.evaluation.baselines.classical.perception import (
     lit_color,
     locate,
     name_of,
+    outside,
     rectangle,
     thinned,
 )
@@ -98,6 +99,29 @@ def test_a_known_model_is_found_where_it_stands(yaw: float) -> None:
     assert found.joints == states[1]
     assert np.linalg.norm(found.placement.translation - truth.translation) < 0.005
     assert np.linalg.norm(pin.log3(found.placement.rotation.T @ truth.rotation)) < np.deg2rad(2.0)
+
+
+def test_what_is_inside_of_a_model_is_not_looked_for() -> None:
+    """Of a box in a box, the outer sides and the top are kept, none of the inner."""
+    rng = np.random.default_rng(6)
+    faces = rng.uniform(-0.5, 0.5, (6000, 3))
+    faces[np.arange(6000), rng.integers(0, 3, 6000)] = 0.5 * rng.choice([-1.0, 1.0], 6000)
+    outer, inner = faces * 0.2, faces * 0.1
+    kept = outside(np.concatenate([outer, inner]))
+    assert np.abs(kept).max(axis=1).min() > 0.09
+    sides = outer[outer[:, 2] > -0.09]
+    assert len(kept) > 0.9 * len(sides)
+
+
+def test_a_chest_is_found_by_what_is_seen_of_it() -> None:
+    """Front, top and one side: the walls of the drawers behind the side are not taken for it."""
+    model = KnownModel.named("chest/chest")
+    truth = pin.SE3(pin.rpy.rpyToMatrix(0.0, 0.0, 0.3), np.array([0.4, 0.1, TABLE_HEIGHT]))
+    points = outside(model.points_at())
+    seen = points[(points[:, 0] < -0.1) | (points[:, 1] > 0.16) | (points[:, 2] > 0.35)]
+    found = locate(model, _cloud(seen @ truth.rotation.T + truth.translation))
+    assert np.linalg.norm(found.placement.translation - truth.translation) < 0.004
+    assert np.linalg.norm(pin.log3(found.placement.rotation.T @ truth.rotation)) < np.deg2rad(0.5)
 
 
 def test_a_model_knows_its_joints() -> None:

@@ -8,11 +8,12 @@ import pytest
 pytest.importorskip("small_gicp")
 
 from rlbench_pin.environment import Environment
-from rlbench_pin.evaluation.baselines.classical import policy
+from rlbench_pin.evaluation.baselines.classical import TASKS, policy
 from rlbench_pin.evaluation.baselines.classical.errors import NothingFound
 from rlbench_pin.evaluation.baselines.classical.instruction import Instruction
-from rlbench_pin.evaluation.baselines.classical.recipes import RECIPES, find_recipe
+from rlbench_pin.evaluation.baselines.classical.recipes import RECIPES, bars, find_recipe
 from rlbench_pin.evaluation.policies.policy import Policy, PolicyContext
+from rlbench_pin.tasks import library_names
 
 SENTENCES = {
     "press_buttons": ["Hit the maroon button, then the green one.", "On the teal base there is a button: click it."],
@@ -27,6 +28,9 @@ SENTENCES = {
     "shove_block": ["The centre of the green field is the goal of the cube: nudge it there."],
     "lift_lid": ["The steam wants out: hold the lid by its knob, well above the pan."],
     "push_drawer": ["The chest looks untidy, so shove its bottom compartment back."],
+    "meat_on_grill": ["To cook the steak, carry it from the table to the grill and leave it there."],
+    "meat_off_grill": ["The chicken is done: move it down beside the barbecue, next to a long side."],
+    "unplug": ["Draw the plug from the outlet until both of its prongs are free."],
     "pull_drawer": ["Of the three compartments in the chest, draw the top one far out."],
 }
 
@@ -35,6 +39,29 @@ SENTENCES = {
 def test_a_sentence_finds_its_recipe(recipe: str, sentence: str) -> None:
     """No task name is needed."""
     assert find_recipe(Instruction.read(sentence)).__name__ == recipe
+
+
+@pytest.mark.parametrize(
+    ("bar", "sentence"),
+    [
+        (bars.MICROWAVE, "A meal is to be warmed up: pull at the handle until the microwave stands open."),
+        (bars.FRIDGE, "To get at the shelves, open the refrigerator by its big door."),
+        (bars.HOOD_UP, "For the meat to go on the grate, open the covered grill."),
+        (bars.HOOD_DOWN, "The grill stands open: lower its lid."),
+    ],
+)
+def test_a_sentence_finds_its_bar(bar: bars.Bar, sentence: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Doors and hoods with a bar share one recipe, told which."""
+    turned: list[object] = []
+    monkeypatch.setattr(bars, "turn_bar", lambda hand, which: turned.append(which))
+    find_recipe(Instruction.read(sentence))(None, Instruction(()))  # type: ignore[arg-type]
+    assert turned == [bar]
+
+
+def test_every_task_exists() -> None:
+    """What scripts evaluate are tasks of the library, each once."""
+    assert set(TASKS) <= set(library_names())
+    assert len(set(TASKS)) == len(TASKS) >= 12
 
 
 def test_what_is_not_known_is_said() -> None:
@@ -69,7 +96,7 @@ def test_it_is_a_policy_that_sees_no_state() -> None:
 
 
 def _context() -> PolicyContext:
-    return PolicyContext("panda", 7, (), (), 0.05, 20, 0)
+    return PolicyContext("panda", 7, (), (), 0.05, 300, 0)
 
 
 @pytest.mark.simulation
@@ -82,7 +109,7 @@ def test_it_solves_an_episode(task: str) -> None:
         instructions, observation = scene.reset(seed=20001)
         classical.reset(instructions[1], _context())
         reward, ended, steps = 0.0, False, 0
-        while not ended and steps < 12:
+        while not ended and steps < 300:
             action = classical.act(observation)
             assert action.shape == (8,) and np.isfinite(action).all()
             observation, reward, ended = scene.step(action)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from rlbench_pin.evaluation.baselines.classical.perception.models import KnownModel
+from rlbench_pin.evaluation.baselines.sight.arm import arm_surface
 from rlbench_pin.observation import Observation
 from rlbench_pin.robot import RobotModel
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray
@@ -96,15 +96,6 @@ def look(observation: Observation, arm: RobotModel) -> View:
     height = merged.points[:, 2] - TABLE_HEIGHT
     apart = cKDTree(own).query(merged.points, distance_upper_bound=OWN)[0] > OWN
     return View(merged.where(apart & (height > FLAT)), merged.where(apart & (height <= FLAT)))
-
-
-def arm_surface(arm: RobotModel, q: FloatArray, fingers: FloatArray) -> FloatArray:
-    """Return points (m, 3) on the surface of arm and hand at joint positions `q` (n,) [rad] and `fingers` (2,) [m]."""
-    description = arm.description
-    names = (*description.arm_joints, *description.gripper_joints)
-    joints = dict(zip(names, [*q.tolist(), *fingers.tolist()], strict=True))
-    model = KnownModel.load(description.urdf)
-    return model.points_at(joints) @ arm.base.rotation.T + arm.base.translation
 
 
 def thinned(cloud: Cloud, voxel: float = VOXEL) -> Cloud:

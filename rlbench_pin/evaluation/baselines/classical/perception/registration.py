@@ -11,7 +11,7 @@ import small_gicp
 from scipy.spatial import cKDTree
 
 from rlbench_pin.evaluation.baselines.classical.perception.cloud import Cloud, thinned
-from rlbench_pin.evaluation.baselines.classical.perception.models import NO_JOINTS, KnownModel
+from rlbench_pin.evaluation.baselines.sight.models import NO_JOINTS, KnownModel
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray
 
 HEADINGS = 16
@@ -20,6 +20,8 @@ FARTHEST = 0.03
 """Distances count at most this much in a fit [m]."""
 POINTS = 1200
 """Points of the scene that are registered."""
+SURFACE = 12000
+"""Points of the model that they are brought to; with few, neighbours lie on different faces and normals are wrong."""
 STAGES = (0.12, 0.04, 0.015)
 """Largest distance of points that are brought together, one run after the other [m]."""
 UNSEEN = 0.3
@@ -69,8 +71,8 @@ def locate(
 
 def _best(model: KnownModel, joints: Mapping[str, float], scene: FloatArray, yaws: int) -> Located:
     """Return the best fit of one state of the model."""
-    surface = model.points_at(joints)
-    surface = surface[:: max(1, len(surface) // (2 * POINTS))]
+    surface = outside(model.points_at(joints))
+    surface = surface[:: max(1, len(surface) // SURFACE)]
     target, tree = small_gicp.PointCloud(surface), cKDTree(surface)
     points = small_gicp.PointCloud(scene)
     small_gicp.estimate_normals(target, num_neighbors=12)
@@ -87,6 +89,26 @@ def _best(model: KnownModel, joints: Mapping[str, float], scene: FloatArray, yaw
         fits.append((_misfit(tree, scene_tree, surface, scene, placement), len(fits), placement))
     error, _, placement = min(fits)
     return Located(model, placement, dict(joints), error)
+
+
+def outside(points: FloatArray, cell: float = 0.02, depth: float = 0.01) -> FloatArray:
+    """Return those points (m, 3) of a surface (n, 3) that are seen from above or from a side, and not what is within.
+
+    Args:
+        points: Points on the surface [m].
+        cell: Of the points in a square of this side across the direction of sight, the nearest one hides the others [m].
+        depth: Unless they lie less than this behind it [m].
+    """
+    seen = np.zeros(len(points), dtype=bool)
+    for slope in (0.3, 0.8, 1.5):
+        for yaw in np.linspace(-np.pi, np.pi, 8, endpoint=False):
+            along = points @ pin.rpy.rpyToMatrix(0.0, slope, yaw)  # x towards the thing, and down
+            cells = np.floor(along[:, 1:] / cell).astype(np.int64)
+            _, which = np.unique(cells[:, 0] * 100_000 + cells[:, 1], return_inverse=True)
+            nearest = np.full(which.max() + 1, np.inf)
+            np.minimum.at(nearest, which, along[:, 0])
+            seen |= along[:, 0] < nearest[which] + depth
+    return points[seen]
 
 
 def _centred(surface: FloatArray, scene: FloatArray, yaw: float) -> pin.SE3:
@@ -108,5 +130,5 @@ def _misfit(tree: cKDTree, scene_tree: cKDTree, surface: FloatArray, scene: Floa
     local = (scene - placement.translation) @ placement.rotation
     there = surface @ placement.rotation.T + placement.translation
     seen = np.minimum(tree.query(local)[0], FARTHEST).mean()
-    hidden = np.minimum(scene_tree.query(there)[0], FARTHEST).mean()
+    hidden = np.minimum(scene_tree.query(there[:: max(1, len(there) // POINTS)])[0], FARTHEST).mean()
     return float((1.0 - UNSEEN) * seen + UNSEEN * hidden)

@@ -20,6 +20,7 @@ from rlbench_pin.evaluation.baselines.classical.skills import (
     placed,
     pointing,
     press,
+    pull,
     sloping,
     sweep,
 )
@@ -75,7 +76,7 @@ def push_drawer(hand: Hand, asked: Instruction) -> Moves:
     level = asked.one_of(LEVELS) or "middle"
     joint = f"drawer_{level}"
     chest = locate(KnownModel.named("chest/chest_with_stops"), everything(hand), [{joint: s} for s in (0.05, 0.1, 0.15)])
-    axis, points = _axis(chest, joint), chest.link_points(f"drawer_{level}_link")
+    axis, points = world_axis(chest, joint), chest.link_points(f"drawer_{level}_link")
     front, out = _outermost(points, axis.direction), chest.joints[joint]
     stations = [front + (CLEAR + PAD) * axis.direction, front + (PAD - out - 0.01) * axis.direction]
     turns = sloping(-axis.direction, (0.0, 0.3, 0.6, 0.9), (0.0, 0.785, -0.785))
@@ -87,22 +88,21 @@ def push_drawer(hand: Hand, asked: Instruction) -> Moves:
 def pull_drawer(hand: Hand, asked: Instruction) -> Moves:
     """Grip the handle of a drawer, pull it far out, let go."""
     level = asked.one_of(LEVELS) or "middle"
-    chest = locate(KnownModel.named("chest/chest"), everything(hand))
-    axis, points = _axis(chest, f"drawer_{level}"), chest.link_points(f"drawer_{level}_link")
-    bar = _outermost(points, axis.direction) - 0.005 * axis.direction
-    out = axis.direction
-    turns = [turn for turn in sloping(-out, (0.0, 0.3), (0.0, 0.4, -0.4, 0.785, -0.785)) if abs(turn[2, 1]) > 0.9]
-    ways = [[placed(t, bar - 0.1 * t[:, 2]), placed(t, bar), placed(t, bar + 0.19 * out)] for t in turns]
-    way = hand.choose(ways)
-    yield from hand.go(way[0], is_open=True)
-    yield from hand.go(way[1], is_open=False)
-    yield from hand.go(way[2])
+    joint = f"drawer_{level}"
+    chest = locate(KnownModel.named("chest/chest"), everything(hand), [{joint: s} for s in (0.0, 0.05, 0.1)])
+    axis, points = world_axis(chest, joint), chest.link_points(f"drawer_{level}_link")
+    bar = _outermost(points, axis.direction) - 0.006 * axis.direction
+    far = bar + (0.19 - chest.joints[joint]) * axis.direction
+    level_hands = sloping(-axis.direction, (0.0,), (0.0, 0.4, -0.4, 0.785, -0.785))  # from sloping ones the bar slips
+    turns = [turn for turn in level_hands if abs(turn[2, 1]) > 0.9]
+    ways = [[placed(t, bar - 0.1 * t[:, 2]), placed(t, bar), placed(t, far)] for t in turns]
+    yield from pull(hand, hand.choose(ways))
 
 
 def push_door(hand: Hand, door: Door) -> Moves:
     """Push an open door about its hinge until it is nearly shut."""
     found = locate(KnownModel.named(door.model), everything(hand), [{door.joint: s} for s in door.states])
-    axis, points = _axis(found, door.joint), found.link_points(door.link)
+    axis, points = world_axis(found, door.joint), found.link_points(door.link)
     angle = found.joints[door.joint]
     point, outwards = _on_leaf(points, axis, door.grip)
     start = point + (CLEAR + PAD) * outwards
@@ -118,7 +118,7 @@ def push_door(hand: Hand, door: Door) -> Moves:
 def fold_lid(hand: Hand, lid: Lid) -> Moves:
     """Tip a raised lid over from behind, and press it flat."""
     found = locate(KnownModel.named(lid.model), everything(hand), [{lid.joint: s} for s in lid.states])
-    axis, points = _axis(found, lid.joint), found.link_points(lid.link)
+    axis, points = world_axis(found, lid.joint), found.link_points(lid.link)
     angle = found.joints[lid.joint]
     point, outwards = _on_leaf(points, axis, 0.97)
     start = point + (CLEAR + PAD) * outwards
@@ -132,7 +132,7 @@ def fold_lid(hand: Hand, lid: Lid) -> Moves:
     yield from press(hand, flat, all_down())
 
 
-def _axis(found: Located, joint: str) -> Axis:
+def world_axis(found: Located, joint: str) -> Axis:
     """Return a joint of a located model in the world."""
     axis = found.model.axis(joint, found.joints)
     return Axis(found.point(axis.origin), found.placement.rotation @ axis.direction)

@@ -10,7 +10,20 @@ from rlbench_pin.evaluation.baselines.classical.errors import NothingFound
 from rlbench_pin.evaluation.baselines.classical.instruction import Instruction
 from rlbench_pin.evaluation.baselines.classical.perception import Cloud, KnownModel, clusters, locate, rectangle
 from rlbench_pin.evaluation.baselines.classical.recipes.seen import at, bottom, colored, everything, things
-from rlbench_pin.evaluation.baselines.classical.skills import Hand, Moves, all_down, both_ways, down, pick, place, touch
+from rlbench_pin.evaluation.baselines.classical.skills import (
+    DOWN,
+    Hand,
+    Moves,
+    all_down,
+    both_ways,
+    down,
+    pick,
+    place,
+    placed,
+    pointing,
+    pull,
+    touch,
+)
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray
 
 GRATE = 0.14
@@ -71,8 +84,8 @@ def meat_off_grill(hand: Hand, asked: Instruction) -> Moves:
     """Take the piece of meat off the grate, and lay it on the table by a long side of the grill."""
     cloud = everything(hand)
     grill = locate(KnownModel.named("grill/grill"), cloud.between(0.0, 0.142))
-    word = asked.one_of(("chicken", "steak")) or "steak"
-    middle, yaw = _meat(cloud, word)
+    pieces = [piece for piece in clusters(cloud.between(0.147, 0.25), gap=0.01) if piece.size[:2].max() < 0.2]
+    middle, yaw = _meat(pieces, asked, GRATE)
     turns = both_ways([down(yaw)]) + both_ways([down(yaw + s) for s in (-0.3, 0.3)])
     yield from pick(hand, at(middle, 0.155), turns)
     side = grill.placement.rotation[:, 1]
@@ -81,13 +94,37 @@ def meat_off_grill(hand: Hand, asked: Instruction) -> Moves:
     yield from place(hand, at(nearest[:2], 0.025), over=0.15)
 
 
-def _meat(cloud: Cloud, word: str) -> tuple[FloatArray, float]:
-    """Return middle x, y (2,) and heading across of a piece of meat on the grate."""
-    pieces = [piece for piece in clusters(cloud.between(0.147, 0.25), gap=0.01) if piece.size[:2].max() < 0.2]
+def meat_on_grill(hand: Hand, asked: Instruction) -> Moves:
+    """Take the piece of meat from the table, and lay it in the middle of the grate."""
+    seen = things(hand)
+    grill = locate(KnownModel.named("grill/grill"), seen[0])
+    middle, yaw = _meat([thing for thing in seen[1:] if thing.size[2] < 0.08], asked, 0.0)
+    yield from pick(hand, at(middle, 0.015), both_ways([down(yaw + s) for s in (0.0, -0.3, 0.3)]), lift=0.22)
+    yield from place(hand, at(grill.placement.translation[:2], GRATE + 0.018))
+
+
+def unplug(hand: Hand, asked: Instruction) -> Moves:
+    """Grip the charger, which is what stands out of the wall, and pull it straight out."""
+    cloud = everything(hand)
+    panel = locate(KnownModel.named("socket_panel/socket_panel"), cloud)
+    local = (cloud.points - panel.placement.translation) @ panel.placement.rotation
+    charger = local[(np.abs(local - (-0.06, 0.0, 0.15)) < (0.045, 0.05, 0.05)).all(axis=1)]
+    if len(charger) < 20:
+        raise NothingFound("No charger is seen at the wall.")
+    middle = panel.point(0.5 * (charger.min(axis=0) + charger.max(axis=0)))
+    out, across = -panel.placement.rotation[:, 0], panel.placement.rotation[:, 1]
+    turns = both_ways([pointing(np.cos(s) * DOWN - np.sin(s) * out, across) for s in (0.0, 0.4, 0.8)])
+    way = hand.choose([[placed(t, middle - 0.1 * t[:, 2]), placed(t, middle), placed(t, middle + 0.12 * out)] for t in turns])
+    yield from pull(hand, way)
+
+
+def _meat(pieces: Sequence[Cloud], asked: Instruction, ground: float) -> tuple[FloatArray, float]:
+    """Return middle x, y (2,) and heading across of the piece of meat whose height over the ground [m] is that of the named."""
+    word = asked.one_of(("chicken", "steak")) or "steak"
     if not pieces:
-        raise NothingFound(f"No {word} is seen on the grate.")
+        raise NothingFound(f"No {word} is seen.")
     tall = float(np.ptp(KnownModel.named(f"{word}/{word}").points_at()[:, 2]))
-    piece = min(pieces, key=lambda piece: abs(bottom(piece) + piece.size[2] - GRATE - tall))
+    piece = min(pieces, key=lambda piece: abs(bottom(piece) + piece.size[2] - ground - tall))
     middle, yaw, sides = rectangle(piece.points)
     return middle, yaw if sides[0] < sides[1] else yaw + 0.5 * np.pi
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from rlbench_pin.evaluation.baselines.classical.errors import NothingFound
 from rlbench_pin.evaluation.baselines.classical.perception import Cloud, clusters, lit_color
-from rlbench_pin.evaluation.baselines.classical.perception.colors import distance
 from rlbench_pin.evaluation.baselines.classical.skills import Hand
+from rlbench_pin.evaluation.baselines.sight.colors import distances
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray
 
 
@@ -33,7 +33,7 @@ def colored(candidates: Sequence[Cloud], name: str) -> Cloud:
     """Return the thing whose colour is nearest to a word."""
     if not candidates:
         raise NothingFound(f"No thing is seen that could be {name}.")
-    return min(candidates, key=lambda cloud: distance(lit_color(cloud.colors), name))
+    return min(candidates, key=lambda cloud: float(distances(lit_color(cloud.colors), name)))
 
 
 def parts_colored(cloud: Cloud, rgb: Sequence[float], within: float = 0.3, least: float = 0.4) -> Cloud:

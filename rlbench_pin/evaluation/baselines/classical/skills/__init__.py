@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from rlbench_pin.evaluation.baselines.classical.skills.actions import arc, pick, place, press, sweep, touch
-from rlbench_pin.evaluation.baselines.classical.skills.hand import Hand, Move, Moves
+from rlbench_pin.evaluation.baselines.classical.skills.actions import arc, pick, place, press, pull, sweep, touch
+from rlbench_pin.evaluation.baselines.classical.skills.driver import Driver
+from rlbench_pin.evaluation.baselines.classical.skills.hand import Hand, Moves, Tick, Way
 from rlbench_pin.evaluation.baselines.classical.skills.poses import (
     DOWN,
     PAD,
@@ -18,9 +19,11 @@ from rlbench_pin.evaluation.baselines.classical.skills.poses import (
 __all__ = [
     "DOWN",
     "PAD",
+    "Driver",
     "Hand",
-    "Move",
     "Moves",
+    "Tick",
+    "Way",
     "all_down",
     "arc",
     "both_ways",
@@ -30,6 +33,7 @@ __all__ = [
     "placed",
     "pointing",
     "press",
+    "pull",
     "sloping",
     "sweep",
     "touch",

@@ -23,15 +23,16 @@ def lit_color(colors: FloatArray) -> FloatArray:
     return color
 
 
-def distance(color: FloatArray, name: str) -> float:
-    """Return how far a colour (3,) is from a named one; light and shade change the brightness, less than the hue."""
+def distances(colors: FloatArray, name: str) -> FloatArray:
+    """Return how far colours (..., 3) are from a named one; light and shade change the brightness, less than the hue."""
     wanted = PALETTE[name]
-    brightness = float(color.max() - wanted.max())
-    hue = color / max(float(color.max()), 0.08) - wanted / max(float(wanted.max()), 0.08)
-    weight = min(1.0, float(max(color.max(), wanted.max())))
-    return float(np.linalg.norm(hue)) * weight + abs(brightness)
+    brightest = colors.max(axis=-1)
+    hue = colors / np.maximum(brightest, 0.08)[..., None] - wanted / max(float(wanted.max()), 0.08)
+    weight = np.minimum(1.0, np.maximum(brightest, wanted.max()))
+    far: FloatArray = np.linalg.norm(hue, axis=-1) * weight + np.abs(brightest - wanted.max())
+    return far
 
 
 def name_of(color: FloatArray, names: Sequence[str] = tuple(PALETTE)) -> str:
     """Return the nearest of some colour words."""
-    return min(names, key=lambda name: distance(color, name))
+    return min(names, key=lambda name: float(distances(color, name)))

@@ -1,0 +1,186 @@
+"""Demonstrations of test tasks: made when they are needed, by any workers, and kept on disk with their seeds."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from rlbench_pin.datasets import encode_demo, read_demo
+from rlbench_pin.datasets.storage import storing, write_whole
+from rlbench_pin.environment.environment import Environment
+from rlbench_pin.environment.task_environment import MAX_DEMO_ATTEMPTS, TaskEnvironment
+from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.evaluation.challenge.config import ChallengeConfig, demonstration_seed
+from rlbench_pin.evaluation.challenge.faults import NoDemonstrations
+from rlbench_pin.evaluation.challenge.learner import Pictures
+from rlbench_pin.evaluation.challenge.withheld import leave_pictures_out
+from rlbench_pin.evaluation.policies.settings import PolicySettings
+from rlbench_pin.evaluation.run.config import expert_settings
+from rlbench_pin.observation import Demo
+from rlbench_pin.processes import Engine, GivenUp, WorkerDeath
+
+
+@dataclass(frozen=True)
+class ShownItem:
+    """A demonstration to make."""
+
+    task: str
+    index: int
+    """Number among those of its task."""
+    seed: int
+
+
+@dataclass(frozen=True)
+class MadeDemonstration:
+    """A demonstration that was made, or why there is none."""
+
+    item: ShownItem
+    variation: int = 0
+    attempt: int = 0
+    data: bytes = b""
+    """The bytes of its file; empty when every try failed."""
+    cause: str = ""
+    """Why the last try failed."""
+
+
+class DemonstrationMaker:
+    """Makes demonstrations, one after the other, in one environment.
+
+    Args:
+        config: The run.
+        settings: What the learner observes, which is what demonstrations hold.
+        pictures: Which of their frames have pictures.
+    """
+
+    def __init__(self, config: ChallengeConfig, settings: PolicySettings, pictures: Pictures) -> None:
+        self._config, self._settings, self._pictures = config, settings, pictures
+        self._environment: Environment | None = None
+        self._task: TaskEnvironment | None = None
+
+    def make(self, item: ShownItem) -> MadeDemonstration:
+        """Make one demonstration, by as many tries as live demonstrations have."""
+        cause = ""
+        for attempt in range(MAX_DEMO_ATTEMPTS):
+            try:
+                task = self._load(item.task)
+                variation = shown_variation(self._config.seed, task.variation_count(), item.index)
+                outcome = task.try_demo(seed=item.seed, variation=variation, attempt=attempt)
+            except RlbenchPinError as error:
+                cause = str(error)
+                continue
+            if outcome.demo is not None:
+                for seen in outcome.demo[1:] if self._pictures == "first" else ():
+                    leave_pictures_out(seen)
+                return MadeDemonstration(item, variation, attempt, encode_demo(outcome.demo, "lzf"))
+            cause = outcome.cause
+        return MadeDemonstration(item, cause=cause)
+
+    def close(self) -> None:
+        """Free the environment."""
+        if self._environment is not None:
+            self._environment.shutdown()
+        self._environment, self._task = None, None
+
+    def _load(self, name: str) -> TaskEnvironment:
+        if self._environment is None:
+            mode = expert_settings().make_action_mode()
+            robot, seen = self._config.robot, self._settings.make_obs_config()
+            self._environment = Environment(mode, obs_config=seen, robot_setup=robot, seed=0)
+        if self._task is None or self._task.get_name() != name:
+            self._task = self._environment.get_task(name)
+        return self._task
+
+
+def shown_variation(seed: int, count: int, index: int) -> int:
+    """Return the variation of demonstration `index`: in an order that the seed draws, each once before any comes again."""
+    order = np.random.default_rng((seed, index // count)).permutation(count)
+    return int(order[index % count])
+
+
+class ShownDemonstrations:
+    """The demonstrations of a run on disk: a file for each, and beside those of a task a list of seeds and checksums.
+
+    Args:
+        folder: Where they lie.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def missing(self, config: ChallengeConfig) -> list[ShownItem]:
+        """Return those that are still to be made."""
+        found: list[ShownItem] = []
+        for task in config.tasks().test:
+            kept = self._entries(task)
+            wanted = [ShownItem(task, i, demonstration_seed(config.seed, task, i)) for i in range(max(config.shots))]
+            found += [item for item in wanted if item.index not in kept or not self._path(task, item.index).is_file()]
+        return found
+
+    def make(
+        self,
+        config: ChallengeConfig,
+        wanted: tuple[PolicySettings, Pictures],
+        engine: Engine,
+        on_done: Callable[[ShownItem], None],
+        stop: threading.Event,
+    ) -> int:
+        """Make what is missing, and return how many still are: none, unless `stop` was set.
+
+        Raises:
+            NoDemonstrations: A task could not be demonstrated.
+            StorageError: The disk cannot be written to.
+        """
+        items = self.missing(config)
+        with closing(engine.map(partial(DemonstrationMaker, config, *wanted), items, stop)) as events:
+            for event in events:
+                if isinstance(event, WorkerDeath):
+                    continue
+                if isinstance(event, GivenUp):
+                    raise NoDemonstrations(event.item.task, event.item.seed, event.cause)
+                if not event.data:
+                    raise NoDemonstrations(event.item.task, event.item.seed, event.cause)
+                self._keep(event)
+                on_done(event.item)
+        return len(self.missing(config))
+
+    def read(self, task: str, count: int) -> Iterator[Demo]:
+        """Yield the first so many demonstrations of a task.
+
+        Raises:
+            DatasetError: One is missing or damaged.
+        """
+        entries = self._entries(task)
+        for index in range(count):
+            yield read_demo(self._path(task, index), sha256=str(entries[index]["sha256"]))
+
+    def _keep(self, made: MadeDemonstration) -> None:
+        item, path = made.item, self._path(made.item.task, made.item.index)
+        with storing(path):
+            path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, made.data)
+        entry = {**asdict(item), "variation": made.variation, "attempt": made.attempt}
+        entries = {**self._entries(item.task), item.index: {**entry, "sha256": hashlib.sha256(made.data).hexdigest()}}
+        lines = (json.dumps(entries[index]) + "\n" for index in sorted(entries))
+        write_whole(self._list(item.task), "".join(lines).encode())
+
+    def _entries(self, task: str) -> Mapping[int, Mapping[str, object]]:
+        path = self._list(task)
+        if not path.is_file():
+            return {}
+        with storing(path):
+            lines: Sequence[str] = path.read_text(encoding="utf-8").splitlines()
+        return {entry["index"]: entry for entry in map(json.loads, lines)}
+
+    def _path(self, task: str, index: int) -> Path:
+        return self.folder / task / f"{index}.hdf5"
+
+    def _list(self, task: str) -> Path:
+        return self.folder / task / "demonstrations.jsonl"
