@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypeAlias
 
 from stable_baselines3 import PPO
 from stable_baselines3.common.policies import ActorCriticPolicy
@@ -41,7 +41,7 @@ CLONED_RATE = 1e-4
 WARM_UP: Mapping[str, int] = {"ppo": 2, "sac": 1}
 """Legs in which the values of an imitating policy are learned, and it stays as it is."""
 
-Model = PPO | ImitatingSac
+Model: TypeAlias = PPO | ImitatingSac
 
 
 def make_model(config: ReinforcementConfig, env: VecNormalize) -> Model:
