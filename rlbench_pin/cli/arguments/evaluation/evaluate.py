@@ -42,9 +42,9 @@ class Evaluate:
     """
 
     policy: tyro.conf.Positional[MaybePolicy] = ""
-    """`rest`, `random`, `expert` (the planner of demonstrations), `classical`, `cloning?folder=FOLDER`, `key_frames?folder=FOLDER`,
-    `ppo:FOLDER`, `sac:FOLDER`, `sb3:FILE`, `lerobot:FOLDER`, `module:factory`, `file.py:factory`, or where one is served:
-    `tcp://HOST:PORT`, `unix:PATH`. docs/policies.md says how to write one."""
+    """`rest`, `random`, `expert` (the planner of demonstrations), `classical`, `cloning?folder=FOLDER`,
+    `key_frames?folder=FOLDER`, `ppo:FOLDER`, `sac:FOLDER`, `sb3:FILE`, `lerobot:FOLDER`, `module:factory`,
+    `file.py:factory`, or where one is served: `tcp://HOST:PORT`, `unix:PATH`. docs/policies.md says how to write one."""
     tasks: TaskNames = TASKS
     """Task names, task files, sets of tasks such as FS10_V1, or `all`, with spaces or commas between them."""
     available: bool = False
