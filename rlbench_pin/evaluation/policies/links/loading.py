@@ -37,7 +37,7 @@ def _value(text: str) -> Any:
         return text
 
 
-POLICY = ("act", "reset", "action_mode", "obs_config")
+POLICY = ("reset", "act", "action_mode", "obs_config")
 """What a policy has."""
 
 
@@ -56,7 +56,7 @@ def make_named(reference: str, kind: str, parts: tuple[str, ...]) -> Any:
     Args:
         reference: `module:factory?key=value&...` or `file.py:factory?...`.
         kind: What it is to be, one word.
-        parts: What such a thing has; a method first.
+        parts: What such a thing has; two methods first.
 
     Raises:
         NoPolicy: There is no such module or factory, or what it returns lacks a part.
@@ -66,7 +66,8 @@ def make_named(reference: str, kind: str, parts: tuple[str, ...]) -> Any:
     if name not in vars(module) and not hasattr(module, name):
         raise NoPolicy(f"'{where}' has no '{name}'.")
     made = getattr(module, name)
-    if callable(made) and not callable(getattr(made, parts[0], None)) or isinstance(made, type):
+    is_thing = any(callable(getattr(made, part, None)) for part in parts[:2])
+    if callable(made) and not is_thing or isinstance(made, type):
         try:
             inspect.signature(made).bind(**arguments)
         except TypeError as error:
