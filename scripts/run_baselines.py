@@ -36,7 +36,7 @@ class Run:
         (out / "logs").mkdir(parents=True, exist_ok=True)
 
     def play(self, row: Row, bar: tqdm) -> None:
-        """Run the commands of a row, and keep its results.
+        """Run the commands of a row.
 
         Raises:
             SystemExit: A command failed; says which, and where its output is.
@@ -44,6 +44,9 @@ class Run:
         with ThreadPoolExecutor(self._jobs) as pool:
             for stage in (*row.before, (row.play,)):
                 list(pool.map(lambda command: self._call(command, bar), stage))
+
+    def keep(self, row: Row) -> None:
+        """Copy the results of a row into the repository; after all are played: until then the checkout stays as it is."""
         RESULTS.mkdir(parents=True, exist_ok=True)
         for name, file in row.results.items():
             write_results(RESULTS / f"{name}.json", read_results(self._out / file))
@@ -87,6 +90,8 @@ def main() -> int:
     with tqdm(total=sum(1 for row in chosen for _ in commands(row)), unit="command", dynamic_ncols=True) as bar:
         for row in chosen:
             run.play(row, bar)
+    for row in chosen:
+        run.keep(row)
     write_tables()
     return 0
 

@@ -21,6 +21,7 @@ NOT_RUN = {
     "Ray, torch": 1,
     "LeRobot, robomimic": 2,
     "torch": 4,
+    "LeRobot's own environment": 1,
     "takes minutes": 2,
 }
 """What stands behind `# not run by tests:` in the first line of a block -> how many blocks have it."""
