@@ -1,7 +1,7 @@
-"""Play all baselines and write docs/results/baselines/ and the tables of docs/baselines.md. `make baselines` calls it.
+"""Play all baselines and write docs/results/baselines/, the tables and the learning curves of docs/baselines.md.
 
-Hours on two cores. Whatever stops it, the same command goes on: recordings, trainings and evaluations resume, and what is
-finished is read. Named rows are played alone. It wants the extras `learn`, `rl` and `classical`.
+`make baselines` calls it. Hours on two cores. Whatever stops it, the same command goes on: recordings, trainings and
+evaluations resume, and what is finished is read. Named rows are played alone. It wants the extras `learn`, `rl` and `classical`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from baselines_lib.rows import Command, Row, commands, rows
+from baselines_lib.curves import draw_row
+from baselines_lib.rows import TRIED, Command, Row, by_trial, commands, rows
 from baselines_lib.tables import RESULTS, write_tables
 from tqdm import tqdm
 
@@ -50,6 +51,8 @@ class Run:
         RESULTS.mkdir(parents=True, exist_ok=True)
         for name, file in row.results.items():
             write_results(RESULTS / f"{name}.json", read_results(self._out / file))
+            if name in by_trial():
+                draw_row(name, self._out / "models", TRIED)
 
     def _call(self, command: Command, bar: tqdm) -> None:
         """Run a command, once however many rows need it."""

@@ -1,0 +1,15 @@
+"""The pictures of learning curves in docs/baselines.md, from the curves that trainings leave."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from rlbench_pin.evaluation.baselines.reinforcement import draw_curves, read_curve
+
+IMAGES = Path(__file__).resolve().parents[2] / "docs" / "images"
+
+
+def draw_row(name: str, models: Path, tasks: Iterable[str]) -> Path:
+    """Draw the curves of what a row has learned by trial, one for each task, and return the picture."""
+    return draw_curves(IMAGES / f"curves_{name}.png", {task: read_curve(models / name / task) for task in tasks})
