@@ -62,7 +62,8 @@ def cloned() -> dict[str, Row]:
     pictures = ("record", *CLONED, "--episodes", "100", "--cameras", "front", "wrist", "--products", "rgb")
     filmed = (*pictures, "--workers", "{jobs}", "--out", "{out}/filmed")
     state = (stored(), trained("cloning", "data", "cloning_state", CLONED, "--steps", "600"))
-    seen = ((filmed,), trained("cloning", "filmed", "cloning_pictures", CLONED, "--cameras", "front", "wrist"))
+    by_sight = ("--cameras", "front", "wrist", "--steps", "1000")
+    seen = ((filmed,), trained("cloning", "filmed", "cloning_pictures", CLONED, *by_sight))
     return {
         "cloning_state": evaluated("cloning_state", "cloning?folder={out}/models/cloning_state", CLONED, 100, before=state),
         "cloning_pictures": evaluated(

@@ -24,6 +24,7 @@ from rlbench_pin.evaluation.baselines.cloning import (  # noqa: E402
     train_cloning,
 )
 from rlbench_pin.evaluation.baselines.cloning.chunks import CHUNK, PICTURE, make_examples  # noqa: E402
+from rlbench_pin.evaluation.baselines.cloning.learner import SHIFT, shifted  # noqa: E402
 from rlbench_pin.evaluation.baselines.cloning.sentences import encode_sentence, nearest_sentence  # noqa: E402
 from rlbench_pin.evaluation.baselines.cloning.storage import MODEL, SETTINGS, read_tensors  # noqa: E402
 from rlbench_pin.evaluation.policies.policy import Policy, PolicyContext  # noqa: E402
@@ -157,6 +158,22 @@ def test_pictures_take_the_place_of_the_state(root: Path, tmp_path: Path) -> Non
     acting.reset(SENTENCES[0], CONTEXT)
     assert acting.act(Observation(joint_positions=np.zeros(7), gripper_open=1.0, front_rgb=demos[0][0].front_rgb)).shape == (8,)
     assert make_examples(demos, ["front"]).pictures.shape[1:] == (1, PICTURE, PICTURE, 3)
+
+
+def test_pictures_are_moved_by_some_pixels() -> None:
+    """Each by its own way, all of it alike; what comes in at a border repeats it."""
+    rng = np.random.default_rng(3)
+    pictures = rng.integers(0, 255, size=(6, 2, 12, 12, 3), dtype=np.uint8)
+    moved = shifted(pictures, rng)
+    ways = set()
+    for before, after in zip(pictures.reshape(-1, 12, 12, 3), moved.reshape(-1, 12, 12, 3), strict=True):
+        padded = np.pad(before, ((SHIFT, SHIFT), (SHIFT, SHIFT), (0, 0)), mode="edge")
+        found = [
+            (y, x) for y in range(2 * SHIFT + 1) for x in range(2 * SHIFT + 1) if (padded[y : y + 12, x : x + 12] == after).all()
+        ]
+        assert len(found) == 1
+        ways.add(found[0])
+    assert len(ways) > 4
 
 
 def test_damaged_models_are_named(root: Path, tmp_path: Path) -> None:

@@ -25,6 +25,8 @@ STATE_NOISE = 0.002
 """Spread of what is added to the numbers that describe objects, in [m] or [rad]."""
 TIME_NOISE = 0.1
 """Spread of what is added to the time [s]."""
+SHIFT = 2
+"""Pixels that pictures are moved by at most, of `PICTURE`."""
 LEAST_SPREAD = 0.02
 """Numbers that vary less are divided by this, so that what is constant in the demonstrations stays near 0."""
 
@@ -56,19 +58,26 @@ class ChunkLearner:
         steps = data.targets[rows] - numbers[:, None, : data.joints.shape[1]]
         said = [data.sentences[e] for e in data.episode[rows]]
         sentence = np.stack([each[rng.integers(len(each))] for each in said])
-        found, hand = self.network(self._tensor(numbers), self._tensor(sentence), self._pictures(rows))
+        seen = as_pictures(shifted(data.pictures[rows], rng), self._device)
+        found, hand = self.network(self._tensor(numbers), self._tensor(sentence), seen)
         arm = torch.nn.functional.smooth_l1_loss(found / self.network.reach, self._tensor(steps) / self.network.reach, beta=0.1)
         grip = torch.nn.functional.binary_cross_entropy_with_logits(hand, self._tensor(data.hand[rows]).clamp(0.0, 1.0))
         return {"total": arm + 0.1 * grip, "arm": arm, "hand": grip}
-
-    def _pictures(self, rows: np.ndarray) -> torch.Tensor:
-        return as_pictures(self._examples.pictures[rows], self._device)
 
     def _tensor(self, values: FloatArray) -> torch.Tensor:
         return torch.as_tensor(values, dtype=torch.float32, device=self._device)
 
     def _fill(self, buffer: torch.Tensor, values: FloatArray) -> None:
         buffer.copy_(self._tensor(values))
+
+
+def shifted(pictures: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return pictures (b, cameras, h, w, 3), each moved by up to `SHIFT` pixels either way; borders are repeated."""
+    batch, cameras, height, width = pictures.shape[:4]
+    down, right = rng.integers(-SHIFT, SHIFT + 1, size=(2, batch, cameras, 1))
+    rows = np.clip(np.arange(height) + down, 0, height - 1)[..., None]
+    columns = np.clip(np.arange(width) + right, 0, width - 1)[:, :, None]
+    return pictures[np.arange(batch)[:, None, None, None], np.arange(cameras)[:, None, None], rows, columns]
 
 
 def as_pictures(pictures: np.ndarray, device: torch.device) -> torch.Tensor:

@@ -87,7 +87,7 @@ class _Eye(nn.Module):
         self.layers = nn.Sequential(
             nn.Conv2d(3, 32, 5, stride=2, padding=2),
             nn.ReLU(),
-            nn.Conv2d(32, 32, 3, stride=1, padding=1),
+            nn.Conv2d(32, 32, 3, stride=2, padding=1),
             nn.ReLU(),
             nn.Conv2d(32, _FEATURES, 3, padding=1),
         )
