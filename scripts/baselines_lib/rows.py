@@ -75,11 +75,11 @@ def cloned() -> dict[str, Row]:
 def keyed() -> dict[str, Row]:
     """Return key-frame cloning of the tasks of PerAct that are built, from 20 and from 100 demonstrations."""
     found = {}
-    for demos in ("20", "100"):
+    for demos, episodes in (("20", 10), ("100", 25)):
         name = f"key_frames_{demos}"
         training = trained("key-frames", "data", name, key_frame_tasks(), "--demos", demos)
         policy = f"key_frames?folder={{out}}/models/{name}"
-        found[name] = evaluated(name, policy, key_frame_tasks(), 25, before=(stored(), training))
+        found[name] = evaluated(name, policy, key_frame_tasks(), episodes, before=(stored(), training))
     return found
 
 
