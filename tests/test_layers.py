@@ -15,6 +15,7 @@ ROOT = Path(__file__).resolve().parents[1] / PACKAGE
 # Top row first; the packages of one row do not import each other.
 ROWS: tuple[tuple[str, ...], ...] = (
     ("cli", "compat"),
+    ("builder",),
     ("checking", "evaluation", "recording", "gym"),
     ("environment",),
     ("tasks",),
@@ -44,7 +45,7 @@ HOMES: dict[str, tuple[str, ...]] = {
     "pyarrow": ("datasets",),
     "av": ("datasets",),
     "tomllib": ("scene",),
-    "tomlkit": ("scene",),
+    "tomlkit": ("scene", "builder"),
     "pydantic": ("scene",),
     "xml": ("urdf",),
     "yaml": ("planning",),
