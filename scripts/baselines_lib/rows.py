@@ -75,9 +75,9 @@ def cloned() -> dict[str, Row]:
 def keyed() -> dict[str, Row]:
     """Return key-frame cloning of the tasks of PerAct that are built, from 20 and from 100 demonstrations."""
     found = {}
-    for demos, episodes in (("20", 10), ("100", 25)):
+    for demos, steps, episodes in (("20", "750", 10), ("100", "1500", 25)):
         name = f"key_frames_{demos}"
-        training = trained("key-frames", "data", name, key_frame_tasks(), "--demos", demos)
+        training = trained("key-frames", "data", name, key_frame_tasks(), "--demos", demos, "--steps", steps)
         policy = f"key_frames?folder={{out}}/models/{name}"
         found[name] = evaluated(name, policy, key_frame_tasks(), episodes, before=(stored(), training))
     return found

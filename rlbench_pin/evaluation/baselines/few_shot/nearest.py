@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from rlbench_pin.evaluation.policies.policy import PolicyContext
 from rlbench_pin.observation import Observation
 
 TOGETHER = 0.2
-"""Key frames that follow each other within this distance belong to one part of the scene [m]."""
+"""Key frames that follow each other within this distance belong to one part of the scene, which the hand may touch [m]."""
 RADIUS = 0.15
 """A part of the scene is what is so near to its key frames [m]."""
 FEWEST = 40
@@ -158,11 +158,10 @@ def remembered(demonstration: Demonstration) -> Shown:
     """Return what is remembered of a demonstration."""
     seen = demonstration.observations
     scene = scene_points(seen[0])
-    frames = [_frame(seen[index]) for index in key_frames(seen)]
     groups: list[list[KeyFrame]] = []
-    for frame in frames:
+    for frame in map(_frame, (seen[index] for index in key_frames(seen))):
         if groups and np.linalg.norm(frame.pose[:3] - groups[-1][-1].pose[:3]) < TOGETHER:
-            groups[-1].append(frame)
+            groups[-1].append(replace(frame, ignore_collisions=True))
         else:
             groups.append([frame])
     parts = tuple(Part(tuple(group), _around(scene, group)) for group in groups)
