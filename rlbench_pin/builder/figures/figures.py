@@ -40,6 +40,7 @@ class Figures:
         self._bodies: dict[str, tuple[_Drawn, ModelFigure]] = {}
         self._ghosts: dict[str, tuple[Rgb, ModelFigure]] = {}
         self._marked: set[str] = set()
+        self._mark: Rgb = (230, 40, 40)
         self._draw_room()
         self._arm = ModelFigure(scene, "/arm", self._robot.urdf, Look())
         self.arm(self._robot.home, [self._robot.gripper_open] * len(self._robot.gripper_joints))
@@ -111,7 +112,7 @@ class Figures:
         """
         self._paint_marked(restore=True)
         self._marked = set(names)
-        self._color = rgb
+        self._mark = rgb
         self._paint_marked()
 
     def _paint_marked(self, restore: bool = False) -> None:
@@ -120,7 +121,7 @@ class Figures:
             figure = self._bodies[owner][1] if owner in self._bodies else self._arm
             links = (link,) if link else (figure.links if owner in self._bodies else (owner,))
             for each in links:
-                figure.paint(each, None if restore else self._color)
+                figure.paint(each, None if restore else self._mark)
 
     # Ghosts ----------------------------------------------------------------------------------------------------------
 
