@@ -90,6 +90,10 @@ class UrdfJoint:
     """Name of the link that it moves; empty where the file has none."""
     limits: tuple[float, float]
     """Smallest and largest position [rad] or [m]."""
+    origin: UrdfOrigin | None
+    """Placement of the child at position 0 in the frame of the parent; None where the file has none."""
+    axis: Vector
+    """About or along which it moves, in the frame of the child."""
 
 
 @dataclass(frozen=True)
@@ -267,15 +271,12 @@ def _inertial(link: ET.Element) -> UrdfInertial | None:
 
 
 def _joint(joint: ET.Element) -> UrdfJoint:
-    limit, kind, limits = joint.find("limit"), joint.get("type", ""), UNBOUNDED
+    limit, axis, kind, limits = joint.find("limit"), joint.find("axis"), joint.get("type", ""), UNBOUNDED
     if limit is not None and kind != "continuous":
         limits = float(limit.get("lower", "0")), float(limit.get("upper", "0"))
-    return UrdfJoint(joint.get("name", ""), kind, _link_of(joint, "parent"), _link_of(joint, "child"), limits)
-
-
-def _link_of(joint: ET.Element, end: str) -> str:
-    element = joint.find(end)
-    return "" if element is None else element.get("link", "")
+    parent, child = ("" if e is None else e.get("link", "") for e in (joint.find("parent"), joint.find("child")))
+    along = (1.0, 0.0, 0.0) if axis is None else _vector(axis, "xyz")
+    return UrdfJoint(joint.get("name", ""), kind, parent, child, limits, _origin(joint), along)
 
 
 __all__ = [
