@@ -1,0 +1,1 @@
+"""What the browser shows of a task that is being edited."""
