@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import replace
 from types import TracebackType
 from typing import Any
@@ -16,16 +16,16 @@ from rlbench_pin.builder.contracts import (
     Judgement,
     OpenedTask,
     PlannedPath,
-    Problem,
     ReachSpot,
     Recording,
     TaskText,
     WaypointVerdict,
 )
-from rlbench_pin.builder.stage.faults import NothingOpen, StageClosed, StageFault
+from rlbench_pin.builder.stage.faults import NothingOpen
 from rlbench_pin.builder.stage.folder import PrivateFolder
 from rlbench_pin.builder.stage.limits import StageLimits
 from rlbench_pin.builder.stage.link import Link, OnNote
+from rlbench_pin.builder.stage.session import Session
 from rlbench_pin.builder.stage.turns import Turns
 from rlbench_pin.builder.stage.wire import plain, record
 from rlbench_pin.robot.catalogue import robot_description
@@ -47,7 +47,7 @@ class StageClient:
     started anew when it died, hung or was stopped, and the task opened again, by the next operation.
 
     Args:
-        limits: How long things may take.
+        limits: How long things may take; None takes the default.
 
     Raises:
         StageBusy: (all operations) Another one runs, and did not end while this one waited.
@@ -57,22 +57,18 @@ class StageClient:
         StageClosed: (all operations) `close` was called.
     """
 
-    def __init__(self, limits: StageLimits = StageLimits()) -> None:
-        self.limits = as_record(limits, StageLimits, "limits")
+    def __init__(self, limits: StageLimits | None = None) -> None:
+        limits = StageLimits() if limits is None else as_record(limits, StageLimits, "limits")
+        self.limits = limits
         self._folder = PrivateFolder()
-        self._world, self._judges = (Link(name, self._folder.path, limits) for name in ("world", "judge"))
-        self._turns, self._judge_turns = Turns(limits.wait), Turns(limits.wait)
-        self._text: TaskText | None = None
-        self._run_task, self._robot = False, ""
-        self._problem: Problem | None = None
-        self._episode: tuple[int, int] | None = None
-        self._opened_in, self._closed = 0, False
-        self._world.warm()
+        self._session = Session(self._folder, limits)
+        self._judges, self._judge_turns = Link("judge", self._folder.path, limits), Turns(limits.wait)
+        self._session.link.warm()
 
     @property
     def process_id(self) -> int | None:
         """Number of the process of the world, None before it has answered."""
-        return self._world.pid
+        return self._session.link.pid
 
     # Building --------------------------------------------------------------------------------------------------------------
 
@@ -93,9 +89,7 @@ class StageClient:
         """
         as_record(text, TaskText, _TEXT)
         run_task, robot = as_flag(run_task, "run_task"), robot_description(robot).name
-        with self._turn("open"):
-            self._text, self._run_task, self._robot = text, run_task, robot
-            return self._open()
+        return self._session.open(text, run_task, robot)
 
     def place(self, scene: str) -> OpenedTask:
         """Take a changed scene over, and lay it out where it says; quick where it only puts things elsewhere.
@@ -103,38 +97,13 @@ class StageClient:
         Args:
             scene: Content of `<task>.toml`.
         """
-        as_text(scene, "scene")
-        with self._turn("place"):
-            if self._text is None:
-                raise NothingOpen("place")
-            self._text, self._episode = replace(self._text, scene=scene), None
-            if self._problem is not None or not self._is_open:
-                return self._open()
-            self._folder.write("world", self._text)
-            return self._built("place", {}, self.limits.place)
-
-    def _open(self) -> OpenedTask:
-        assert self._text is not None
-        self._episode, self._world.python = None, self._folder.write("world", self._text)
-        question = {"python": str(self._world.python), "folder": str(self._text.folder)}
-        return self._built("open", {**question, "run_task": self._run_task, "robot": self._robot}, self.limits.open)
-
-    def _built(self, operation: str, question: dict[str, Any], limit: float) -> OpenedTask:
-        """Let the world be built; a process that dies of it is a problem of the task."""
-        try:
-            opened = record(OpenedTask, self._world.ask(operation, question, limit))
-        except StageFault as fault:
-            problem = fault.problem or Problem("task" if self._run_task else "scene", None, str(fault))
-            opened = OpenedTask(0, (), (), (), (problem,))
-        self._problem = opened.problems[0] if opened.problems else None
-        self._opened_in = self._world.generation
-        return opened
+        return self._session.place(as_text(scene, "scene"))
 
     # Looking ---------------------------------------------------------------------------------------------------------------
 
     def reach(self) -> tuple[WaypointVerdict, ...]:
         """Say of each waypoint whether the hand gets there after the ones before it, in the present layout."""
-        answer = self._ask("reach", {}, self.limits.reach)
+        answer = self._session.ask("reach", {}, self.limits.reach)
         return tuple(record(WaypointVerdict, verdict) for verdict in answer)
 
     def follow(self, pose: ArrayLike, configuration: ArrayLike) -> tuple[FloatArray, float]:
@@ -148,12 +117,14 @@ class StageClient:
             Joint positions (n,) nearer to it, and what is left: the larger of distance [m] and angle [rad].
         """
         question = {"pose": as_pose(pose, "pose"), "configuration": as_array(configuration, "configuration")}
-        q, error = self._ask("follow", question, self.limits.follow)
+        q, error = self._session.ask("follow", question, self.limits.follow)
         return np.array(q), float(error)
 
     def paths(self, on_path: Callable[[PlannedPath], None] | None = None) -> tuple[PlannedPath, ...]:
         """Plan the way to each waypoint, in the present layout; `on_path` is called with each as it is found."""
-        return tuple(record(PlannedPath, path) for path in self._ask("paths", {}, self.limits.paths, _on(PlannedPath, on_path)))
+        return tuple(
+            record(PlannedPath, path) for path in self._session.ask("paths", {}, self.limits.paths, _on(PlannedPath, on_path))
+        )
 
     def pictures(self, size: int = 128) -> dict[str, NDArray[np.uint8]]:
         """Return name -> picture (size, size, 3) of each of the five cameras at the present moment."""
@@ -165,21 +136,21 @@ class StageClient:
 
     def _pictures(self, size: int, frame: object) -> dict[str, NDArray[np.uint8]]:
         question = {"size": as_whole(size, "size [px]", least=8, most=LARGEST_PICTURE), "frame": frame}
-        pictures: dict[str, NDArray[np.uint8]] = self._ask("pictures", question, self.limits.picture)
+        pictures: dict[str, NDArray[np.uint8]] = self._session.ask("pictures", question, self.limits.picture)
         return pictures
 
     # Playing ---------------------------------------------------------------------------------------------------------------
 
     def reset(self, seed: int, variation: int = 0) -> Recording:
         """Lay out an episode; its recording is one frame, with a failure when the reset was refused."""
-        recording = record(Recording, self._ask("reset", _episode(seed, variation), self.limits.reset))
-        self._episode = (seed, variation)
+        recording = record(Recording, self._session.ask("reset", _episode(seed, variation), self.limits.reset))
+        self._session.episode = (seed, variation)
         return recording
 
     def demonstrate(self, seed: int, variation: int = 0, on_frame: Callable[[Frame], None] | None = None) -> Recording:
         """Reset, play the demonstration once, and return every frame; `on_frame` is called with each while it runs."""
         recording = self._recording("demonstrate", _episode(seed, variation), on_frame)
-        self._episode = (seed, variation)
+        self._session.episode = (seed, variation)
         return recording
 
     def simulate(self, seconds: float, on_frame: Callable[[Frame], None] | None = None) -> Recording:
@@ -190,7 +161,7 @@ class StageClient:
     def _recording(self, operation: str, question: dict[str, Any], on_frame: Callable[[Frame], None] | None) -> Recording:
         frames: list[Frame] = []
         notes = _on(Frame, on_frame, frames)
-        answer = self._ask(operation, question, self.limits.tick, notes)
+        answer = self._session.ask(operation, question, self.limits.tick, notes)
         return replace(record(Recording, answer), frames=tuple(frames))
 
     # Judging ---------------------------------------------------------------------------------------------------------------
@@ -219,7 +190,7 @@ class StageClient:
                 on_progress(*value)
 
         with self._judge_turn("judge") as question:
-            if not self._run_task:
+            if not self._session.run_task:
                 raise NothingOpen("judge", "its code was not allowed to run. Open it with run_task=True.")
             answer = self._judges.ask("judge", {**question, "episodes": episodes}, self.limits.trial, noted)
         return tuple(record(Judgement, line) for line in answer)
@@ -229,7 +200,7 @@ class StageClient:
         question = {"layouts": as_whole(layouts, "layouts", least=1, most=MOST_LAYOUTS)}
         notes = _on(ReachSpot, on_spot)
         with self._judge_turn("reach_map") as pair:
-            self._judges.ask("open", {**pair, "run_task": self._run_task, "robot": self._robot}, self.limits.open)
+            self._judges.ask("open", {**pair, "run_task": self._session.run_task, "robot": self._session.robot}, self.limits.open)
             answer = self._judges.ask("reach_map", question, self.limits.trial, notes)
         return tuple(record(ReachSpot, spot) for spot in answer)
 
@@ -244,13 +215,13 @@ class StageClient:
         Returns:
             Whether something ran.
         """
-        places = ((self._turns, self._world), (self._judge_turns, self._judges))
-        return any([link.stop() for turns, link in places if operation in ("", turns.running)])
+        places = ((self._session.turns, self._session.link), (self._judge_turns, self._judges))
+        stopped = [link.stop() for turns, link in places if operation in ("", turns.running)]
+        return any(stopped)
 
     def close(self) -> None:
         """End the processes and remove the private folder; may be called again."""
-        self._closed = True
-        self._world.close()
+        self._session.close()
         self._judges.close()
         self._folder.close()
 
@@ -260,56 +231,13 @@ class StageClient:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
 
-    # Turns -----------------------------------------------------------------------------------------------------------------
-
-    @contextmanager
-    def _turn(self, operation: str) -> Iterator[None]:
-        """Have the world for a block; a process that is gone after it is started anew at once, to be ready for the next."""
-        with self._turns.take(operation):
-            if self._closed:
-                raise StageClosed(operation)
-            try:
-                yield
-            finally:
-                with suppress(StageFault):
-                    self._world.warm()
-
     @contextmanager
     def _judge_turn(self, operation: str) -> Iterator[dict[str, str]]:
         """Have the validator for a block, with the pair as it is now in a folder of its own."""
         with self._judge_turns.take(operation):
-            text = self._usable(operation)
+            text = self._session.usable(operation)
             self._judges.python = self._folder.write("judge", text)
             yield {"python": str(self._judges.python), "folder": str(text.folder)}
-
-    def _ask(self, operation: str, question: dict[str, Any], limit: float, on_note: OnNote | None = None) -> Any:
-        with self._turn(operation):
-            self._usable(operation)
-            if not self._is_open:
-                self._open_again(operation)
-            return self._world.ask(operation, question, limit, on_note)
-
-    def _open_again(self, operation: str) -> None:
-        """Bring a new process to where the last one was: the task open, and the episode laid out."""
-        episode = self._episode
-        if self._open().problems:
-            self._usable(operation)
-        if episode is not None:
-            self._world.ask("reset", _episode(*episode), self.limits.reset)
-            self._episode = episode
-
-    @property
-    def _is_open(self) -> bool:
-        return self._world.pid is not None and self._world.generation == self._opened_in
-
-    def _usable(self, operation: str) -> TaskText:
-        if self._closed:
-            raise StageClosed(operation)
-        if self._text is None:
-            raise NothingOpen(operation)
-        if self._problem is not None:
-            raise NothingOpen(operation, f"it cannot be built. {self._problem.message}")
-        return self._text
 
 
 def _episode(seed: int, variation: int) -> dict[str, Any]:
@@ -321,7 +249,7 @@ def _on(kind: type, callback: Callable[[Any], None] | None, kept: list[Any] | No
     as_function(callback, "a callback")
 
     def noted(name: str, value: Any) -> None:
-        made = record(kind, value)
+        made: Any = record(kind, value)
         if kept is not None:
             kept.append(made)
         if callback is not None:

@@ -19,7 +19,7 @@ from rlbench_pin.evaluation.policies.faults import PolicyFault
 from rlbench_pin.evaluation.policies.links.hosted import HostedPolicy
 from rlbench_pin.evaluation.policies.policy_server import Channel, WireError
 
-HOST = "rlbench_pin.builder.stage.host"
+HOST = "rlbench_pin.builder.stage.inside.host"
 """The module that runs in the process."""
 _DUMP_WAIT = 0.5
 """How long a process that hangs is given to say where it is [s]."""

@@ -58,11 +58,11 @@ def _value(kind: Any, sent: Any) -> Any:
     origin, inner = get_origin(kind), get_args(kind)
     if kind is Frame:
         return _frame(sent)
-    if is_dataclass(kind):
+    if isinstance(kind, type) and is_dataclass(kind):
         hints = _hints(kind)
         if not isinstance(sent, dict) or not set(sent) <= set(hints):
             raise ValueError(f"no {getattr(kind, '__name__', kind)}: {str(sent)[:80]}")
-        return kind(**{name: _value(hints[name], value) for name, value in sent.items()})  # type: ignore[operator]
+        return kind(**{name: _value(hints[name], value) for name, value in sent.items()})
     if origin in (Union, UnionType):
         return None if sent is None else _value(next(k for k in inner if k is not NoneType), sent)
     if origin is tuple:

@@ -28,15 +28,15 @@ def move_to_scene(world: World, scene: SceneSpec) -> None:
     joints = {joint.name: joint for joint in scene.joint}
     for body in world.bodies.values():
         for name in body.joints:
-            spec = joints.get(f"{body.name}/{name}")
-            body.joints[name].set_position(0.0 if spec is None else spec.position)
+            start = joints.get(f"{body.name}/{name}")
+            body.joints[name].set_position(0.0 if start is None else start.position)
     world.place_root(np.array(scene.placement.pose))
     frames = (*scene.frame, *scene.waypoint, *scene.region, *scene.sensor)
     for frame in frames:
-        world.frame(frame.name).set_state(frame.parent, np.array(frame.pose, dtype=float))
+        world.frame(frame.name).set_state(frame.parent, np.array(frame.pose, dtype=np.float64))
     for spec in sorted(scene.body, key=lambda spec: _depth(scene, spec.name)):
         parent = _pose_of(world, spec.parent)
-        world.body(spec.name).set_pose(compose(parent, np.array(spec.pose, dtype=float)))
+        world.body(spec.name).set_pose(compose(parent, np.array(spec.pose)))
 
 
 def move_to_frame(world: World, frame: Frame) -> None:

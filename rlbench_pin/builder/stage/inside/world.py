@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -19,13 +20,13 @@ from rlbench_pin.builder.playback.conditions import success_texts
 from rlbench_pin.builder.playback.failures import failure_of
 from rlbench_pin.builder.playback.recorder import FrameRecorder, OnFrame, record_demonstration
 from rlbench_pin.builder.stage.faults import NothingOpen
-from rlbench_pin.builder.stage.following import Follower
-from rlbench_pin.builder.stage.paths import planned_paths
-from rlbench_pin.builder.stage.pictures import camera_pictures
-from rlbench_pin.builder.stage.posing import move_to_frame, move_to_scene, only_moves
+from rlbench_pin.builder.stage.inside.following import Follower
+from rlbench_pin.builder.stage.inside.paths import planned_paths
+from rlbench_pin.builder.stage.inside.pictures import camera_pictures
+from rlbench_pin.builder.stage.inside.posing import move_to_frame, move_to_scene, only_moves
+from rlbench_pin.builder.stage.inside.reachability import verdicts
+from rlbench_pin.builder.stage.inside.standin import stand_in
 from rlbench_pin.builder.stage.problems import Pair, problem_of
-from rlbench_pin.builder.stage.reachability import verdicts
-from rlbench_pin.builder.stage.standin import stand_in
 from rlbench_pin.checking.reach import reach_of
 from rlbench_pin.environment import Environment, TaskEnvironment
 from rlbench_pin.environment.actions.action_mode import MoveArmThenGripper
@@ -34,6 +35,7 @@ from rlbench_pin.environment.actions.joint import JointPosition
 from rlbench_pin.environment.episode import EpisodeRandom, drawn_variations
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.environment.reset import lay_out
+from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import BoundaryError, RlbenchPinError
 from rlbench_pin.scene.reader import read_scene
 from rlbench_pin.spatial import FloatArray
@@ -107,11 +109,13 @@ class StageWorld:
 
     def reach(self) -> tuple[WaypointVerdict, ...]:
         """Say of each waypoint whether the hand gets there, in the present layout."""
-        return verdicts(self._laid_out("reach").runtime)
+        with self._laid_out("reach") as runtime:
+            return verdicts(runtime)
 
     def paths(self, on_path: Callable[[PlannedPath], None]) -> tuple[PlannedPath, ...]:
         """Plan the way to each waypoint, in the present layout."""
-        return planned_paths(self._laid_out("paths").runtime, on_path)
+        with self._laid_out("paths") as runtime:
+            return planned_paths(runtime, on_path)
 
     def follow(self, pose: FloatArray, configuration: FloatArray) -> tuple[FloatArray, float]:
         """Let the arm follow a dragged hand; see `Follower`."""
@@ -228,16 +232,23 @@ class StageWorld:
                 raise NothingOpen(operation, problems[0].message)
         return self._opened(operation)
 
-    def _laid_out(self, operation: str) -> TaskEnvironment:
-        """Return the task in the layout in which the last episode began, or where its scene says."""
+    @contextmanager
+    def _laid_out(self, operation: str) -> Iterator[Runtime]:
+        """Have the task for a block in the layout in which the last episode began, or where its scene says."""
         environment = self._opened(operation)
-        if self._moved and self._episode is not None:
-            environment.reset(seed=self._episode[0], variation=self._episode[1])
-            self._began = environment.world.time
-        elif self._moved:
-            environment.world.restore(environment.world.origin)
-        self._moved = False
-        return environment
+        runtime = environment.runtime
+        if not self._moved:
+            yield runtime
+            return
+        before = runtime.save()
+        try:
+            if self._episode is None:
+                runtime.world.restore(runtime.world.origin)
+            else:
+                environment.reset(seed=self._episode[0], variation=self._episode[1])
+            yield runtime
+        finally:
+            runtime.restore(before)
 
     def close(self) -> None:
         """Free the world."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from rlbench_pin.builder.contracts import Judgement
 from rlbench_pin.checking import Item, Part, TaskReport, Trial, summarise
 from rlbench_pin.checking.judge import MAX_DRIFT, MAX_PENETRATION, poor_instructions, shared_instructions
-from rlbench_pin.checking.records import DemoTrial, IdleTrial, ReachTrial
+from rlbench_pin.checking.records import DemoTrial, IdleTrial, ReachTrial, SolvedDemo
 from rlbench_pin.checking.report import FIRST_TRY_FLOOR, KEY_FRAMES_FLOOR, REPLAY_FLOOR
 from rlbench_pin.checking.trials import work
 from rlbench_pin.rates import Rate
@@ -115,11 +115,11 @@ def _all_attempts(trial: Trial) -> Iterator[str]:
         yield from (attempt.cause for attempt in trial.failed[-1:])
 
 
-def _after(cause: str, wrong: Callable[[DemoTrial], object]) -> Callable[[Trial], Iterator[str]]:
+def _after(cause: str, wrong: Callable[[SolvedDemo], object]) -> Callable[[Trial], Iterator[str]]:
     """Return what yields a cause for a demonstration that succeeded and then showed a fault."""
 
     def causes(trial: Trial) -> Iterator[str]:
-        if isinstance(trial, DemoTrial) and trial.demo is not None and wrong(trial):
+        if isinstance(trial, DemoTrial) and trial.demo is not None and wrong(trial.demo):
             yield cause
 
     return causes
@@ -195,14 +195,18 @@ _LINES = (
         _all_attempts,
     ),
     Line(
-        "lasts", "demos", lambda r: _rate(r.lasting), lambda r: True, _after("the goal is lost again", lambda t: not t.demo.lasts)
+        "lasts",
+        "demos",
+        lambda r: _rate(r.lasting),
+        lambda r: True,
+        _after("the goal is lost again", lambda demo: not demo.lasts),
     ),
     Line(
         "replay",
         "demos",
         lambda r: _rate(r.replay),
         lambda r: r.replay.value >= REPLAY_FLOOR or not r.replay.of,
-        _after("goal not reached", lambda t: t.demo.replayed is False),
+        _after("goal not reached", lambda demo: demo.replayed is False),
     ),
     Line("left over", "demos", lambda r: ", ".join(r.left_over) or "nothing", lambda r: not r.left_over, _left_over),
     Line("reach", "reach", lambda r: _rate(r.accepted), lambda r: True, _unreached),

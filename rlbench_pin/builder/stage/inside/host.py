@@ -1,4 +1,4 @@
-"""What runs in the process of the stage: `python -m rlbench_pin.builder.stage.host SOCKET PIPE DUMP MEMORY`.
+"""What runs in the process of the stage: `python -m rlbench_pin.builder.stage.inside.host SOCKET PIPE DUMP MEMORY`.
 
 It is asked one thing at a time, and answers with `{"ok": ...}` or `{"error": text, "kind": ...}`; on the way it sends
 `{"note": name, "value": ...}`. A file takes the stack of Python at a crash, or when the owner asks for it with SIGUSR1.
@@ -21,10 +21,10 @@ from typing import Any
 
 from rlbench_pin.builder.contracts import Frame
 from rlbench_pin.builder.stage.faults import NothingOpen
-from rlbench_pin.builder.stage.judging import judge
+from rlbench_pin.builder.stage.inside.judging import judge
+from rlbench_pin.builder.stage.inside.world import RAISED, StageWorld
 from rlbench_pin.builder.stage.problems import Pair
 from rlbench_pin.builder.stage.wire import plain, record
-from rlbench_pin.builder.stage.world import RAISED, StageWorld
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.evaluation.policies.links.host import end_with_owner
 from rlbench_pin.evaluation.policies.policy_server import Channel, WireError

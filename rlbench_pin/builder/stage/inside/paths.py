@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from rlbench_pin.builder.contracts import PlannedPath
-from rlbench_pin.builder.stage.reachability import Reacher, Visit
+from rlbench_pin.builder.stage.inside.reachability import Reacher, Visit
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import PlanningError
 from rlbench_pin.planning.plan import Plan
