@@ -66,8 +66,8 @@ class Frame:
     time: float
     """Since the reset [s]."""
     poses: Mapping[str, FloatArray]
-    """`<body>/<link>` -> pose (7,) of the link's URDF frame in the world, for each link of every body of the scene, also those that
-    do not collide."""
+    """`<body>/<link>` -> pose (7,) of the link's URDF frame in the world, for each link of every body of the scene, also those
+    that do not collide."""
     arm: FloatArray
     """Joint positions of the arm [rad], shape (n,)."""
     fingers: FloatArray
@@ -80,6 +80,8 @@ class Frame:
     """Whether each success condition holds, in their order."""
     success: bool
     """Whether the goal is reached."""
+    colors: Mapping[str, tuple[float, float, float, float]] = field(default_factory=dict)
+    """`<body>/<link>` -> rgba in 0..1, of the links that were painted since their file was read."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +96,8 @@ class Failure:
     """What touches what: names of links."""
     nearest: FloatArray | None = None
     """The nearest pose (7,) that the tip reaches, where one is known."""
+    problem: Problem | None = None
+    """The line of the task's own code that raised it, where it did."""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,1 @@
+"""Stretches of simulation: how they are recorded frame by frame, and how recordings are shown."""
