@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 import numpy as np
 from viser import SceneApi
@@ -69,8 +69,9 @@ class Figures:
                     self._bodies[body.name] = (wanted[body.name], self._body_figure(spec, body))
                 except RlbenchPinError as error:
                     faults[body.name] = str(error)
+        self.present(self._bodies)
+        self.paint({})
         self.move(places_at_rest(spec).links)
-        self._paint_marked()
         return faults
 
     def _drawn(self, spec: SceneSpec, body: BodySpec) -> _Drawn:
@@ -93,6 +94,21 @@ class Figures:
         for body, links in by_body.items():
             if body in self._bodies:
                 self._bodies[body][1].move(links)
+
+    # Episodes --------------------------------------------------------------------------------------------------------
+
+    def present(self, bodies: Collection[str]) -> None:
+        """Let these bodies be seen, and no others."""
+        for name, (_, figure) in self._bodies.items():
+            figure.show(name in bodies)
+
+    def paint(self, colors: Mapping[str, Sequence[float]]) -> None:
+        """Show links, by `<body>/<link>`, in colours (3 or 4,) in 0..1 that an episode gives them, all others in their own."""
+        for name, (_, figure) in self._bodies.items():
+            for link in figure.links:
+                color = colors.get(f"{name}/{link}")
+                figure.wear(link, None if color is None else _rgb(color))
+        self._paint_marked()
 
     # Arm -------------------------------------------------------------------------------------------------------------
 
@@ -156,3 +172,8 @@ class Figures:
     def ghosts(self) -> tuple[str, ...]:
         """Names of the ghosts."""
         return tuple(self._ghosts)
+
+
+def _rgb(color: Sequence[float]) -> Rgb:
+    red, green, blue = (round(255 * share) for share in color[:3])
+    return red, green, blue
