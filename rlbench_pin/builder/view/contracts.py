@@ -95,8 +95,12 @@ class Document(Protocol):
         """Change a value of a thing; edits with the same `merge` in a row are one."""
         ...
 
-    def set_placement(self, key: str, value: Any, merge: str = "") -> None:
-        """Change a value of `[placement]`."""
+    def set_several(self, name: str, values: Mapping[str, Any], merge: str = "") -> None:
+        """Change values of a thing that go together, in one step."""
+        ...
+
+    def set_placement(self, key: str, value: Any) -> None:
+        """Change a value of `[placement]`; a pose is one in the world."""
         ...
 
     def duplicate(self, name: str) -> str:
@@ -111,8 +115,8 @@ class Document(Protocol):
         """Add a waypoint before another, and return its name."""
         ...
 
-    def rename(self, old: str, new: str) -> None:
-        """Call a thing otherwise, wherever it is named."""
+    def rename(self, old: str, new: str) -> Sequence[str]:
+        """Call a thing otherwise wherever it is named; lines of Python that name it in a way that was left."""
         ...
 
     def set_scene_text(self, text: str) -> None:
@@ -127,24 +131,20 @@ class Document(Protocol):
         """Change what a form edits of the Python."""
         ...
 
-    def condition_kinds(self) -> Any:
-        """The vocabulary of conditions."""
-        ...
-
-    def undo(self) -> None:
+    def undo(self) -> str:
         """Take the last edit back."""
         ...
 
-    def redo(self) -> None:
+    def redo(self) -> str:
         """Make it again."""
         ...
 
-    def save(self) -> None:
-        """Write both files."""
+    def save(self, over: bool = False) -> None:
+        """Write both files, with `over` also when somebody else has changed them."""
         ...
 
-    def changed_on_disk(self) -> bool:
-        """Whether somebody else changed a file."""
+    def changed_on_disk(self) -> Sequence[Path]:
+        """The files that somebody else has changed."""
         ...
 
     def reload(self) -> None:
@@ -155,16 +155,16 @@ class Document(Protocol):
 class Stage(Protocol):
     """The world in a process of its own; see `builder.stage`. Every call may raise what went wrong there."""
 
-    def open(self, text: TaskText, run_task: bool) -> OpenedTask:
+    def open(self, text: TaskText, *, run_task: bool) -> OpenedTask:
         """Build the world of a task; without `run_task` its Python is not run."""
         ...
 
-    def reset(self, seed: int, variation: int) -> Recording:
+    def reset(self, seed: int, variation: int = 0) -> Recording:
         """Begin an episode."""
         ...
 
-    def place(self, scene_text: str) -> None:
-        """Put things where a changed scene says, without building anew."""
+    def place(self, scene: str) -> OpenedTask:
+        """Take a changed scene over; quick where it only puts things elsewhere."""
         ...
 
     def reach(self) -> Sequence[WaypointVerdict]:
@@ -175,32 +175,43 @@ class Stage(Protocol):
         """Move the tip towards a pose (7,) by differential IK: where the joints end, and how far the tip stays away [m]."""
         ...
 
-    def paths(self) -> Sequence[PlannedPath]:
+    def paths(self, on_path: Callable[[PlannedPath], None] | None = None) -> Sequence[PlannedPath]:
         """Plan the way to each waypoint."""
         ...
 
-    def demonstrate(self, seed: int, variation: int, on_frame: Callable[[Frame], None]) -> Recording:
+    def demonstrate(self, seed: int, variation: int = 0, on_frame: Callable[[Frame], None] | None = None) -> Recording:
         """Play a demonstration."""
         ...
 
-    def simulate(self, seconds: float, on_frame: Callable[[Frame], None]) -> Recording:
+    def simulate(self, seconds: float, on_frame: Callable[[Frame], None] | None = None) -> Recording:
         """Let time pass."""
         ...
 
-    def pictures(self, size: int) -> Mapping[str, NDArray[np.uint8]]:
+    def pictures(self, size: int = 128) -> Mapping[str, NDArray[np.uint8]]:
         """What the cameras see."""
         ...
 
+    def pictures_at(self, frame: Frame, size: int = 128) -> Mapping[str, NDArray[np.uint8]]:
+        """What the cameras see in a frame of a recording."""
+        ...
+
     def judge(
-        self, episodes: int, on_judgement: Callable[[Judgement], None], on_progress: Callable[[float, str], None]
+        self,
+        episodes: int,
+        on_judgement: Callable[[Judgement], None] | None = None,
+        on_progress: Callable[[int, int], None] | None = None,
     ) -> Sequence[Judgement]:
         """Ask all that a task has to keep."""
         ...
 
-    def reach_map(self, layouts: int, on_spot: Callable[[ReachSpot], None]) -> Sequence[ReachSpot]:
+    def reach_map(self, layouts: int, on_spot: Callable[[ReachSpot], None] | None = None) -> Sequence[ReachSpot]:
         """Look at layouts all over the table."""
         ...
 
-    def cancel(self) -> None:
-        """Stop what is going on."""
+    def cancel(self, operation: str = "") -> bool:
+        """End what runs; whether something did."""
+        ...
+
+    def close(self) -> None:
+        """End its processes."""
         ...

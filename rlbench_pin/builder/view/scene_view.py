@@ -1,10 +1,11 @@
-"""The scene in 3D: figures of bodies, shapes of what is not seen in simulation, hands at waypoints, the gizmo of what is selected."""
+"""The scene in 3D: bodies, what simulation does not show, hands at waypoints, the gizmo of what is selected."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
 
+import numpy as np
 from viser import SceneApi
 
 from rlbench_pin.builder.contracts import Frame, PlannedPath, WaypointVerdict
@@ -16,6 +17,7 @@ from rlbench_pin.scene import SceneSpec
 from rlbench_pin.scene.spec import ROOT
 from rlbench_pin.spatial import FloatArray
 
+PATH = (30, 90, 200)
 GREEN, AMBER, RED, WHITE = (60, 180, 75), (255, 170, 0), (220, 50, 47), (170, 180, 190)
 _COLORS = {"free": GREEN, "collides": AMBER, "unreachable": RED}
 HANDS = ("all", "selected", "none")
@@ -109,8 +111,6 @@ class SceneView:
         self._curves = paths
         for path in paths:
             if len(path.points) > 1:
-                points = path.points.astype("float32")
-                segments = [[points[k], points[k + 1]] for k in range(len(points) - 1)]
-                self._scene.add_line_segments(
-                    f"/paths/{path.waypoint}", points=_stacked(segments), colors=(30, 90, 200), thickness=3.0
-                )
+                points = np.asarray(path.points, dtype=np.float32)
+                segments = np.stack([points[:-1], points[1:]], axis=1)
+                self._scene.add_line_segments(f"/paths/{path.waypoint}", segments, PATH, thickness=0.004)

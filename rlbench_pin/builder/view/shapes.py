@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
 
 import numpy as np
-from viser import SceneApi
+from viser import BoxHandle, CylinderHandle, FrameHandle, IcosphereHandle, SceneApi
 
 from rlbench_pin.builder.figures import Places
 from rlbench_pin.scene import FrameSpec, RegionSpec, SceneSpec, SensorSpec
@@ -17,11 +16,8 @@ _THIN = 0.002
 _Drawn = tuple[object, ...]
 
 
-class _Node(Protocol):
-    position: object
-    wxyz: object
-
-    def remove(self) -> None: ...
+_Unseen = FrameSpec | RegionSpec | SensorSpec
+_Node = FrameHandle | BoxHandle | CylinderHandle | IcosphereHandle
 
 
 class Shapes:
@@ -38,7 +34,7 @@ class Shapes:
 
     def show(self, spec: SceneSpec, places: Places, selected: str) -> None:
         """Draw those of a scene; what is drawn already stays."""
-        things = [*spec.frame, *spec.region, *spec.sensor]
+        things: list[_Unseen] = [*spec.frame, *spec.region, *spec.sensor]
         wanted = {thing.name: _drawn(thing, thing.name == selected) for thing in things}
         for name in [name for name, (drawn, _) in self._nodes.items() if wanted.get(name) != drawn]:
             self._nodes.pop(name)[1].remove()
@@ -53,12 +49,13 @@ class Shapes:
             if (pose := places.of(name)) is not None:
                 _put(node, pose)
 
-    def _draw(self, thing: FrameSpec | RegionSpec | SensorSpec, chosen: bool) -> _Node:
+    def _draw(self, thing: _Unseen, chosen: bool) -> _Node:
         path = f"/shapes/{thing.name}"
         if isinstance(thing, FrameSpec):
             return self._scene.add_frame(path, axes_length=0.04, axes_radius=0.002, origin_radius=0.004)
         rgb = CHOSEN if chosen else REGION if isinstance(thing, RegionSpec) else SENSOR
         box, round_size = thing.size, thing.size[0]
+        node: BoxHandle | CylinderHandle | IcosphereHandle
         if isinstance(thing, SensorSpec) and thing.shape == "sphere":
             node = self._scene.add_icosphere(path, 0.5 * round_size, rgb, opacity=0.3, cast_shadow=False)
         elif isinstance(thing, SensorSpec) and thing.shape == "cylinder":
@@ -66,11 +63,11 @@ class Shapes:
         else:
             edges = (box[0], box[1], max(_THIN, box[2])) if len(box) == 3 else (round_size,) * 3
             node = self._scene.add_box(path, rgb, edges, opacity=0.3, cast_shadow=False)
-        node.on_click(lambda _: self._on_pick(thing.name))
+        node.on_click(lambda _: self._on_pick(thing.name))  # type: ignore[union-attr]
         return node
 
 
-def _drawn(thing: FrameSpec | RegionSpec | SensorSpec, chosen: bool) -> _Drawn:
+def _drawn(thing: _Unseen, chosen: bool) -> _Drawn:
     """Return all that a picture depends on, but the place."""
     if isinstance(thing, FrameSpec):
         return (type(thing),)
