@@ -47,17 +47,18 @@ class Adding:
             Fold(
                 "Frame, region, sensor",
                 [
-                    Button("Add frame", lambda: session.add("frame", self._on_selected())),
-                    Button("Add region", lambda: session.add("region", {"size": (0.2, 0.2, 0.0)})),
-                    Button("Add sensor", lambda: session.add("sensor", self._on_selected() | _BALL)),
+                    Button("Add frame", lambda: self._add("frame", {}, True)),
+                    Button("Add region", lambda: self._add("region", {"size": (0.2, 0.2, 0.0)}, False)),
+                    Button("Add sensor", lambda: self._add("sensor", _BALL, True)),
                 ],
                 is_open=False,
             ),
         ]
 
-    def _on_selected(self) -> dict[str, object]:
-        """A new thing hangs on what is selected."""
-        return {} if self._session.selected == ROOT else {"parent": self._session.selected}
+    def _add(self, table: str, values: dict[str, object], on_selected: bool) -> None:
+        """Add a thing, perhaps hanging on what is selected."""
+        parent: dict[str, object] = {"parent": self._session.selected} if on_selected and self._session.selected != ROOT else {}
+        self._session.add(table, {**parent, **values})
 
     # Waypoints -------------------------------------------------------------------------------------------------------
 

@@ -92,7 +92,7 @@ def obj_text(mesh: trimesh.Trimesh) -> str:
 
 def _urdf(name: str, names: Sequence[str], parts: Sequence[trimesh.Trimesh], mass: float, color: Sequence[float]) -> str:
     volumes = np.array([part.volume for part in parts])
-    center = np.average([part.center_mass for part in parts], axis=0, weights=volumes)
+    center = volumes @ np.array([part.center_mass for part in parts]) / volumes.sum()
     inertia = np.sum([_inertia(part, center) for part in parts], axis=0) * (mass / volumes.sum())
     x, y, z = (f"{v:.6g}" for v in np.round(center, 6) + 0.0)
     keys = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
