@@ -12,7 +12,7 @@ from rlbench_pin.builder.contracts import Frame, PlannedPath, WaypointVerdict
 from rlbench_pin.builder.figures import Figures, Places, places_at_rest
 from rlbench_pin.builder.view.gizmo import Gizmo, OnDrag
 from rlbench_pin.builder.view.shapes import Shapes
-from rlbench_pin.robot import DEFAULT_ROBOT, robot_description
+from rlbench_pin.robot import DEFAULT_ROBOT, RobotModel, robot_description
 from rlbench_pin.scene import SceneSpec
 from rlbench_pin.scene.spec import ROOT
 from rlbench_pin.spatial import FloatArray
@@ -41,21 +41,28 @@ class SceneView:
         self._spec, self._places, self._selected = SceneSpec(format=2), Places({}, {}), ROOT
         self._verdicts: Mapping[str, WaypointVerdict] = {}
         self._curves: tuple[PlannedPath, ...] = ()
-        self.hands = "all"
+        self._model = RobotModel(robot_description(DEFAULT_ROBOT))
+        self._q: FloatArray = self._model.home
+        self.hands, self.is_dragging = "all", False
         self.faults: Mapping[str, str] = {}
 
-    def show(
-        self, spec: SceneSpec, selected: str, verdicts: Mapping[str, WaypointVerdict], paths: tuple[PlannedPath, ...]
-    ) -> None:
-        """Draw a scene at rest, with the hands at its waypoints."""
+    def show(self, spec: SceneSpec) -> None:
+        """Draw a scene at rest, with the arm at home."""
         with self._lock:
-            self._spec, self._selected, self._verdicts = spec, selected, verdicts
-            self._places = places_at_rest(spec)
+            self._spec, self._places = spec, places_at_rest(spec)
             self.faults = self.figures.show(spec)
-            self._shapes.show(spec, self._places, selected)
+            self.figures.mark(())
+            self.show_arm(self._model.home)
+
+    def point_out(self, selected: str, verdicts: Mapping[str, WaypointVerdict], paths: tuple[PlannedPath, ...]) -> None:
+        """Show what is selected, and what the stage says of the waypoints."""
+        with self._lock:
+            self._selected, self._verdicts = selected, verdicts
+            self._shapes.show(self._spec, self._places, selected)
             self._show_hands()
             self._show_paths(paths)
-            self._gizmo.show(self._places.of(selected))
+            if not self.is_dragging:
+                self._gizmo.show(self._places.of(selected))
 
     def move(self, given: Mapping[str, FloatArray]) -> None:
         """Show things at world poses (7,) that they are just being given, with what hangs on them; the gizmo stays."""
@@ -65,30 +72,21 @@ class SceneView:
             self._shapes.move(self._places)
             self._show_hands()
 
-    def play(self, frame: Frame) -> None:
-        """Show the world at an instant of a recording."""
+    def tip(self) -> FloatArray:
+        """Return the pose (7,) of the tip of the arm that is shown."""
         with self._lock:
-            self.figures.move(frame.poses)
-            self.figures.arm(frame.arm, frame.fingers)
+            return self._model.tip_pose(self._q)
 
-    def rest(self) -> None:
-        """Show the scene at rest, and the arm at home."""
+    def played(self, frame: Frame) -> None:
+        """Take note that the arm is shown at an instant of a recording."""
         with self._lock:
-            robot = robot_description(DEFAULT_ROBOT)
-            self.figures.move(self._places.links)
-            self.figures.arm(robot.home, [robot.gripper_open] * len(robot.gripper_joints))
-            self.figures.mark(())
+            self._q = np.array(frame.arm)
 
     def show_arm(self, q: FloatArray) -> None:
         """Show the arm at joint positions (n,) [rad] with open fingers."""
         with self._lock:
-            robot = robot_description(DEFAULT_ROBOT)
+            robot, self._q = robot_description(DEFAULT_ROBOT), q
             self.figures.arm(q, [robot.gripper_open] * len(robot.gripper_joints))
-
-    def place_gizmo(self, pose: FloatArray) -> None:
-        """Put the gizmo where the thing went that it moves."""
-        with self._lock:
-            self._gizmo.show(pose)
 
     def _show_hands(self) -> None:
         shown = {

@@ -38,7 +38,6 @@ class Adding:
 
     def items(self) -> list[Item]:
         """Return all that can be added."""
-        session = self._session
         return [
             Fold("Waypoint", [Button("Add waypoint at the tip", self._add_waypoint)]),
             Fold("Objects", self._catalogue_items()),
