@@ -11,10 +11,10 @@ from typing import Protocol
 
 from viser import GuiApi
 
-from rlbench_pin.builder.contracts import Frame, Recording
+from rlbench_pin.builder.contracts import Frame, Leg, Recording
 from rlbench_pin.builder.playback.controls import Controls
 from rlbench_pin.builder.playback.panels import ConditionPanel, Cursor, FailurePanel, JointPanel
-from rlbench_pin.builder.playback.readout import instant_html
+from rlbench_pin.builder.playback.readout import framed, instant_html
 from rlbench_pin.builder.playback.timeline import Timeline
 from rlbench_pin.spatial import FloatArray, PoseLike
 
@@ -96,7 +96,7 @@ class Player:
             return replace(self._recording, frames=tuple(self._frames))
 
     def load(self, recording: Recording, *, play: bool = False) -> None:
-        """Show a recording from its beginning, or from its end where it failed.
+        """Show a recording from its beginning.
 
         Args:
             recording: What to show.
@@ -104,39 +104,43 @@ class Player:
         """
         with self._lock:
             self._take(recording)
-            if recording.failure is not None:
-                self.timeline.seek(self.timeline.last)
-            elif play:
+            self.timeline.load(_times(recording), _begins(recording))
+            if play:
                 self.timeline.play()
             self._refresh()
 
-    def begin(self, conditions: Sequence[str], instruction: str = "") -> None:
-        """Show what is simulated now, frame by frame as `add` brings it.
+    def begin(self, conditions: Sequence[str], instruction: str = "", *, follow: bool = False) -> None:
+        """Show what is simulated now, as `add` brings it, until `finish`.
 
         Args:
             conditions: What `Frame.held` of the frames is about.
             instruction: The first sentence of the episode.
+            follow: Show the newest frame as it arrives; otherwise time goes on at the chosen pace.
         """
         with self._lock:
             self._take(Recording((), tuple(conditions), instruction))
-            self.timeline.following = True
+            self.timeline.begin(follow)
             self._refresh()
 
     def add(self, frame: Frame) -> None:
-        """Take the next frame of what is simulated now; it is shown unless somebody looks at an earlier one."""
+        """Take the next frame of what is simulated now."""
         with self._lock:
             self._frames.append(frame)
             self.timeline.add(frame.time)
-            due = time.monotonic() - self._drawn
-            if self.timeline.following and (due > _TICK or len(self._frames) == 1):
+            if len(self._frames) == 1 or (self.timeline.following and time.monotonic() - self._drawn > _TICK):
                 self._show()
 
-    def finish(self, recording: Recording) -> None:
-        """Take over the whole recording of what was shown by `add`, and stay at the instant shown; a failure shows its end."""
+    def add_leg(self, leg: Leg) -> None:
+        """Take the next leg of what is simulated now."""
         with self._lock:
-            index = self.timeline.last if recording.failure is not None else self.timeline.index
+            self._recording = replace(self._recording, legs=(*self._recording.legs, leg))
+            self.timeline.legs = (*self.timeline.legs, leg.begins)
+
+    def finish(self, recording: Recording) -> None:
+        """Take over the whole recording of what was shown by `add`; the instant shown, and whether time goes on, stays."""
+        with self._lock:
             self._take(recording)
-            self.timeline.seek(index)
+            self.timeline.complete(_times(recording), _begins(recording))
             self._refresh()
 
     def seek(self, index: int) -> None:
@@ -154,7 +158,6 @@ class Player:
 
     def _take(self, recording: Recording) -> None:
         self._recording, self._frames = recording, list(recording.frames)
-        self.timeline.load([frame.time for frame in self._frames], [leg.begins for leg in recording.legs])
         self._colors, self._present = None, frozenset()
         self._unmark()
 
@@ -178,7 +181,7 @@ class Player:
         self._cursor.put(timeline.share)
         self._conditions.show(self._recording.conditions, self._frames, timeline.index)
         if not self._frames:
-            self._instant.content = "<div>Nothing is recorded yet.</div>"
+            self._instant.content = framed("Nothing is recorded yet.")
             return
         frame = self._frames[timeline.index]
         leg = timeline.leg
@@ -235,3 +238,11 @@ class Player:
                 moved, before = self.timeline.advance(now - before), now
                 if moved or not self.timeline.playing:
                     self._show()
+
+
+def _times(recording: Recording) -> list[float]:
+    return [frame.time for frame in recording.frames]
+
+
+def _begins(recording: Recording) -> list[int]:
+    return [leg.begins for leg in recording.legs]

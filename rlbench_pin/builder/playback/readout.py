@@ -19,6 +19,7 @@ _NOW = "rlbench-pin-now"
 _POINTS = 240
 """Points of a line in a plot at most; more are not seen."""
 _BOX = "position:relative;margin:2px 0 8px"
+_TEXT = "padding:0 0.75em;font-size:0.85em;line-height:1.4"
 
 
 def now_style(share: float) -> str:
@@ -34,6 +35,11 @@ def _cursor() -> str:
     return f'<div class="{_NOW}" style="position:absolute;top:0;bottom:0;width:2px;margin-left:-1px;background:#ff6d00"></div>'
 
 
+def framed(content: str) -> str:
+    """Return HTML with the margins that the other elements of a page have."""
+    return f'<div style="{_TEXT}">{content}</div>'
+
+
 def conditions_html(texts: Sequence[str], held: Sequence[bool], history: Sequence[Sequence[bool]]) -> str:
     """Return each condition with a mark for the instant shown, and a strip of when it holds.
 
@@ -43,9 +49,9 @@ def conditions_html(texts: Sequence[str], held: Sequence[bool], history: Sequenc
         history: Whether each held, frame by frame.
     """
     if not texts:
-        return "<p>The task registers no success condition.</p>"
+        return framed("The task registers no success condition.")
     columns = list(zip(*history, strict=True)) if history else [()] * len(texts)
-    return "".join(_condition(*parts) for parts in zip(texts, held, columns, strict=True))
+    return framed("".join(_condition(*parts) for parts in zip(texts, held, columns, strict=True)))
 
 
 def _condition(text: str, holds: bool, history: Sequence[bool]) -> str:
@@ -82,7 +88,7 @@ def plot_html(title: str, unit: str, values: FloatArray) -> str:
     """
     head = f"<div><b>{escape(title)}</b> [{escape(unit)}]</div>"
     if len(values) < 2:
-        return head
+        return framed(head)
     low, high = float(values.min()), float(values.max())
     margin = 0.05 * (high - low) or 1.0
     low, high = low - margin, high + margin
@@ -97,7 +103,7 @@ def plot_html(title: str, unit: str, values: FloatArray) -> str:
     size = 'viewBox="0 0 1000 100" preserveAspectRatio="none" width="100%" height="90" style="display:block"'
     drawn = f"<svg {size}>{axis}{lines}</svg>"
     ticks = _tick(high - margin, "top:0") + _tick(low + margin, "bottom:0")
-    return f'{head}<div style="{_BOX};border:1px solid #9aa0a680">{drawn}{ticks}{_cursor()}</div>'
+    return framed(f'{head}<div style="{_BOX};border:1px solid #9aa0a680">{drawn}{ticks}{_cursor()}</div>')
 
 
 def _line(rows: NDArray[np.int_], x: FloatArray, y: FloatArray, color: str) -> str:
@@ -122,11 +128,8 @@ def joints_html(frame: Frame) -> str:
         for number, (color, q, v, tau) in enumerate(rows, start=1)
     )
     opening = " + ".join(f"{1000.0 * finger:.1f}" for finger in frame.fingers)
-    return (
-        '<table style="width:100%;font-size:12px;border-collapse:collapse">'
-        f'<tr style="text-align:right"><th>joint</th><th>rad</th><th>rad/s</th><th>Nm</th></tr>{cells}</table>'
-        f'<div style="font-size:12px">fingers {opening} mm</div>'
-    )
+    head = '<tr style="text-align:right"><th>joint</th><th>rad</th><th>rad/s</th><th>Nm</th></tr>'
+    return framed(f'<table style="width:100%;border-collapse:collapse">{head}{cells}</table>fingers {opening} mm')
 
 
 def instant_html(frame: Frame, index: int, count: int, leg: tuple[int, Leg] | None) -> str:
@@ -141,16 +144,17 @@ def instant_html(frame: Frame, index: int, count: int, leg: tuple[int, Leg] | No
     way = "" if leg is None else f" &middot; to {escape(leg[1].waypoint)}"
     method = f" ({escape(leg[1].method)})" if leg is not None and leg[1].method else ""
     goal = f' &middot; <b style="color:{HOLDS}">goal reached</b>' if frame.success else ""
-    return f'<div class="instant">{frame.time:.2f} s &middot; frame {index + 1} of {count}{way}{method}{goal}</div>'
+    words = f"{frame.time:.2f} s &middot; frame {index + 1} of {count}{way}{method}{goal}"
+    return framed(f'<div class="instant">{words}</div>')
 
 
 def failure_html(failure: Failure) -> str:
     """Return the reason of a failure in words, with what touches what."""
     way = f" on the way to {escape(failure.waypoint)}" if failure.waypoint else ""
     pairs = "".join(f"<li>{escape(first)} touches {escape(second)}</li>" for first, second in failure.pairs)
-    touching = f"<div>Drawn red at the last instant:</div><ul>{pairs}</ul>" if pairs else ""
+    touching = f"<div>Drawn red at the last instant:</div><ul style='margin:0'>{pairs}</ul>" if pairs else ""
     nearest = "<div>The nearest pose that the tip reaches is drawn amber at the last instant.</div>"
-    return (
+    return framed(
         f'<div class="failure" style="border-left:3px solid #d93025;padding-left:8px"><b>Failed{way}</b>'
         f"<div>{escape(failure.cause)}</div>{touching}{nearest if failure.nearest is not None else ''}</div>"
     )

@@ -23,6 +23,8 @@ class Timeline:
     """Whether time goes on."""
     speed: float = 1.0
     """Simulated seconds in a second by the clock on the wall."""
+    growing: bool = False
+    """Whether more frames are to come."""
     following: bool = False
     """Whether the newest frame is shown as it arrives."""
     _rest: float = 0.0
@@ -49,13 +51,23 @@ class Timeline:
     def load(self, times: Sequence[float], legs: Sequence[int] = ()) -> None:
         """Take over a recording and show its beginning, at rest."""
         self.times, self.legs = list(times), tuple(legs)
-        self.index, self.playing, self.following, self._rest = 0, False, False, 0.0
+        self.index, self.playing, self.following, self.growing, self._rest = 0, False, False, False, 0.0
+
+    def begin(self, follow: bool) -> None:
+        """Forget all and await frames: show the newest where it is to be followed, else let time go on from the first."""
+        self.load(())
+        self.growing, self.following, self.playing = True, follow, not follow
 
     def add(self, time: float) -> None:
         """Take one more frame; it is shown where the newest is followed."""
         self.times.append(time)
         if self.following:
             self.index = self.last
+
+    def complete(self, times: Sequence[float], legs: Sequence[int]) -> None:
+        """Take over the whole recording of what has grown; what is shown, and whether time goes on, stays."""
+        self.times, self.legs, self.growing, self.following = list(times), tuple(legs), False, False
+        self.index = min(self.index, self.last)
 
     def seek(self, index: int) -> None:
         """Show a frame, at rest; beyond the ends the first or the last."""
@@ -74,18 +86,18 @@ class Timeline:
             self.seek(max((begins for begins in self.legs if begins < self.index), default=0))
 
     def play(self) -> None:
-        """Let time go on, from the beginning where the end is shown."""
-        if self.index >= self.last:
+        """Let time go on, from the beginning where the end is shown and nothing more is to come."""
+        if self.index >= self.last and not self.growing:
             self.index = 0
-        self.playing, self.following, self._rest = self.last > 0, False, 0.0
+        self.playing, self.following, self._rest = self.last > 0 or self.growing, False, 0.0
 
     def pause(self) -> None:
         """Stop at the shown frame."""
         self.seek(self.index)
 
     def advance(self, seconds: float) -> bool:
-        """Let time on the wall go on, and say whether another frame is to be shown; at the end time stops."""
-        if not self.playing:
+        """Let time on the wall go on, and say whether another frame is to be shown; at the end time stops, or waits for more."""
+        if not self.playing or not self.times:
             return False
         before = self.index
         self._rest += seconds * self.speed
@@ -94,5 +106,5 @@ class Timeline:
             self.index += 1
         self._rest = now - 1e-9 - self.times[self.index]
         if self.index == self.last:
-            self.playing = False
+            self.playing, self._rest = self.growing, 0.0
         return self.index != before

@@ -1,0 +1,1 @@
+"""The viewer without an editor: tasks, stored demonstrations, and policies while they are evaluated."""
