@@ -81,6 +81,11 @@ COMMANDS: dict[str, Home] = {
         "New",
         "Write a commented pair of files, NAME.py and NAME.toml: a reach that passes `rlbench-pin check --task-file NAME.py`.",
     ),
+    "build": Home(
+        "build",
+        "Build",
+        "Make or change a task in the browser: its scene, its behaviour, its demonstration, its check. Writes NAME.toml and NAME.py.",
+    ),
     "doctor": Home(
         "doctor", "Doctor", "Say what works here: take a picture with each renderer, write a film, name the libraries."
     ),

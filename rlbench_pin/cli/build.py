@@ -1,0 +1,71 @@
+"""`rlbench-pin build [NAME]`: the task builder, served to a browser of this machine."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rlbench_pin.cli.arguments import build as arguments
+from rlbench_pin.cli.process.files import check_folder
+from rlbench_pin.cli.process.pages import serve_page
+from rlbench_pin.cli.process.words import check_at_least
+from rlbench_pin.errors import MissingExtra, TaskEnvironmentError
+from rlbench_pin.tasks import library_names
+from rlbench_pin.tasks.registry import LIBRARY
+
+try:
+    from rlbench_pin.builder.document import TaskDocument
+    from rlbench_pin.builder.server import LocalServer
+    from rlbench_pin.builder.stage import StageClient
+    from rlbench_pin.builder.view import Window
+except ModuleNotFoundError as _error:
+    raise MissingExtra("The task builder", _error.name or "viser", "builder") from _error
+
+UNNAMED = "my_task"
+"""What a new task is called that nobody has named."""
+_ENDS = (".toml", ".py")
+
+
+class Build(arguments.Build):
+    """The work of `rlbench-pin build`."""
+
+    def run(self) -> int:
+        """Serve until Ctrl-C."""
+        check_at_least(self, port=0)
+        document = self._document()
+        with LocalServer(self.port, title=f"{document.name} - task builder") as server, StageClient() as stage:
+            window = Window(server.viser, document, stage, robot=self.robot, trust=self.trust)
+            try:
+                serve_page(server.address, f"'{document.name}' in {document.folder}", self.browser)
+            finally:
+                window.close()
+                if document.unsaved:
+                    print(f"Not saved: what was changed in '{document.name}' since it was last saved.")
+        return 0
+
+    def _document(self) -> TaskDocument:
+        """Return the task that is to be edited."""
+        if self.task_file is not None:
+            if self.name:
+                raise TaskEnvironmentError("Give a name or --task-file, not both.")
+            if self.task_file.suffix not in _ENDS or not self.task_file.is_file():
+                raise TaskEnvironmentError(
+                    f"There is no task file '{self.task_file}'. `rlbench-pin build NAME --out FOLDER` makes a new pair of files."
+                )
+            return TaskDocument.open(self.task_file)
+        check_folder(self.out)
+        name = self.name or _free_name(self.out)
+        for folder in (self.out, LIBRARY if name in library_names() else self.out):
+            if any(_file(folder, name, end).exists() for end in _ENDS):
+                return TaskDocument.open(_file(folder, name, ".py"))
+        return TaskDocument.new(self.out, name)
+
+
+def _file(folder: Path, name: str, end: str) -> Path:
+    return folder / f"{name}{end}"
+
+
+def _free_name(folder: Path) -> str:
+    """Return a name that no file of the folder has."""
+    taken = {path.stem for path in folder.glob(f"{UNNAMED}*")} if folder.is_dir() else set()
+    numbers = (f"{UNNAMED}_{k}" for k in range(2, len(taken) + 3))
+    return next(name for name in (UNNAMED, *numbers) if name not in taken)
