@@ -33,7 +33,9 @@ class Build(arguments.Build):
         check_at_least(self, port=0)
         document = self._document()
         with LocalServer(self.port, title=f"{document.name} - task builder") as server, StageClient() as stage:
-            window = Window(server.viser, document, stage, robot=self.robot, trust=self.trust)
+            window = Window(server.viser, document, stage)
+            if self.trust:
+                window.session.post(window.watch.allow)
             try:
                 serve_page(server.address, f"'{document.name}' in {document.folder}", self.browser)
             finally:

@@ -16,7 +16,7 @@ MaybeName = Annotated[str, tyro.conf.arg(metavar="[NAME]", help_behavior_hint=""
 
 @dataclass(frozen=True)
 class Build:
-    """Make or change a task in the browser: its scene, its behaviour, its demonstration, its check. Writes NAME.toml and NAME.py."""
+    """Make or change a task in the browser: its scene, its behaviour, demonstration and check. Writes NAME.toml and NAME.py."""
 
     name: tyro.conf.Positional[MaybeName] = ""
     """A task of `--out` or of the library, to change it, or the name of a new one in snake case; a new task when left out."""
@@ -28,7 +28,5 @@ class Build:
     """Port of 127.0.0.1 to serve the page at; 0 takes one that is free."""
     browser: bool = True
     """Open the page where there is a browser on a screen; its address is printed in any case."""
-    robot: Annotated[str, tyro.conf.arg(metavar="ARM")] = "panda"
-    """The arm that demonstrates."""
     trust: bool = False
     """Run the Python of the task from the start. Otherwise the page asks first."""

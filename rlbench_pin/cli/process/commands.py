@@ -84,7 +84,7 @@ COMMANDS: dict[str, Home] = {
     "build": Home(
         "build",
         "Build",
-        "Make or change a task in the browser: its scene, its behaviour, its demonstration, its check. Writes NAME.toml and NAME.py.",
+        "Make or change a task in the browser: its scene, its behaviour, demonstration and check. Writes NAME.toml and NAME.py.",
     ),
     "doctor": Home(
         "doctor", "Doctor", "Say what works here: take a picture with each renderer, write a film, name the libraries."

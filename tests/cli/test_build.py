@@ -1,0 +1,52 @@
+"""`rlbench-pin build`: what it opens, what it refuses, how it ends."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import urllib.error
+import urllib.request
+from pathlib import Path
+
+import pytest
+
+from rlbench_pin.cli.main import main
+
+SHOWN = 60.0
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("push_button", "--task-file", "x.py"), "not both"),
+        (("--task-file", "missing.py"), "There is no task file 'missing.py'"),
+        (("Bad Name",), "Bad Name"),
+        (("fresh", "--port", "-1"), "--port is -1"),
+    ],
+)
+def test_what_cannot_be_built_is_said(
+    words: tuple[str, ...], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Before anything is served, and no file is left."""
+    assert main(["build", *words, "--out", str(tmp_path), "--no-browser"]) in (1, 2)
+    assert said in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.simulation
+def test_the_page_is_served_until_it_is_interrupted(tmp_path: Path) -> None:
+    """To who has the address alone; nothing is written that was not saved, and no process stays."""
+    command = [sys.executable, "-m", "rlbench_pin.cli.main", "build", "fresh", "--out", str(tmp_path), "--no-browser"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        address = process.stdout.readline().split()[-1]
+        with urllib.request.urlopen(address, timeout=SHOWN) as answer:
+            assert b"<html" in answer.read().lower()
+        with pytest.raises(urllib.error.HTTPError, match="403"):
+            urllib.request.urlopen(address.rsplit("/", 2)[0] + "/wrong/", timeout=SHOWN)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(SHOWN) == 130
+        assert "Traceback" not in process.stderr.read()
+    assert list(tmp_path.iterdir()) == []
