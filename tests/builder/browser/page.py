@@ -80,6 +80,11 @@ class Page:
         until(lambda: self.browser.save_screenshot(str(file)), "a picture")
         return file
 
+    def quiet(self) -> None:
+        """Close the messages that lie over the scene."""
+        for button in self.browser.find_elements(By.CSS_SELECTOR, ".mantine-Notification-closeButton"):
+            self.browser.execute_script("arguments[0].click()", button)
+
     # Panels ----------------------------------------------------------------------------------------------------------
 
     def _visible(self, path: str, what: str) -> WebElement:
@@ -169,6 +174,22 @@ class Page:
         canvas = self.browser.find_element(By.TAG_NAME, "canvas").size
         factor = canvas["height"] / (2.0 * np.tan(camera.fov / 2.0))
         return factor * local[0] / local[2], factor * local[1] / local[2]
+
+    def click_until(self, point: np.ndarray, ask: Callable[[], bool], what: str) -> None:
+        """Click on a world point (3,) until that has an effect: the scene may not be drawn yet."""
+
+        def click() -> bool:
+            self.click_at(point)
+            until(ask, what, 5.0)
+            return True
+
+        for _ in range(10):
+            try:
+                until(click, what)
+                return
+            except AssertionError:
+                continue
+        raise AssertionError(what)
 
     def click_at(self, point: np.ndarray) -> None:
         """Click on a world point (3,)."""
