@@ -24,7 +24,7 @@ def test_a_dragged_body_moves_in_the_file_and_back(sit: Sit, copied: Callable[[s
     page.click_until(seen, lambda: session.selected == "distractor0", "the block is selected")
     page.shows("Duplicate")
     start = session.places.things["distractor0"][:3].copy()
-    page.drag(start + (0.0, 0.08, 0.0), start + (0.0, 0.18, 0.0))
+    page.drag(start + (0.0, 0.125, 0.0), start + (0.0, 0.225, 0.0))
     until(lambda: document.undoable and not desk.window.view.is_dragging, "an edit, and the end of the drag")
     desk.settle()
     moved = session.places.things["distractor0"][:3]
