@@ -111,6 +111,9 @@ class Dragging:
             session.do(lambda document: document.set_placement("pose", tuple(tidy(pose).tolist())))
         elif thing is not None and (frame := session.places.of(thing.parent)) is not None:
             local = tuple(in_frame(pose, frame).tolist())
+            if np.allclose(local, thing.pose, atol=1e-9):
+                session.changed()
+                return
             session.do(lambda document: document.set(name, "pose", local, merge=f"drag {number}"))
 
 

@@ -31,7 +31,7 @@ class Gizmo:
         self._handle: TransformControlsHandle = scene.add_transform_controls(NAME, SIZE, depth_test=False, visible=False)
 
         async def heard(event: TransformControlsEvent) -> None:  # in the event loop, so that poses come in order
-            on_drag(_pose_of(self._handle), event.phase)
+            self._on_drag(_pose_of(self._handle), event.phase)
 
         self._handle.on_update(heard)
 

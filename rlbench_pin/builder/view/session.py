@@ -46,12 +46,12 @@ class Session:
         document: The task.
         edits: Where edits are made.
         sight: What the stage has seen.
-        selected: Name of the selected thing; `root` is the placement of the task.
+        selected: Name of the selected thing; `root` is the placement of the task, empty is nothing.
         snap: What things that are dragged fall onto.
     """
 
     def __init__(self, document: Document, notify: Callable[[str, str, bool], None]) -> None:
-        self.document, self.sight, self.selected = document, Sight(), ROOT
+        self.document, self.sight, self.selected = document, Sight(), ""
         self.snap: Snap = "grid"
         self._notify = notify
         self._listeners: list[Callable[[], None]] = []
@@ -95,9 +95,7 @@ class Session:
             edit(self.document)
         except RlbenchPinError as error:
             self.tell("Not done", str(error), bad=True)
-        if self.selected != ROOT and self.thing(self.selected) is None:
-            self.selected = ROOT
-        self.changed()
+        self.select(self.selected)
 
     def _do(self, job: Callable[[], None]) -> None:
         try:
@@ -106,8 +104,8 @@ class Session:
             self.tell("Not done", str(error), bad=True)
 
     def select(self, name: str) -> None:
-        """Select a thing; a name that there is none of selects the root."""
-        self.selected = name if self.thing(name) is not None else ROOT
+        """Select a thing; a name that there is none of selects nothing."""
+        self.selected = name if name == ROOT or self.thing(name) is not None else ""
         self.changed()
 
     def add(self, table: str, values: Mapping[str, object]) -> str:

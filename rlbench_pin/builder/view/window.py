@@ -25,7 +25,7 @@ from rlbench_pin.builder.view.watch import Watch
 from rlbench_pin.builder.view.widgets import Button, Choice, Item, Panel
 from rlbench_pin.spatial import FloatArray
 
-CAMERA, LOOK_AT = (1.55, -0.95, 1.75), (0.15, 0.0, 0.85)
+CAMERA, LOOK_AT = (1.05, -0.6, 1.5), (0.18, 0.0, 0.85)
 """Where one looks from at first [m], and at what."""
 _LEFT, _RIGHT = 270.0, 350.0
 _EVERY = 1.0

@@ -10,10 +10,11 @@ from rlbench_pin.builder.view.panels.tryout import permission_items
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.watch import Watch
 from rlbench_pin.builder.view.widgets import Button, Fold, Item, Note, Number, Progress
+from rlbench_pin.builder.view.widgets.signs import Sign, sign
 from rlbench_pin.builder.view.worker import Worker
 from rlbench_pin.errors import RlbenchPinError
 
-_SIGNS = {True: "🟢", False: "🔴", None: "⏳"}
+_SIGNS: dict[bool | None, Sign] = {True: "good", False: "bad", None: "busy"}
 _SHOWN = 8
 
 
@@ -58,22 +59,22 @@ class Judging:
             Button("Map of what can be reached", self.map, disabled=not self._watch.run_task or bool(self.work)),
             Button("Stop judging", self.stop, "red", disabled=not self.work),
         ]
-        items += [Note(f"⏳ {self.work}"), Progress(self._share)] if self.work else []
-        items += [Note(f"🔴 {self._fault}")] if self._fault else []
+        items += [sign("busy", self.work), Progress(self._share)] if self.work else []
+        items += [sign("bad", self._fault)] if self._fault else []
         for line in self.lines.values():
             items += self._line_items(line)
-        items.append(Fold("Ready to contribute", [Note(self._ready_text())]))
+        items.append(Fold("Ready to contribute", self._ready_items()))
         return items
 
     def _line_items(self, line: Judgement) -> list[Item]:
-        items: list[Item] = [Note(f"{_SIGNS[line.passed]} **{line.name}** {line.figure}")]
+        items: list[Item] = [sign(_SIGNS[line.passed], line.figure, line.name)]
         for seed, variation, cause in line.failures[:_SHOWN]:
             label = f"Open seed {seed}, variation {variation}"
             items.append(Button(label, lambda s=seed, v=variation: self._open_at(s, v), "orange", cause))  # type: ignore[misc]
             items.append(Note(cause))
         return items
 
-    def _ready_text(self) -> str:
+    def _ready_items(self) -> list[Item]:
         document, behaviour = self._session.document, self._session.document.behaviour
         sentences = behaviour.instructions
         wanted = (
@@ -85,7 +86,7 @@ class Judging:
             (self.is_green, "The validator is green for the files as they stand"),
             (not document.unsaved, "Saved"),
         )
-        return "\n".join(f"- {'✅' if done else '⬜'} {text}" for done, text in wanted)
+        return [sign("good" if done else "unknown", text) for done, text in wanted]
 
     # What somebody asks for ------------------------------------------------------------------------------------------
 

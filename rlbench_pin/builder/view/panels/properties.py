@@ -28,8 +28,10 @@ def property_items(session: Session, snap_now: Callable[[], None]) -> list[Item]
     """
     name = session.selected
     thing = session.thing(name)
-    if thing is None:
+    if name == ROOT:
         return [Note("### root"), *placement_items(session)]
+    if thing is None:
+        return [Note("Click on a thing in the scene or in the tree. A waypoint is coloured by whether the hand gets there.")]
     items: list[Item] = [Note(f"### {name}"), *_name_items(session, name), *_place_items(session, thing, snap_now)]
     if isinstance(thing, BodySpec):
         items += body_items(session, thing)

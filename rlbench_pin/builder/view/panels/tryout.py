@@ -12,6 +12,7 @@ from rlbench_pin.builder.contracts import Frame, Recording
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.watch import Watch
 from rlbench_pin.builder.view.widgets import Button, Check, Fold, Item, Note, Number, Picture
+from rlbench_pin.builder.view.widgets.signs import sign
 
 _PICTURE = 160
 _LARGEST_SEED = 2**31 - 1
@@ -69,8 +70,8 @@ class Tryout:
             Button("Plan paths", self._watch.plan),
             Button("Stop", self.stop, "red", disabled=not sight.work),
         ]
-        items += [Note(f"⏳ {sight.work}")] if sight.work else []
-        items += [Note(f"🔴 {sight.fault}")] if sight.fault else []
+        items += [sign("busy", sight.work)] if sight.work else []
+        items += [sign("bad", sight.fault)] if sight.fault else []
         items.append(Fold("Cameras", self._camera_items(), is_open=False))
         return items
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from rlbench_pin.builder.view.session import Session
-from rlbench_pin.builder.view.widgets import Button, Check, Choice, Item, Note, Number, Vector
+from rlbench_pin.builder.view.widgets import Button, Check, Choice, Item, Markup, Note, Number, Vector
+from rlbench_pin.builder.view.widgets.signs import Sign, sign
 from rlbench_pin.scene import WaypointSpec
 from rlbench_pin.scene.spec import ArcSpec
 
@@ -13,7 +14,7 @@ PATHS = ("plan", "straight", "curve")
 """How to get to a waypoint."""
 HAND = ("leave", "open", "close", "amount")
 """What the hand does there."""
-_SIGNS = {"free": "🟢 The hand gets there.", "collides": "🟠", "unreachable": "🔴"}
+_SIGNS: dict[str, Sign] = {"free": "good", "collides": "doubtful", "unreachable": "bad"}
 _QUARTER = 1.5708
 
 
@@ -32,7 +33,7 @@ def waypoint_items(session: Session, waypoint: WaypointSpec) -> list[Item]:
     if word == "amount" and not isinstance(amount, str) and amount is not None:
         opening = [Number("Opening, 0 shut to 1", amount, lambda value: change("gripper", round(value, 3)), 0.05, 0.0, 1.0)]
     return [
-        Note(_verdict(session, name)),
+        _verdict(session, name),
         Choice("Path", waypoint.path, PATHS, lambda value: _set_path(session, waypoint, value), hint="How to get there"),
         *_arc_items(session, waypoint),
         Check("Ignore collisions", waypoint.ignore_collisions, lambda value: change("ignore_collisions", value), "For contact"),
@@ -51,11 +52,11 @@ def waypoint_items(session: Session, waypoint: WaypointSpec) -> list[Item]:
     ]
 
 
-def _verdict(session: Session, name: str) -> str:
+def _verdict(session: Session, name: str) -> Markup:
     verdict = session.sight.verdicts.get(name)
     if verdict is None:
-        return "⚪ " + (session.sight.fault or "Not looked at yet.")
-    return f"{_SIGNS[verdict.standing]} {verdict.cause}"
+        return sign("unknown", session.sight.fault or "Not looked at yet.")
+    return sign(_SIGNS[verdict.standing], verdict.cause or "The hand gets there.")
 
 
 def _set_path(session: Session, waypoint: WaypointSpec, path: str) -> None:
