@@ -97,6 +97,8 @@ class Failure:
     """What touches what: names of links."""
     nearest: FloatArray | None = None
     """The nearest pose (7,) that the tip reaches, where one is known."""
+    problem: Problem | None = None
+    """The line of the task's own code that raised it, where it did."""
 
 
 @dataclass(frozen=True)

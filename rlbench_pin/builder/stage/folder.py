@@ -1,0 +1,91 @@
+"""A private folder for the pair of files as it stands in the editor, which goes away with its owner, however that ends."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+
+from rlbench_pin.builder.contracts import TaskText
+from rlbench_pin.errors import InvalidValue
+
+_NAME = re.compile(r"[a-z][a-z0-9_]*")
+_UPWARDS = re.compile(r"""["']((?:\.\./)+)""")
+_SWEEP = 'read -r _; rm -rf -- "$1"'
+"""What the sweeper does: wait for the end of its input, then remove the folder."""
+
+
+class PrivateFolder:
+    """A temporary folder that a tiny process removes when the owner closes it, ends, or is killed.
+
+    Attributes:
+        path: Where it is.
+    """
+
+    def __init__(self) -> None:
+        self.path = Path(tempfile.mkdtemp(prefix="rlbench_pin_stage_")).resolve()
+        self._sweeper = subprocess.Popen(
+            ["/bin/sh", "-c", _SWEEP, "sh", str(self.path)],
+            stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd="/", start_new_session=True,
+        )  # fmt: skip
+
+    def write(self, slot: str, text: TaskText) -> Path:
+        """Write the pair into a part of the folder, with links to what lies beside the real files.
+
+        Args:
+            slot: Name of the part; what was in it is thrown away.
+            text: The pair.
+
+        Returns:
+            The Python file, with its scene beside it.
+
+        Raises:
+            InvalidValue: The name of the task is none.
+        """
+        if not _NAME.fullmatch(text.name):
+            raise InvalidValue("The name of a task", text.name, "has to be small letters, digits and `_`, a letter first")
+        here = self.path / slot
+        shutil.rmtree(here, ignore_errors=True)
+        here.mkdir()
+        pair = (f"{text.name}.toml", f"{text.name}.py")
+        way = _way(text.folder.absolute(), _levels(text.scene))
+        for above, below in zip(way, way[1:]):
+            _link_entries(above, here, [below.name])
+            here = here / (below.name or "root")
+            here.mkdir()
+        _link_entries(way[-1], here, pair)
+        for name, content in zip(pair, (text.scene, text.python), strict=True):
+            (here / name).write_text(content, encoding="utf-8")
+        return here / pair[1]
+
+    def close(self) -> None:
+        """Remove the folder; may be called again."""
+        if self._sweeper.stdin is not None and not self._sweeper.stdin.closed:
+            with contextlib.suppress(OSError):
+                self._sweeper.stdin.close()
+            self._sweeper.wait(timeout=30.0)
+
+
+def _levels(scene: str) -> int:
+    """How many folders up the scene names files."""
+    return max((found.count("..") for found in _UPWARDS.findall(scene)), default=0)
+
+
+def _way(folder: Path, levels: int) -> list[Path]:
+    """Return the folder and so many above it, the highest first."""
+    above = list(folder.parents)[:levels]
+    return [*reversed(above), folder]
+
+
+def _link_entries(folder: Path, into: Path, leave_out: Iterable[str]) -> None:
+    """Link everything that lies in a folder."""
+    left = set(leave_out)
+    with contextlib.suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.name not in left:
+                os.symlink(entry.path, into / entry.name)

@@ -1,0 +1,1 @@
+"""What runs in the process of the stage: the world, and what is asked of it."""

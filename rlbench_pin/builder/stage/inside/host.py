@@ -1,0 +1,120 @@
+"""What runs in the process of the stage: `python -m rlbench_pin.builder.stage.inside.host SOCKET PIPE DUMP MEMORY`.
+
+It is asked one thing at a time, and answers with `{"ok": ...}` or `{"error": text, "kind": ...}`; on the way it sends
+`{"note": name, "value": ...}`. A file takes the stack of Python at a crash, or when the owner asks for it with SIGUSR1.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import faulthandler
+import os
+import re
+import resource
+import signal
+import socket
+import sys
+import traceback
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from rlbench_pin.builder.contracts import Frame
+from rlbench_pin.builder.stage.faults import NothingOpen
+from rlbench_pin.builder.stage.inside.judging import judge
+from rlbench_pin.builder.stage.inside.world import RAISED, StageWorld
+from rlbench_pin.builder.stage.problems import Pair
+from rlbench_pin.builder.stage.wire import plain, record
+from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.evaluation.policies.links.host import end_with_owner
+from rlbench_pin.evaluation.policies.policy_server import Channel, WireError
+
+Question = Mapping[str, Any]
+
+
+class Host:
+    """Answers what the owner asks.
+
+    Args:
+        channel: The connection to the owner.
+    """
+
+    def __init__(self, channel: Channel) -> None:
+        self._channel, self._world = channel, StageWorld()
+        self._calls: dict[str, Callable[[Question], Any]] = {
+            "open": lambda q: self._world.open(_pair(q), q["run_task"], q["robot"]),
+            "place": lambda q: self._world.place(),
+            "reset": lambda q: self._world.reset(q["seed"], q["variation"]),
+            "reach": lambda q: self._world.reach(),
+            "follow": lambda q: self._world.follow(q["pose"], q["configuration"]),
+            "paths": lambda q: self._world.paths(self._note("path")),
+            "demonstrate": lambda q: self._world.demonstrate(q["seed"], q["variation"], self._note("frame")),
+            "simulate": lambda q: self._world.simulate(q["seconds"], self._note("frame")),
+            "pictures": self._pictures,
+            "reach_map": lambda q: self._world.reach_map(q["layouts"], self._note("spot")),
+            "judge": self._judge,
+        }
+
+    def serve(self) -> None:
+        """Answer until the owner closes the connection."""
+        self._channel.send({"ready": os.getpid()})
+        with contextlib.suppress(EOFError, OSError, WireError):
+            while True:
+                question = self._channel.receive()
+                self._channel.send(self._answer(question))
+
+    def _answer(self, question: Question) -> dict[str, Any]:
+        try:
+            return {"ok": plain(self._calls[question["call"]](question))}
+        except NothingOpen as error:
+            return {"error": str(error), "kind": "nothing open"}
+        except MemoryError:
+            return {"error": "It takes more memory than the task builder allows.", "kind": "out of memory"}
+        except (WireError, OSError):
+            raise  # the owner is gone
+        except RAISED as error:
+            if not isinstance(error, RlbenchPinError):
+                traceback.print_exc()
+            return {"error": "".join(traceback.format_exception_only(error)).strip(), "kind": "failed"}
+
+    def _note(self, name: str) -> Callable[[Any], None]:
+        """Return what sends something on the way to the answer."""
+        return lambda value: self._channel.send({"note": name, "value": plain(value)})
+
+    def _pictures(self, question: Question) -> dict[str, Any]:
+        frame = None if question["frame"] is None else record(Frame, question["frame"])
+        return self._world.pictures(question["size"], frame)
+
+    def _judge(self, question: Question) -> Any:
+        python, progress = Path(question["python"]), self._note("progress")
+        return judge(python, question["episodes"], self._note("judgement"), lambda *done: progress(done))
+
+
+def _pair(question: Question) -> Pair:
+    return Pair(Path(question["python"]), Path(question["folder"]))
+
+
+def limit_memory(more: int) -> None:
+    """Allow this process, and those that it starts, so many bytes of address space beyond what it has now; no core dumps."""
+    status = Path("/proc/self/status").read_text(encoding="ascii")
+    found = re.search(r"VmSize:\s+(\d+) kB", status)
+    used = 0 if found is None else 1024 * int(found[1])
+    resource.setrlimit(resource.RLIMIT_AS, (used + more, used + more))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def main() -> None:
+    """Answer until the owner closes the socket, or ends."""
+    connection, pipe, dump, memory = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3], int(sys.argv[4])
+    end_with_owner(pipe)
+    os.set_inheritable(connection, False)
+    os.set_inheritable(pipe, False)
+    with open(dump, "w", encoding="utf-8") as file:
+        faulthandler.enable(file, all_threads=False)
+        faulthandler.register(signal.SIGUSR1, file, all_threads=False)
+        limit_memory(memory)
+        Host(Channel(socket.socket(fileno=connection))).serve()
+
+
+if __name__ == "__main__":
+    main()
