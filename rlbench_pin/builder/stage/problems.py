@@ -75,6 +75,8 @@ def _message(error: BaseException) -> str:
         return str(error)
     if isinstance(error, MemoryError):
         return "MemoryError: it takes more memory than the task builder allows. Make less of it."
+    if isinstance(error, SyntaxError):
+        return f"{type(error).__name__}: {error.msg}"
     if isinstance(error, SystemExit):
         return f"SystemExit: the task ends the program ({error.code!r}). Raise an error that says what is wrong instead."
     return "".join(traceback.format_exception_only(error)).strip()
@@ -98,9 +100,9 @@ def scene_line(text: str, error: BaseException) -> int | None:
     """Return the line of a scene that an error is about, from 1; None for the whole file."""
     lines = text.splitlines()
     if isinstance(error, AssetNotFound | AssetInvalid):
-        return _first(lines, 0, len(lines), re.escape(error.path.name) + r'"')
+        return _first(lines, 0, len(lines), re.escape(error.path.name) + """["']""")
     if isinstance(error, UnknownName):
-        return _first(lines, 0, len(lines), '"' + re.escape(str(error.name)) + '"')
+        return _first(lines, 0, len(lines), f"""["']{re.escape(str(error.name))}["']""")
     if not isinstance(error, SceneFileError):
         return None
     if found := _AT_LINE.search(error.problem):
