@@ -21,7 +21,7 @@ from rlbench_pin.builder.contracts import (
     TaskText,
     WaypointVerdict,
 )
-from rlbench_pin.builder.stage.faults import NothingOpen
+from rlbench_pin.builder.stage.faults import NothingOpen, StageStopped
 from rlbench_pin.builder.stage.folder import PrivateFolder
 from rlbench_pin.builder.stage.limits import StageLimits
 from rlbench_pin.builder.stage.link import Link, OnNote
@@ -149,7 +149,11 @@ class StageClient:
 
     def demonstrate(self, seed: int, variation: int = 0, on_frame: Callable[[Frame], None] | None = None) -> Recording:
         """Reset, play the demonstration once, and return every frame; `on_frame` is called with each while it runs."""
-        recording = self._recording("demonstrate", _episode(seed, variation), on_frame)
+        try:
+            recording = self._recording("demonstrate", _episode(seed, variation), on_frame)
+        except StageStopped:
+            self._session.episode = (seed, variation)
+            raise
         self._session.episode = (seed, variation)
         return recording
 
