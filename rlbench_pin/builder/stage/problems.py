@@ -113,7 +113,7 @@ def scene_line(text: str, error: BaseException) -> int | None:
 def _line_of_place(lines: list[str], where: str) -> int | None:
     """Return the line of what an error calls `[[table]] 'name', key 'key'`, or of its entry."""
     key = _KEY.search(where)
-    last = "" if key is None else key[1].split(".")[0]
+    last = "name" if key is None else key[1].split(".")[0]
     if entry := _ENTRY.search(where):
         begin, end = _entry_lines(lines, entry[1], entry[2])
     elif table := _TABLE.match(where):
@@ -122,7 +122,7 @@ def _line_of_place(lines: list[str], where: str) -> int | None:
         begin, end = 0, len(lines)
     if begin is None:
         return None
-    found = _first(lines, begin, end, rf"^\s*{re.escape(last)}\s*=") if last else None
+    found = _first(lines, begin, end, rf"^\s*{re.escape(last)}\s*=")
     return found or (begin + 1 if end < len(lines) or begin > 0 else None)
 
 

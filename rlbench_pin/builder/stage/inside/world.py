@@ -37,6 +37,7 @@ from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.environment.reset import lay_out
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import BoundaryError, RlbenchPinError
+from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.reader import read_scene
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks.task_file import load_task_file
@@ -59,6 +60,11 @@ class StageWorld:
         self._episode: tuple[int, int] | None = None
         self._began = 0.0
         self._stale = self._moved = False
+
+    @property
+    def model(self) -> RobotModel:
+        """The arm of the open task."""
+        return self._opened("model").runtime.model
 
     # Building --------------------------------------------------------------------------------------------------------------
 
@@ -167,7 +173,7 @@ class StageWorld:
         """Go on from the present moment with the arm held still; the frames go to `on_frame` alone."""
         environment = self._opened("simulate")
         try:
-            if self._episode is None:
+            if self._episode is None and not self._moved:
                 environment = self._begin_in_place()
             since, self._moved = environment.world.time - self._began, True
             environment.runtime.hold()
@@ -204,7 +210,7 @@ class StageWorld:
     def reach_map(self, layouts: int, on_spot: Callable[[ReachSpot], None]) -> tuple[ReachSpot, ...]:
         """Lay the task out so many times and see which waypoints can be reached; a layout without a place is left out."""
         environment = self._fresh("reach_map")
-        self._episode, self._moved = None, True
+        self._episode, self._moved = None, False
         variations = drawn_variations(environment.variation_count(), MOST_VARIATIONS)
         spots: list[ReachSpot] = []
         for seed in range(layouts):
@@ -214,6 +220,7 @@ class StageWorld:
                 continue
             spots.append(ReachSpot(reach.place, reach.reached, reach.spots, reach.free))
             on_spot(spots[-1])
+        environment.world.restore(environment.world.origin)
         return tuple(spots)
 
     # What is open ----------------------------------------------------------------------------------------------------------
