@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 from types import TracebackType
 from typing import Any
 
@@ -69,6 +70,11 @@ class StageClient:
     def process_id(self) -> int | None:
         """Number of the process of the world, None before it has answered."""
         return self._session.link.pid
+
+    @property
+    def folder(self) -> Path:
+        """The private folder, which goes away with the server."""
+        return self._folder.path
 
     # Building --------------------------------------------------------------------------------------------------------------
 
@@ -253,6 +259,8 @@ def _on(kind: type, callback: Callable[[Any], None] | None, kept: list[Any] | No
     as_function(callback, "a callback")
 
     def noted(name: str, value: Any) -> None:
+        if name == "alive":
+            return
         made: Any = record(kind, value)
         if kept is not None:
             kept.append(made)

@@ -20,7 +20,7 @@ _MOVES = {
     "placement": ("[placement]\n", "[placement]\npose = [0.3, 0.1, 0.0]\n"),
     "waypoint": ("[0.0, 0.0, -0.15]", "[0.0, 0.02, -0.1]"),
     "sensor": ("[0.0, 0.0, 0.25]", "[0.0, 0.0, 0.3]"),
-    "frame's parent": ('name = "waypoint0"\nparent = "waypoint1"', 'name = "waypoint0"\nparent = "saucepan"'),
+    "frame's parent": ('name = "waypoint0"\nparent = "waypoint1"', 'name = "waypoint0"\nparent = "waypoint2"'),
     "grip": ('gripper = "close"', "gripper = 0.2"),
     "body": ("[[sensor]]", '[[body]]\nname = "cube"\nasset = "objects/cube/cube.urdf"\n\n[[sensor]]'),
 }

@@ -48,11 +48,11 @@ class Host:
         self._calls: dict[str, Callable[[Question], Any]] = {
             "open": lambda q: self._world.open(_pair(q), q["run_task"], q["robot"]),
             "place": lambda q: self._world.place(),
-            "reset": lambda q: self._world.reset(q["seed"], q["variation"]),
+            "reset": lambda q: self._world.reset(q["seed"], q["variation"], self._alive),
             "reach": lambda q: self._world.reach(),
             "follow": lambda q: self._world.follow(q["pose"], q["configuration"]),
             "paths": lambda q: self._world.paths(self._note("path")),
-            "demonstrate": lambda q: self._world.demonstrate(q["seed"], q["variation"], self._note("frame")),
+            "demonstrate": lambda q: self._world.demonstrate(q["seed"], q["variation"], self._note("frame"), self._alive),
             "simulate": lambda q: self._world.simulate(q["seconds"], self._note("frame")),
             "pictures": self._pictures,
             "reach_map": lambda q: self._world.reach_map(q["layouts"], self._note("spot")),
@@ -96,6 +96,9 @@ class Host:
             self._channel.send({"note": name, "value": plain(value)})
 
         return note
+
+    def _alive(self) -> None:
+        self._note("alive")(True)
 
     def _pictures(self, question: Question) -> dict[str, Any]:
         frame = None if question["frame"] is None else record(Frame, question["frame"])

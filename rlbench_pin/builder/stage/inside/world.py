@@ -24,6 +24,7 @@ from rlbench_pin.builder.stage.inside.following import Follower
 from rlbench_pin.builder.stage.inside.paths import planned_paths
 from rlbench_pin.builder.stage.inside.pictures import camera_pictures
 from rlbench_pin.builder.stage.inside.posing import move_to_frame, move_to_scene, only_moves
+from rlbench_pin.builder.stage.inside.pulse import Pulse
 from rlbench_pin.builder.stage.inside.reachability import verdicts
 from rlbench_pin.builder.stage.inside.standin import stand_in
 from rlbench_pin.builder.stage.problems import Pair, problem_of
@@ -44,8 +45,14 @@ from rlbench_pin.tasks.task_file import load_task_file
 
 RAISED = (Exception, SystemExit, KeyboardInterrupt)
 """What a task may raise."""
+OnAlive = Callable[[], None]
+"""Called now and then while nothing else is; what it raises ends the work."""
 MOST_VARIATIONS = 20
 """Variations that a map of what can be reached is drawn over."""
+
+
+def _silent() -> None:
+    """Nobody listens."""
 
 
 class StageWorld:
@@ -144,12 +151,13 @@ class StageWorld:
 
     # Playing ---------------------------------------------------------------------------------------------------------------
 
-    def reset(self, seed: int, variation: int) -> Recording:
+    def reset(self, seed: int, variation: int, on_alive: OnAlive = _silent) -> Recording:
         """Lay out an episode; its recording is one frame, with a failure when it was refused."""
         environment = self._fresh("reset")
         failure = None
         try:
-            environment.reset(seed=seed, variation=variation)
+            with environment.runtime.listening(Pulse(on_alive)):
+                environment.reset(seed=seed, variation=variation)
         except RAISED as error:
             failure = self._failure(error, environment)
         self._episode, self._moved, self._began = (seed, variation), False, environment.world.time
@@ -159,12 +167,13 @@ class StageWorld:
         except RAISED as error:  # a condition of the task's own
             return Recording((), (), "", (), failure or self._failure(error, environment))
 
-    def demonstrate(self, seed: int, variation: int, on_frame: OnFrame) -> Recording:
+    def demonstrate(self, seed: int, variation: int, on_frame: OnFrame, on_alive: OnAlive = _silent) -> Recording:
         """Reset and play the demonstration; the frames go to `on_frame` alone."""
         environment = self._fresh("demonstrate")
         self._episode, self._moved = (seed, variation), True
         try:
-            recording = record_demonstration(environment, seed, variation, on_frame)
+            with environment.runtime.listening(Pulse(on_alive)):
+                recording = record_demonstration(environment, seed, variation, on_frame)
             return replace(recording, frames=())
         except RAISED as error:
             return replace(self._empty(environment), failure=self._failure(error, environment))
