@@ -54,7 +54,7 @@ HOMES: dict[str, tuple[str, ...]] = {
     "small_gicp": ("evaluation",),
     "tyro": ("cli",),
     "tqdm": ("cli",),
-    "PIL": ("checking", "recording", "sim", "datasets", "compat"),
+    "PIL": ("checking", "recording", "sim", "datasets", "compat", "builder"),
     "ray": ("processes",),
     "matplotlib": ("evaluation",),
     "zarr": ("datasets",),
@@ -63,7 +63,8 @@ HOMES: dict[str, tuple[str, ...]] = {
     "torch": ("evaluation",),
     "safetensors": ("evaluation",),
     "stable_baselines3": ("evaluation",),
-    "trimesh": (),
+    "trimesh": ("builder",),
+    "viser": ("builder",),
     "manifold3d": (),
     "pickle": ("datasets", "errors"),  # foreign files; may evidence of errors travel?
 }

@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from rlbench_pin.scene.spec import BodySpec
 from rlbench_pin.spatial import FloatArray
 
 FileKind = Literal["scene", "task"]
@@ -126,6 +127,8 @@ class Recording:
     """In order."""
     failure: Failure | None = None
     """None when the goal was reached."""
+    added: tuple[BodySpec, ...] = ()
+    """Bodies that were added to the world, each under its name in `Frame.poses`; where they are in a frame, they are there."""
 
 
 @dataclass(frozen=True, eq=False)

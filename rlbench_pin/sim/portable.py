@@ -19,6 +19,7 @@ from rlbench_pin.sim.state import (
     LogicalBodyState,
     LogicalState,
     check_same_scene,
+    match_spawned,
     read_logical_state,
     restore,
     save,
@@ -130,6 +131,7 @@ def _continue_from(world: World, arrays: Mapping[str, np.ndarray]) -> None:
     logical = _logical_state(meta, arrays)
     _check(world, meta, logical)
     if "physics" not in arrays:
+        match_spawned(world, logical.spawned)
         _set_measured(world, arrays, list(logical.bodies))
         write_logical_state(world, logical)
         return

@@ -253,7 +253,7 @@ def _read_body(body: Body) -> LogicalBodyState:
 
 def write_logical_state(world: World, logical: LogicalState) -> None:
     """Bring about what PyBullet's state leaves out; only differences cost time."""
-    _match_spawned(world, logical.spawned)
+    match_spawned(world, logical.spawned)
     world.gripper.set_attachments(logical.attachments)
     for name, body_state in logical.bodies.items():
         body = world.body(name)
@@ -276,7 +276,7 @@ def _write_body(body: Body, logical: LogicalBodyState) -> None:
         body.joints[name].set_lock(lock)
 
 
-def _match_spawned(world: World, wanted: dict[str, BodySpec]) -> None:
+def match_spawned(world: World, wanted: dict[str, BodySpec]) -> None:
     """Keep the run-time bodies that both have from the first on, remove the rest, and add what is missing, in order.
 
     PyBullet restores bodies by their order, so a gap is closed by rebuilding everything behind it.

@@ -30,7 +30,7 @@ def link_poses(urdf: Urdf, joints: Mapping[str, float], scale: float = 1.0) -> d
 
 def origin_pose(origin: UrdfOrigin | None, scale: float = 1.0) -> FloatArray:
     """Return an origin of a URDF file as a pose (7,), its lengths multiplied by `scale`."""
-    return IDENTITY.copy() if origin is None else pose_at(scale * np.array(origin.xyz), *origin.rpy)
+    return IDENTITY.copy() if origin is None else pose_at([scale * x for x in origin.xyz], *origin.rpy)
 
 
 def _moved(joint: UrdfJoint, position: float) -> FloatArray:

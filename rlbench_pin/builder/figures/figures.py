@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 import numpy as np
 from viser import SceneApi
@@ -40,6 +40,7 @@ class Figures:
         self._bodies: dict[str, tuple[_Drawn, ModelFigure]] = {}
         self._ghosts: dict[str, tuple[Rgb, ModelFigure]] = {}
         self._marked: set[str] = set()
+        self._mark: Rgb = (230, 40, 40)
         self._draw_room()
         self._arm = ModelFigure(scene, "/arm", self._robot.urdf, Look())
         self.arm(self._robot.home, [self._robot.gripper_open] * len(self._robot.gripper_joints))
@@ -68,8 +69,9 @@ class Figures:
                     self._bodies[body.name] = (wanted[body.name], self._body_figure(spec, body))
                 except RlbenchPinError as error:
                     faults[body.name] = str(error)
+        self.present(self._bodies)
+        self.paint({})
         self.move(places_at_rest(spec).links)
-        self._paint_marked()
         return faults
 
     def _drawn(self, spec: SceneSpec, body: BodySpec) -> _Drawn:
@@ -93,6 +95,21 @@ class Figures:
             if body in self._bodies:
                 self._bodies[body][1].move(links)
 
+    # Episodes --------------------------------------------------------------------------------------------------------
+
+    def present(self, bodies: Collection[str]) -> None:
+        """Let these bodies be seen, and no others."""
+        for name, (_, figure) in self._bodies.items():
+            figure.show(name in bodies)
+
+    def paint(self, colors: Mapping[str, Sequence[float]]) -> None:
+        """Show links, by `<body>/<link>`, in colours (3 or 4,) in 0..1 that an episode gives them, all others in their own."""
+        for name, (_, figure) in self._bodies.items():
+            for link in figure.links:
+                color = colors.get(f"{name}/{link}")
+                figure.wear(link, None if color is None else _rgb(color))
+        self._paint_marked()
+
     # Arm -------------------------------------------------------------------------------------------------------------
 
     def arm(self, q: Sequence[float] | FloatArray, fingers: Sequence[float] | FloatArray) -> None:
@@ -111,7 +128,7 @@ class Figures:
         """
         self._paint_marked(restore=True)
         self._marked = set(names)
-        self._color = rgb
+        self._mark = rgb
         self._paint_marked()
 
     def _paint_marked(self, restore: bool = False) -> None:
@@ -120,7 +137,7 @@ class Figures:
             figure = self._bodies[owner][1] if owner in self._bodies else self._arm
             links = (link,) if link else (figure.links if owner in self._bodies else (owner,))
             for each in links:
-                figure.paint(each, None if restore else self._color)
+                figure.paint(each, None if restore else self._mark)
 
     # Ghosts ----------------------------------------------------------------------------------------------------------
 
@@ -155,3 +172,8 @@ class Figures:
     def ghosts(self) -> tuple[str, ...]:
         """Names of the ghosts."""
         return tuple(self._ghosts)
+
+
+def _rgb(color: Sequence[float]) -> Rgb:
+    red, green, blue = (round(255 * share) for share in color[:3])
+    return red, green, blue

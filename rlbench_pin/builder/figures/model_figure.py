@@ -58,6 +58,7 @@ class ModelFigure:
         self._top = scene.add_frame(path, show_axes=False)
         self._frames: dict[str, FrameHandle] = {}
         self._parts: dict[str, list[tuple[MeshHandle, Rgb]]] = {}
+        self._worn: dict[str, Rgb] = {}
         for number, link in enumerate(links):
             node = f"{path}/{number}"
             self._frames[link.name] = scene.add_frame(node, show_axes=False)
@@ -103,9 +104,17 @@ class ModelFigure:
     def paint(self, link: str, rgb: Rgb | None) -> None:
         """Show one link in one colour; None gives it its own colours back."""
         for part, own in self._parts.get(link, ()):
-            color = own if rgb is None else rgb
+            color = self._worn.get(link, own) if rgb is None else rgb
             if tuple(part.color) != color:
                 part.color = color
+
+    def wear(self, link: str, rgb: Rgb | None) -> None:
+        """Give one link a colour that is its own from now on; None that which it was drawn with."""
+        if rgb != self._worn.get(link):
+            self._worn.pop(link, None)
+            if rgb is not None:
+                self._worn[link] = rgb
+            self.paint(link, None)
 
     def show(self, visible: bool) -> None:
         """Let it be seen or not."""

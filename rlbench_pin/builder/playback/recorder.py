@@ -16,12 +16,15 @@ from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError, PlanningError, ResetError, WaypointError
 from rlbench_pin.planning.plan import Plan
+from rlbench_pin.scene.spec import BodySpec
 from rlbench_pin.sim import World
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Waypoint
 
 OnFrame = Callable[[Frame], None]
 """Called with every frame as it is made; what it raises ends the simulation."""
+OnLeg = Callable[[Leg], None]
+"""Called when the motion to a waypoint is about to begin."""
 
 
 def link_poses(world: World) -> dict[str, FloatArray]:
@@ -49,17 +52,20 @@ class FrameRecorder(Listener):
     Args:
         runtime: The running task.
         on_frame: Called with every frame.
+        on_leg: Called with every leg of a demonstration.
 
     Attributes:
         frames: The frames so far.
         legs: The legs of a demonstration so far.
+        added: Bodies that were added to the world so far, by name.
     """
 
-    def __init__(self, runtime: Runtime, on_frame: OnFrame | None = None) -> None:
-        self._runtime, self._on_frame = runtime, on_frame
+    def __init__(self, runtime: Runtime, on_frame: OnFrame | None = None, on_leg: OnLeg | None = None) -> None:
+        self._runtime, self._on_frame, self._tell_leg = runtime, on_frame, on_leg
         self._began = runtime.world.time
         self.frames: list[Frame] = []
         self.legs: list[Leg] = []
+        self.added: dict[str, BodySpec] = {}
         self._listening = runtime.listening(self)
 
     def __enter__(self) -> FrameRecorder:
@@ -76,6 +82,7 @@ class FrameRecorder(Listener):
         """Forget all frames and begin at time 0 with the world as it is, as after a reset."""
         self.frames.clear()
         self.legs.clear()
+        self.added.clear()
         self._began = self._runtime.world.time
         self._keep()
 
@@ -97,23 +104,49 @@ class FrameRecorder(Listener):
 
     def on_leg(self, waypoint: Waypoint, plan: Plan) -> None:
         """Note where a leg of a demonstration begins."""
-        self.legs.append(Leg(waypoint.frame.name, len(self.frames) - 1, plan.report.method))
+        leg = Leg(waypoint.frame.name, len(self.frames) - 1, plan.report.method)
+        self.legs.append(leg)
+        if self._tell_leg is not None:
+            self._tell_leg(leg)
 
     def recording(self, failure: Failure | None = None) -> Recording:
         """Return what was recorded so far."""
         task = self._runtime.task
         instruction = next(iter(self._runtime.instructions), "")
-        return Recording(tuple(self.frames), success_texts(task), instruction, tuple(self.legs), failure)
+        legs, added = tuple(self.legs), tuple(self.added.values())
+        return Recording(tuple(self.frames), success_texts(task), instruction, legs, failure, added)
 
     def _keep(self) -> None:
         frame = self.frame()
+        self.added.update(self._runtime.world.spawned)
         self.frames.append(frame)
         if self._on_frame is not None:
             self._on_frame(frame)
 
 
+def record_reset(task_environment: TaskEnvironment, seed: int, variation: int) -> Recording:
+    """Reset a task and return the one frame that there is then, with the reason where no start is found.
+
+    Args:
+        task_environment: The task.
+        seed: Seed of the episode.
+        variation: Its variation.
+    """
+    runtime, failure = task_environment.runtime, None
+    try:
+        task_environment.reset(seed=seed, variation=variation)
+    except ResetError as error:
+        failure = failure_of(error, "", runtime.task)
+    with FrameRecorder(runtime) as recorder:
+        return recorder.recording(failure)
+
+
 def record_demonstration(
-    task_environment: TaskEnvironment, seed: int, variation: int, on_frame: OnFrame | None = None
+    task_environment: TaskEnvironment,
+    seed: int,
+    variation: int,
+    on_frame: OnFrame | None = None,
+    on_leg: OnLeg | None = None,
 ) -> Recording:
     """Reset a task, play its demonstration once and return every frame, with the reason where it fails.
 
@@ -122,15 +155,13 @@ def record_demonstration(
         seed: Seed of the episode.
         variation: Its variation.
         on_frame: Called with every frame, the reset first; an error that it raises ends the demonstration and is passed on.
+        on_leg: Called with every leg as it begins.
     """
-    runtime = task_environment.runtime
-    try:
-        task_environment.reset(seed=seed, variation=variation)
-    except ResetError as error:
-        with FrameRecorder(runtime, on_frame) as recorder:
-            return recorder.recording(failure_of(error, "", runtime.task))
+    runtime, start = task_environment.runtime, record_reset(task_environment, seed, variation)
+    if start.failure is not None:
+        return start
     player = DemoPlayer(runtime, record=False)
-    with FrameRecorder(runtime, on_frame) as recorder:
+    with FrameRecorder(runtime, on_frame, on_leg) as recorder:
         try:
             player.play()
         except (PlanningError, WaypointError, DemoError) as error:

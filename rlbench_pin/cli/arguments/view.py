@@ -2,19 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import tyro
 
-from rlbench_pin.cli.process.words import MaybePath, TaskName
+from rlbench_pin.cli.process.words import Files, MaybePath, Viewed
+
+
+@dataclass(frozen=True)
+class Page:
+    """A page on this machine."""
+
+    live: bool = False
+    """Show it in a browser, in 3D and over time, until Ctrl-C."""
+    port: int = 0
+    """Where the page is served on 127.0.0.1; 0 takes a free port."""
+    browser: bool = True
+    """Open the page, where there is a browser."""
 
 
 @dataclass(frozen=True)
 class View:
-    """Draw a contact sheet: seven cameras at the reset and at four moments of a demonstration."""
+    """Draw a contact sheet: seven cameras at the reset and at four moments of a demonstration. With `--live`, a page instead:
+    episodes of a task, or the stored demonstrations of a dataset.
+    """
 
-    task: tyro.conf.Positional[TaskName]
-    """Task name, as `rlbench-pin list` prints it, or a task file."""
+    task: tyro.conf.Positional[Viewed]
+    """Task name, as `rlbench-pin list` prints it, or a task file; with `--live` also the folder of a dataset."""
     variation: int = 0
     """Variation of the task."""
     seed: int = 0
@@ -23,3 +37,9 @@ class View:
     """PNG or JPEG to write; `out/view/<task>.png` by default."""
     size: int = 256
     """Side of each picture [px]."""
+    page: tyro.conf.OmitArgPrefixes[Page] = field(default_factory=Page)
+    """A page instead of a picture."""
+    task_file: Files = ()
+    """With a dataset, your own files of tasks that are not installed; they are used instead of those that it keeps."""
+    trust_task_files: bool = False
+    """Run the task files that the dataset keeps, where tasks are not installed. Read them first."""

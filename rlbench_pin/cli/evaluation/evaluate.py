@@ -8,19 +8,22 @@ import sys
 from contextlib import closing
 
 from rlbench_pin.cli.arguments.evaluation import evaluate as arguments
-from rlbench_pin.cli.arguments.evaluation.evaluate import Comparison
+from rlbench_pin.cli.arguments.evaluation.evaluate import Comparison, Watching
 from rlbench_pin.cli.evaluation.bar import EvaluationBar
 from rlbench_pin.cli.evaluation.controllers import ControllerComparison
 from rlbench_pin.cli.evaluation.failure_films import film_failures
+from rlbench_pin.cli.evaluation.watching import watched
 from rlbench_pin.cli.list_tasks import split_names
 from rlbench_pin.cli.process.engines import make_engine
 from rlbench_pin.cli.process.files import check_file
 from rlbench_pin.cli.process.interrupts import INTERRUPTED
 from rlbench_pin.cli.process.words import check_at_least, checked_names
 from rlbench_pin.cli.progress import stopping_gently
+from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.evaluation.results.records import EpisodeRecord, Results
 from rlbench_pin.evaluation.run import EvaluationConfig, EvaluationStopped, evaluate
 from rlbench_pin.evaluation.sets import resolve_tasks
+from rlbench_pin.processes import Engine, SerialEngine
 from rlbench_pin.rates import Rate
 
 EPISODES = 25
@@ -50,10 +53,12 @@ class Evaluate(arguments.Evaluate):
         check_at_least(self, workers=0, films=0)
         config = self.config()
         check_file(self.out)
-        engine = make_engine(self.engine, self.workers)
-        with stopping_gently() as stop, closing(EvaluationBar(self.policy)) as bar:
+        engine, page = self._engine(), watched(self.watching, self.policy)
+        with page as make, stopping_gently() as stop, closing(EvaluationBar(self.policy)) as bar:
             try:
-                results = evaluate(config, self.out, engine=engine, resume=self.resume, on_progress=bar, stop=stop)
+                results = evaluate(
+                    config, self.out, engine=engine, resume=self.resume, on_progress=bar, stop=stop, make_runner=make
+                )
             except EvaluationStopped as stopped:
                 bar.close()
                 print(f"{stopped.done} of {stopped.wanted} episodes are played. Go on with:  {self.go_on()}", file=sys.stderr)
@@ -65,6 +70,13 @@ class Evaluate(arguments.Evaluate):
             for film in film_failures(config, results, self.films, folder):
                 print(f"  film  {film}")
         return 0
+
+    def _engine(self) -> Engine:
+        if not self.watching.live:
+            return make_engine(self.engine, self.workers)
+        if self.workers > 1 or self.engine != "processes":
+            raise TaskEnvironmentError("--live shows the episodes that one process plays. Leave out --workers and --engine.")
+        return SerialEngine()
 
     def config(self) -> EvaluationConfig:
         """Return what is to be evaluated.
@@ -116,4 +128,4 @@ def _line(task: str, width: int, episodes: tuple[EpisodeRecord, ...]) -> str:
     )
 
 
-__all__ = ["Comparison", "Evaluate", "summary"]
+__all__ = ["Comparison", "Evaluate", "Watching", "summary"]

@@ -71,7 +71,8 @@ COMMANDS: dict[str, Home] = {
     "view": Home(
         "view",
         "View",
-        "Draw a contact sheet: seven cameras at the reset and at four moments of a demonstration.",
+        "Draw a contact sheet: seven cameras at the reset and at four moments of a demonstration. With `--live`, a page instead: "
+        "episodes of a task, or the stored demonstrations of a dataset.",
     ),
     "video": Home(
         "video", "Video", "Film demonstrations of one or more tasks: one film per task, or one film of all of them in a grid."

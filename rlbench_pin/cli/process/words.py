@@ -13,6 +13,8 @@ from rlbench_pin.observation import CAMERAS, PRODUCTS
 
 TaskName = Annotated[str, tyro.conf.arg(metavar="TASK")]
 """A task."""
+Viewed = Annotated[str, tyro.conf.arg(metavar="TASK|FOLDER")]
+"""A task, or a dataset."""
 TaskNames = Annotated[tuple[str, ...], tyro.conf.arg(metavar="TASK...")]
 """Any number of tasks."""
 OnlyTasks = Annotated[tuple[str, ...], tyro.conf.arg(metavar="TASK...", help_behavior_hint="")]

@@ -1,1 +1,1 @@
-"""Tests."""
+"""Tests of the task builder in a browser."""

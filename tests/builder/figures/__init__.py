@@ -1,1 +1,1 @@
-"""Tests."""
+"""Tests of `rlbench_pin.builder.figures`."""

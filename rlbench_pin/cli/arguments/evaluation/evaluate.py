@@ -34,6 +34,18 @@ class Comparison:
 
 
 @dataclass(frozen=True)
+class Watching:
+    """The episodes in a page of this machine, as they are played."""
+
+    live: bool = False
+    """Show them in a browser, in 3D and over time; this process plays them, one after the other. Results are the same."""
+    port: int = 0
+    """Where the page is served on 127.0.0.1; 0 takes a free port."""
+    browser: bool = True
+    """Open the page, where there is a browser."""
+
+
+@dataclass(frozen=True)
 class Evaluate:
     """Evaluate a policy on tasks: success with its interval, collisions, limits. Whatever kills it, `--resume` goes on.
 
@@ -78,5 +90,7 @@ class Evaluate:
     """Go on with an evaluation that did not end."""
     films: int = 0
     """Films of the first failures of each task, so many, played again after the evaluation, in a folder beside the results."""
+    watching: tyro.conf.OmitArgPrefixes[Watching] = field(default_factory=Watching)
+    """Episodes in a page as they are played."""
     comparison: tyro.conf.OmitArgPrefixes[Comparison] = field(default_factory=Comparison)
     """Controllers instead of a policy."""

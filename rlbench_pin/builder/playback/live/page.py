@@ -1,0 +1,78 @@
+"""The page of `view --live`: the scene, the player, the cameras, and what is to be said."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+from viser import ViserServer
+
+from rlbench_pin.builder.contracts import Frame
+from rlbench_pin.builder.figures import Figures
+from rlbench_pin.builder.playback.cameras import CameraPanel
+from rlbench_pin.builder.playback.player import Player
+from rlbench_pin.builder.playback.readout import framed
+from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.scene.spec import BodySpec, SceneSpec
+
+_EYE, _TARGET = (1.35, 1.0, 1.75), (0.15, 0.0, 1.0)
+"""Where a new tab looks from and to [m]: over the table from the robot's left."""
+
+
+class LivePage:
+    """What all live views show, whatever they look at.
+
+    Args:
+        server: Serves the page.
+        build_controls: Called where the controls of the view belong, above the player.
+        on_look: Called when the pictures of the cameras are to be taken anew: another instant is shown, or they were switched on.
+        cameras: Whether the pictures are on at first.
+
+    Attributes:
+        gui: Where controls are drawn.
+        player: Shows recordings.
+    """
+
+    def __init__(
+        self, server: ViserServer, build_controls: Callable[[], None], on_look: Callable[[], None], cameras: bool = True
+    ) -> None:
+        self.gui, self._on_look = server.gui, on_look
+        server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
+        server.initial_camera.position, server.initial_camera.look_at = _EYE, _TARGET
+        self._figures = Figures(server.scene)
+        self._words = server.gui.add_html("")
+        build_controls()
+        self.player = Player(server.gui, self._figures, self._shown, server.atomic)
+        self._cameras = CameraPanel(server.gui, on_look, cameras)
+
+    def _shown(self, index: int, frame: Frame) -> None:
+        if self._cameras.wanted:
+            self._on_look()
+
+    def show_scene(self, spec: SceneSpec, added: Sequence[BodySpec] = ()) -> None:
+        """Draw the bodies of a scene, and those that an episode adds to it."""
+        faults = self._figures.show(spec.model_copy(update={"body": (*spec.body, *added)}))
+        if faults:
+            self.say("Not drawn:", "; ".join(f"{name}: {why}" for name, why in faults.items()), wrong=True)
+
+    @property
+    def pictures_wanted(self) -> bool:
+        """Whether somebody wants to see what the cameras see."""
+        return self._cameras.wanted
+
+    def show_pictures(self, pictures: Mapping[str, NDArray[np.uint8]]) -> None:
+        """Show what the cameras see, pictures (h, w, 3) by name."""
+        if self._cameras.wanted:
+            self._cameras.show(pictures)
+
+    def say(self, title: str, text: str, *, wrong: bool = False) -> None:
+        """Say something above the controls; it takes the place of what was said before."""
+        color = "#d93025" if wrong else "inherit"
+        self._words.content = framed(f'<div class="words" style="color:{color}"><b>{escape(title)}</b> {escape(text)}</div>')
+
+    def fail(self, error: Exception) -> None:
+        """Say what went wrong."""
+        kind = "" if isinstance(error, RlbenchPinError) else f"{type(error).__name__}: "
+        self.say("That failed.", f"{kind}{error}", wrong=True)
