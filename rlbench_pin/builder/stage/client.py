@@ -23,7 +23,7 @@ from rlbench_pin.builder.contracts import (
     WaypointVerdict,
 )
 from rlbench_pin.builder.stage.faults import NothingOpen, StageStopped
-from rlbench_pin.builder.stage.folder import PrivateFolder
+from rlbench_pin.builder.stage.folder import PrivateFolder, check_name
 from rlbench_pin.builder.stage.limits import StageLimits
 from rlbench_pin.builder.stage.link import Link, OnNote
 from rlbench_pin.builder.stage.session import Session
@@ -93,7 +93,7 @@ class StageClient:
             UnknownRobot: There is no such arm.
             InvalidValue: The name of the task is none.
         """
-        as_record(text, TaskText, _TEXT)
+        check_name(as_record(text, TaskText, _TEXT).name)
         run_task, robot = as_flag(run_task, "run_task"), robot_description(robot).name
         return self._session.open(text, run_task, robot)
 

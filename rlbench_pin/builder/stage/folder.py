@@ -48,8 +48,7 @@ class PrivateFolder:
         Raises:
             InvalidValue: The name of the task is none.
         """
-        if not _NAME.fullmatch(text.name):
-            raise InvalidValue("The name of a task", text.name, "has to be small letters, digits and `_`, a letter first")
+        check_name(text.name)
         here = self.path / slot
         shutil.rmtree(here, ignore_errors=True)
         here.mkdir()
@@ -77,6 +76,12 @@ class PrivateFolder:
             with contextlib.suppress(OSError):
                 self._sweeper.stdin.close()
             self._sweeper.wait(timeout=30.0)
+
+
+def check_name(name: str) -> None:
+    """Raise InvalidValue for what is no name of a task; files are called by it."""
+    if not _NAME.fullmatch(name):
+        raise InvalidValue("The name of a task", name, "has to be small letters, digits and `_`, a letter first")
 
 
 def _levels(scene: str) -> int:

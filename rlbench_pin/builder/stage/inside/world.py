@@ -209,10 +209,13 @@ class StageWorld:
     def _failure(self, error: BaseException, environment: TaskEnvironment) -> Failure:
         assert self._pair is not None
         problem = problem_of(error, self._pair)
-        if isinstance(error, RlbenchPinError):
-            failure = failure_of(error, "", environment.task)
-            return replace(failure, problem=problem if problem.file == "task" and problem.line else None)
-        return Failure(problem.message, problem=problem)
+        if not isinstance(error, RlbenchPinError):
+            return Failure(problem.message, problem=problem)
+        own = problem if problem.file == "task" and problem.line else None
+        try:
+            return replace(failure_of(error, "", environment.task), problem=own)
+        except RAISED:  # a condition of the task's own
+            return Failure(str(error), problem=own)
 
     # Judging ---------------------------------------------------------------------------------------------------------------
 
