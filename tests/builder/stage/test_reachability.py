@@ -35,7 +35,7 @@ def test_free_waypoints_have_a_configuration(copied: Copied, opened: Opened, sta
     assert _standings(verdicts) == ["free"] * 3
     for verdict in verdicts:
         assert verdict.configuration is not None
-        tip = stage.model.tip_pose(verdict.configuration)
+        tip = stage.runtime.model.tip_pose(verdict.configuration)
         assert np.abs(tip[:3] - verdict.pose[:3]).max() < 1e-5
         assert rotation_distance(tip, verdict.pose) < 1e-4
 
@@ -104,13 +104,13 @@ def test_waypoints_of_the_library_are_free(copied: Copied, opened: Opened, stage
 def test_the_arm_follows_a_dragged_hand(copied: Copied, opened: Opened, stage: StageWorld) -> None:
     """Near poses are reached, far ones come as near as joint limits allow, and the arm never leaves them."""
     opened(copied("push_button"))
-    home = np.array(stage.model.home)
-    tip = stage.model.tip_pose(home)
+    home = np.array(stage.runtime.model.home)
+    tip = stage.runtime.model.tip_pose(home)
     q, error = stage.follow(tip + np.array([0.05, 0.03, -0.04, 0, 0, 0, 0]), home)
     assert error < 1e-3
-    assert np.abs(stage.model.tip_pose(q)[:3] - tip[:3] - [0.05, 0.03, -0.04]).max() < 1e-3
+    assert np.abs(stage.runtime.model.tip_pose(q)[:3] - tip[:3] - [0.05, 0.03, -0.04]).max() < 1e-3
     far = tip + np.array([1.5, 0.0, 0.0, 0, 0, 0, 0])
     for _ in range(5):
         q, error = stage.follow(far, q)
     assert 0.5 < error < 1.5
-    assert stage.model.limits.contains(q)
+    assert stage.runtime.model.limits.contains(q)

@@ -10,6 +10,7 @@ import pytest
 
 from rlbench_pin.builder.contracts import Frame, Recording
 from rlbench_pin.builder.stage.faults import NothingOpen
+from rlbench_pin.builder.stage.inside.pulse import Pulse
 from rlbench_pin.builder.stage.inside.standin import SENTENCE
 from rlbench_pin.builder.stage.inside.world import StageWorld
 from rlbench_pin.environment.presets import low_dim_config, make_environment
@@ -128,6 +129,26 @@ def test_looking_does_not_change_what_is_played(copied: Copied, opened: Opened, 
     stage.simulate(0.05, frames.append)
     assert np.abs(frames[0].poses["lid/knob"] - end.poses["lid/knob"]).max() < 1e-6
     assert frames[-1].held == (True, True)
+
+
+def test_long_work_shows_that_it_lives(copied: Copied, opened: Opened, stage: StageWorld) -> None:
+    """A reset and a plan are heard, now and then; what the listener raises ends the work."""
+    opened(copied("push_button"))
+    signs: list[bool] = []
+    with stage.runtime.listening(Pulse(lambda: signs.append(True), interval=0.0)):
+        stage.reset(0, 0)
+    assert len(signs) > 2
+    with stage.runtime.listening(Pulse(lambda: signs.clear(), interval=60.0)):
+        stage.reset(0, 0)
+    assert signs
+
+    def enough() -> None:
+        raise LookupError("enough")
+
+    with stage.runtime.listening(Pulse(enough, interval=0.0)):
+        failure = stage.reset(0, 0).failure
+    assert failure is not None
+    assert "enough" in failure.cause
 
 
 def test_what_is_not_open_is_said(stage: StageWorld) -> None:

@@ -19,10 +19,11 @@ class Pulse(Listener):
 
     Args:
         on_alive: Called without arguments; what it raises ends the work.
+        interval: Least time between two calls [s].
     """
 
-    def __init__(self, on_alive: Callable[[], None]) -> None:
-        self._on_alive, self._last = on_alive, time.monotonic()
+    def __init__(self, on_alive: Callable[[], None], interval: float = INTERVAL) -> None:
+        self._on_alive, self._interval, self._last = on_alive, interval, time.monotonic()
 
     def on_reach(self, seconds: float) -> None:
         """A configuration was looked for."""
@@ -37,6 +38,6 @@ class Pulse(Listener):
         self._beat()
 
     def _beat(self) -> None:
-        if time.monotonic() - self._last > INTERVAL:
+        if time.monotonic() - self._last >= self._interval:
             self._last = time.monotonic()
             self._on_alive()

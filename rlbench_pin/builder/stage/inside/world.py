@@ -38,7 +38,6 @@ from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.environment.reset import lay_out
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import BoundaryError, RlbenchPinError
-from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.reader import read_scene
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks.task_file import load_task_file
@@ -69,9 +68,9 @@ class StageWorld:
         self._stale = self._moved = False
 
     @property
-    def model(self) -> RobotModel:
-        """The arm of the open task."""
-        return self._opened("model").runtime.model
+    def runtime(self) -> Runtime:
+        """World, task and planner of the open task."""
+        return self._opened("runtime").runtime
 
     # Building --------------------------------------------------------------------------------------------------------------
 
