@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 from types import TracebackType
 from typing import Any
 
@@ -21,8 +22,8 @@ from rlbench_pin.builder.contracts import (
     TaskText,
     WaypointVerdict,
 )
-from rlbench_pin.builder.stage.faults import NothingOpen
-from rlbench_pin.builder.stage.folder import PrivateFolder
+from rlbench_pin.builder.stage.faults import NothingOpen, StageStopped
+from rlbench_pin.builder.stage.folder import PrivateFolder, check_name
 from rlbench_pin.builder.stage.limits import StageLimits
 from rlbench_pin.builder.stage.link import Link, OnNote
 from rlbench_pin.builder.stage.session import Session
@@ -70,6 +71,11 @@ class StageClient:
         """Number of the process of the world, None before it has answered."""
         return self._session.link.pid
 
+    @property
+    def folder(self) -> Path:
+        """The private folder, which goes away with the server."""
+        return self._folder.path
+
     # Building --------------------------------------------------------------------------------------------------------------
 
     def open(self, text: TaskText, *, run_task: bool, robot: str = "panda") -> OpenedTask:
@@ -87,7 +93,7 @@ class StageClient:
             UnknownRobot: There is no such arm.
             InvalidValue: The name of the task is none.
         """
-        as_record(text, TaskText, _TEXT)
+        check_name(as_record(text, TaskText, _TEXT).name)
         run_task, robot = as_flag(run_task, "run_task"), robot_description(robot).name
         return self._session.open(text, run_task, robot)
 
@@ -149,7 +155,11 @@ class StageClient:
 
     def demonstrate(self, seed: int, variation: int = 0, on_frame: Callable[[Frame], None] | None = None) -> Recording:
         """Reset, play the demonstration once, and return every frame; `on_frame` is called with each while it runs."""
-        recording = self._recording("demonstrate", _episode(seed, variation), on_frame)
+        try:
+            recording = self._recording("demonstrate", _episode(seed, variation), on_frame)
+        except StageStopped:
+            self._session.episode = (seed, variation)
+            raise
         self._session.episode = (seed, variation)
         return recording
 
@@ -249,6 +259,8 @@ def _on(kind: type, callback: Callable[[Any], None] | None, kept: list[Any] | No
     as_function(callback, "a callback")
 
     def noted(name: str, value: Any) -> None:
+        if name == "alive":
+            return
         made: Any = record(kind, value)
         if kept is not None:
             kept.append(made)

@@ -41,7 +41,7 @@ class StageStopped(RlbenchPinError):
 
     def __init__(self, operation: str) -> None:
         self.operation = operation
-        super().__init__(f"`{operation}` was stopped. The next operation starts the simulation anew.")
+        super().__init__(f"`{operation}` was stopped.")
 
 
 class StageBusy(RlbenchPinError):

@@ -19,7 +19,7 @@ class StageLimits:
     open: float = 20.0
     """To build a task."""
     reset: float = 20.0
-    """To lay out an episode."""
+    """Between two layouts that are tried for an episode."""
     place: float = 10.0
     """To move what the scene says elsewhere."""
     reach: float = 5.0

@@ -24,6 +24,9 @@ HOST = "rlbench_pin.builder.stage.inside.host"
 _DUMP_WAIT = 0.5
 """How long a process that hangs is given to say where it is [s]."""
 
+_STOP_WAIT = 1.0
+"""How long what is to stop is given to do so by itself [s]."""
+
 OnNote = Callable[[str, Any], None]
 """Called with the name and the content of what arrives before the answer."""
 
@@ -48,6 +51,7 @@ class Link:
         self._channel: Channel | None = None
         self._pid: int | None = None
         self._running, self._stopped, self._closed = "", False, False
+        self._asked = threading.Event()
         self.generation, self.python = 0, Path()
 
     @property
@@ -60,6 +64,7 @@ class Link:
         with self._guard:
             if self._hosted is not None or self._closed:
                 return
+            self._dump.unlink(missing_ok=True)
             self.generation += 1
             more = (str(self._limits.memory),)
             self._hosted = HostedPolicy("the stage", str(self._dump), HOST, more)
@@ -84,7 +89,7 @@ class Link:
             NothingOpen: No task is open in it.
         """
         with self._guard:
-            self._running, self._stopped = operation, False
+            self._running, self._stopped, self._asked = operation, False, threading.Event()
         answered = False
         try:
             self._make_ready(operation)
@@ -100,14 +105,23 @@ class Link:
                 self._running = ""
             if not answered:
                 self.end()
+            self._asked.set()
         return self._read(operation, message)
 
     def stop(self) -> bool:
-        """End what runs, from another thread; False when nothing does."""
+        """End what runs, from another thread; False when nothing does.
+
+        The process is asked first, and lives on when it ends in time what it is at.
+        """
         with self._guard:
             if not self._running:
                 return False
-            self._stopped = True
+            self._stopped, asked = True, self._asked
+        if self._pid is not None:
+            with contextlib.suppress(OSError):
+                os.kill(self._pid, signal.SIGUSR2)
+            if asked.wait(_STOP_WAIT):
+                return True
         self._kill()
         return True
 
@@ -157,6 +171,8 @@ class Link:
         kind, text = message.get("kind"), str(message["error"])
         if kind == "nothing open":
             raise NothingOpen(operation, text)
+        if kind == "stopped":
+            raise StageStopped(operation)
         if kind != "out of memory":
             raise StageFault("failed", operation, text, self._printed())
         self.end()

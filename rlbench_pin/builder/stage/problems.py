@@ -75,6 +75,8 @@ def _message(error: BaseException) -> str:
         return str(error)
     if isinstance(error, MemoryError):
         return "MemoryError: it takes more memory than the task builder allows. Make less of it."
+    if isinstance(error, SyntaxError):
+        return f"{type(error).__name__}: {error.msg}"
     if isinstance(error, SystemExit):
         return f"SystemExit: the task ends the program ({error.code!r}). Raise an error that says what is wrong instead."
     return "".join(traceback.format_exception_only(error)).strip()
@@ -98,9 +100,9 @@ def scene_line(text: str, error: BaseException) -> int | None:
     """Return the line of a scene that an error is about, from 1; None for the whole file."""
     lines = text.splitlines()
     if isinstance(error, AssetNotFound | AssetInvalid):
-        return _first(lines, 0, len(lines), re.escape(error.path.name) + r'"')
+        return _first(lines, 0, len(lines), re.escape(error.path.name) + """["']""")
     if isinstance(error, UnknownName):
-        return _first(lines, 0, len(lines), '"' + re.escape(str(error.name)) + '"')
+        return _first(lines, 0, len(lines), f"""["']{re.escape(str(error.name))}["']""")
     if not isinstance(error, SceneFileError):
         return None
     if found := _AT_LINE.search(error.problem):
@@ -111,7 +113,7 @@ def scene_line(text: str, error: BaseException) -> int | None:
 def _line_of_place(lines: list[str], where: str) -> int | None:
     """Return the line of what an error calls `[[table]] 'name', key 'key'`, or of its entry."""
     key = _KEY.search(where)
-    last = "" if key is None else key[1].split(".")[0]
+    last = "name" if key is None else key[1].split(".")[0]
     if entry := _ENTRY.search(where):
         begin, end = _entry_lines(lines, entry[1], entry[2])
     elif table := _TABLE.match(where):
@@ -120,7 +122,7 @@ def _line_of_place(lines: list[str], where: str) -> int | None:
         begin, end = 0, len(lines)
     if begin is None:
         return None
-    found = _first(lines, begin, end, rf"^\s*{re.escape(last)}\s*=") if last else None
+    found = _first(lines, begin, end, rf"^\s*{re.escape(last)}\s*=")
     return found or (begin + 1 if end < len(lines) or begin > 0 else None)
 
 

@@ -51,10 +51,10 @@ class Session:
         with self.turn("place"):
             if self._text is None:
                 raise NothingOpen("place")
-            self._text, self.episode = replace(self._text, scene=scene), None
+            before, self._text, self.episode = self._text, replace(self._text, scene=scene), None
             if self._problem is not None or not self._is_open:
                 return self._open()
-            self._folder.write("world", self._text)
+            self.link.python = self._folder.update(self.link.python, before, self._text)
             return self._built("place", {}, self._limits.place)
 
     def ask(self, operation: str, question: dict[str, Any], limit: float, on_note: OnNote | None = None) -> Any:

@@ -7,6 +7,7 @@ import numpy as np
 from rlbench_pin.control.differential_ik import DifferentialIK
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, relative
+from rlbench_pin.values import as_vector
 
 TICKS = 30
 """Control ticks of one step at most."""
@@ -27,7 +28,8 @@ class Follower:
     def follow(self, pose: FloatArray, q: FloatArray) -> tuple[FloatArray, float]:
         """Return the configuration (n,) nearer to a pose (7,), and what is left: the larger of distance [m] and angle [rad]."""
         limits, dt = self.model.limits, self._controller.config.dt
-        q, v = np.clip(q, limits.lower, limits.upper), np.zeros(self.model.size)
+        start = as_vector(q, self.model.size, "configuration")
+        q, v = np.clip(start, limits.lower, limits.upper), np.zeros(self.model.size)
         for _ in range(TICKS):
             if self._left(pose, q) < _THERE:
                 break

@@ -1,7 +1,7 @@
 """What runs in the process of the stage: `python -m rlbench_pin.builder.stage.inside.host SOCKET PIPE DUMP MEMORY`.
 
 It is asked one thing at a time, and answers with `{"ok": ...}` or `{"error": text, "kind": ...}`; on the way it sends
-`{"note": name, "value": ...}`. A file takes the stack of Python at a crash, or when the owner asks for it with SIGUSR1.
+`{"note": name, "value": ...}`. SIGUSR2 ends what it is at. A file takes the stack of Python at a crash, or at SIGUSR1.
 """
 
 from __future__ import annotations
@@ -32,6 +32,10 @@ from rlbench_pin.evaluation.policies.policy_server import Channel, WireError
 Question = Mapping[str, Any]
 
 
+class Stopped(BaseException):
+    """The owner wants no more of the answer."""
+
+
 class Host:
     """Answers what the owner asks.
 
@@ -40,32 +44,38 @@ class Host:
     """
 
     def __init__(self, channel: Channel) -> None:
-        self._channel, self._world = channel, StageWorld()
+        self._channel, self._world, self._stop = channel, StageWorld(), False
         self._calls: dict[str, Callable[[Question], Any]] = {
             "open": lambda q: self._world.open(_pair(q), q["run_task"], q["robot"]),
             "place": lambda q: self._world.place(),
-            "reset": lambda q: self._world.reset(q["seed"], q["variation"]),
+            "reset": lambda q: self._world.reset(q["seed"], q["variation"], self._alive),
             "reach": lambda q: self._world.reach(),
             "follow": lambda q: self._world.follow(q["pose"], q["configuration"]),
             "paths": lambda q: self._world.paths(self._note("path")),
-            "demonstrate": lambda q: self._world.demonstrate(q["seed"], q["variation"], self._note("frame")),
+            "demonstrate": lambda q: self._world.demonstrate(q["seed"], q["variation"], self._note("frame"), self._alive),
             "simulate": lambda q: self._world.simulate(q["seconds"], self._note("frame")),
             "pictures": self._pictures,
             "reach_map": lambda q: self._world.reach_map(q["layouts"], self._note("spot")),
             "judge": self._judge,
         }
 
+    def stop(self) -> None:
+        """End what runs, as soon as it sends anything."""
+        self._stop = True
+
     def serve(self) -> None:
         """Answer until the owner closes the connection."""
         self._channel.send({"ready": os.getpid()})
         with contextlib.suppress(EOFError, OSError, WireError):
             while True:
-                question = self._channel.receive()
+                question, self._stop = self._channel.receive(), False
                 self._channel.send(self._answer(question))
 
     def _answer(self, question: Question) -> dict[str, Any]:
         try:
             return {"ok": plain(self._calls[question["call"]](question))}
+        except Stopped:
+            return {"error": "stopped", "kind": "stopped"}
         except NothingOpen as error:
             return {"error": str(error), "kind": "nothing open"}
         except MemoryError:
@@ -78,8 +88,17 @@ class Host:
             return {"error": "".join(traceback.format_exception_only(error)).strip(), "kind": "failed"}
 
     def _note(self, name: str) -> Callable[[Any], None]:
-        """Return what sends something on the way to the answer."""
-        return lambda value: self._channel.send({"note": name, "value": plain(value)})
+        """Return what sends something on the way to the answer, or ends the answer."""
+
+        def note(value: Any) -> None:
+            if self._stop:
+                raise Stopped
+            self._channel.send({"note": name, "value": plain(value)})
+
+        return note
+
+    def _alive(self) -> None:
+        self._note("alive")(True)
 
     def _pictures(self, question: Question) -> dict[str, Any]:
         frame = None if question["frame"] is None else record(Frame, question["frame"])
@@ -113,7 +132,9 @@ def main() -> None:
         faulthandler.enable(file, all_threads=False)
         faulthandler.register(signal.SIGUSR1, file, all_threads=False)
         limit_memory(memory)
-        Host(Channel(socket.socket(fileno=connection))).serve()
+        host = Host(Channel(socket.socket(fileno=connection)))
+        signal.signal(signal.SIGUSR2, lambda number, stack: host.stop())
+        host.serve()
 
 
 if __name__ == "__main__":

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 
 import numpy as np
 
 from rlbench_pin.builder.contracts import PlannedPath
 from rlbench_pin.builder.stage.inside.reachability import Reacher, Visit
 from rlbench_pin.environment.runtime import Runtime
-from rlbench_pin.errors import PlanningError
+from rlbench_pin.errors import NotStraight, PlanningError
+from rlbench_pin.planning.kinematics.ik import solve_ik
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
 
 MOST_POINTS = 80
 """Points of a path that are shown."""
+OTHER_STARTS = 24
+"""Configurations that are tried where a line cannot be followed from the first one."""
 
 
 def planned_paths(runtime: Runtime, on_path: Callable[[PlannedPath], None]) -> tuple[PlannedPath, ...]:
@@ -39,11 +43,27 @@ def _path(runtime: Runtime, visit: Visit, q: FloatArray) -> tuple[PlannedPath, F
     """Return the path of one leg, and the configuration (n,) from which the next one begins."""
     name = visit.waypoint.frame.name
     try:
-        plan = _plan(runtime, visit, q)
+        plan = _plan_somehow(runtime, visit, q)
     except PlanningError as error:
         reached = visit.verdict.configuration
         return PlannedPath(name, np.zeros((0, 3)), "", str(error)), q if reached is None else reached
     return PlannedPath(name, _tip_points(runtime.model, plan.path), plan.report.method), np.array(plan.path[-1])
+
+
+def _plan_somehow(runtime: Runtime, visit: Visit, q: FloatArray) -> Plan:
+    """Plan from a configuration (n,); a line that cannot be followed from there, from others at the same pose of the tip.
+
+    A demonstration ends the leg before where this one can be followed.
+    """
+    try:
+        return _plan(runtime, visit, q)
+    except NotStraight as error:
+        limits, rng, tip = runtime.model.limits, runtime.planning_rng, runtime.model.tip_pose(q)
+        for _ in range(OTHER_STARTS):
+            with suppress(PlanningError):
+                other = solve_ik(runtime.model, tip, rng.uniform(limits.lower, limits.upper), rng, starts=1)[0]
+                return _plan(runtime, visit, other)
+        raise error
 
 
 def _plan(runtime: Runtime, visit: Visit, q: FloatArray) -> Plan:

@@ -6,7 +6,7 @@ back, so from then on it no longer counts as being in the way.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -15,12 +15,16 @@ from rlbench_pin.builder.contracts import Failure, WaypointVerdict
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.turns import poses_of, runs
 from rlbench_pin.errors import GoalInCollision, NoIkSolution
+from rlbench_pin.planning.kinematics.ik import solve_ik
+from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Waypoint
 
 TURNS = 3
 """Turns of a symmetric hand that are looked at for collisions, those that reach most and move least first."""
+QUICK_STARTS = 6
+"""Descents of a first look; where it finds no free way, all are tried that a plan would try."""
 _HOPELESS = 0.02
 """A tip that stays farther away than this is not brought there by turning the hand about its own z [m]."""
 _SHOWN_PAIRS = 4
@@ -52,11 +56,9 @@ class Walk:
     """Opening fraction."""
     touched: frozenset[str] = frozenset()
     """Bodies that can move and were touched or held."""
+    turn: float = 0.0
+    """Of the hand about its own z [rad]."""
     visits: list[Visit] = field(default_factory=list)
-
-    def copy(self) -> Walk:
-        """Return a walk that goes on from here by itself."""
-        return Walk(self.q, self.tip, self.fingers, self.touched, list(self.visits))
 
 
 class Reacher:
@@ -87,49 +89,54 @@ class Reacher:
         self._planner.update(replace(self._snapshot, fingers=joints, attached=()))
 
     def _best(self, run: Sequence[Waypoint], start: Walk) -> Walk:
-        """Go through a run with the turn of the hand that is free, or else the best of a few."""
+        """Go through a run with the turn of the hand that is free, or else the best of a few, looked at more closely."""
+        hopeless: dict[int, NoIkSolution] = {}
         walks: list[Walk] = []
-        for turn in self._ranked_turns(run, start)[:TURNS]:
-            walk = start.copy()
-            for waypoint in run:
-                self._visit(walk, waypoint, turn)
-            walks.append(walk)
-            if all(visit.verdict.standing == "free" for visit in walk.visits[len(start.visits) :]):
-                break
-        return max(walks, key=lambda walk: [sum(v.verdict.standing == s for v in walk.visits) for s in ("free", "collides")])
+        for turn in self._ranked_turns(run, start, hopeless)[:TURNS]:
+            walks.append(self._walk(run, start, turn, QUICK_STARTS, hopeless))
+            if all(visit.verdict.standing == "free" for visit in walks[-1].visits[len(start.visits) :]):
+                return walks[-1]
+        best = max(walks, key=_merit)
+        return max(best, self._walk(run, start, best.turn, self._planner.config.ik_starts, {}), key=_merit)
 
-    def _ranked_turns(self, run: Sequence[Waypoint], start: Walk) -> list[float]:
+    def _ranked_turns(self, run: Sequence[Waypoint], start: Walk, hopeless: dict[int, NoIkSolution]) -> list[float]:
         """Return the turns of the hand [rad], those that reach most waypoints with least travel first; collisions are ignored."""
         count = run[0].symmetry
         if count == 1:
             return [0.0]
         turns = [2.0 * np.pi * k / count for k in range(count)]
         turns = [turn if turn <= np.pi else turn - 2.0 * np.pi for turn in turns]
-        hopeless: set[int] = set()
         tries = [(self._travel(run, start, turn, hopeless), turn) for turn in turns]
         return [turn for _, turn in sorted(tries, key=lambda tried: (-tried[0][0], tried[0][1]))]
 
-    def _travel(self, run: Sequence[Waypoint], start: Walk, turn: float, hopeless: set[int]) -> tuple[int, float]:
+    def _travel(self, run: Sequence[Waypoint], start: Walk, turn: float, hopeless: dict[int, NoIkSolution]) -> tuple[int, float]:
         """Return how many waypoints of a run are reached, and how far the joints travel for that [rad]."""
-        rng, q, tip, reached, travel = self._runtime.planning_rng, start.q, start.tip, 0, 0.0
+        q, tip, reached, travel = start.q, start.tip, 0, 0.0
         for waypoint in run:
-            pose = poses_of(waypoint, turn, tip)[-1]
-            tip = pose
+            tip = poses_of(waypoint, turn, tip)[-1]
             if waypoint.index in hopeless:
                 continue
             try:
-                q_next = self._planner.reachable(q, pose, rng)
+                q_next = self._solve(q, tip, QUICK_STARTS)
             except NoIkSolution as error:
-                hopeless |= {waypoint.index} if error.position_error > _HOPELESS else set()
+                if error.position_error > _HOPELESS:
+                    hopeless[waypoint.index] = error
                 continue
             reached, travel, q = reached + 1, travel + float(np.abs(q_next - q).max()), q_next
         return reached, travel
 
-    def _visit(self, walk: Walk, waypoint: Waypoint, turn: float) -> None:
+    def _walk(self, run: Sequence[Waypoint], start: Walk, turn: float, starts: int, hopeless: Mapping[int, NoIkSolution]) -> Walk:
+        """Go through a run with one turn of the hand [rad]."""
+        walk = Walk(start.q, start.tip, start.fingers, start.touched, turn, list(start.visits))
+        for waypoint in run:
+            self._visit(walk, waypoint, starts, hopeless.get(waypoint.index))
+        return walk
+
+    def _visit(self, walk: Walk, waypoint: Waypoint, starts: int, out_of_reach: NoIkSolution | None) -> None:
         """Go to one waypoint, and let the hand act there."""
-        poses, allowed = poses_of(waypoint, turn, walk.tip), tuple(sorted(walk.touched))
+        poses, allowed = poses_of(waypoint, walk.turn, walk.tip), tuple(sorted(walk.touched))
         self.show(walk.fingers)
-        verdict = self._verdict(walk.q, waypoint, poses, allowed)
+        verdict = _red(waypoint, poses, out_of_reach) if out_of_reach else self._verdict(walk.q, waypoint, poses, allowed, starts)
         walk.visits.append(Visit(waypoint, poses, walk.fingers, allowed, verdict))
         walk.tip = poses[-1]
         if verdict.configuration is not None:
@@ -147,40 +154,56 @@ class Reacher:
         return frozenset(name for pair in pairs for name in pair if name in self._movable)
 
     def _verdict(
-        self, q: FloatArray, waypoint: Waypoint, poses: Sequence[FloatArray], allowed: tuple[str, ...]
+        self, q: FloatArray, waypoint: Waypoint, poses: Sequence[FloatArray], allowed: tuple[str, ...], starts: int
     ) -> WaypointVerdict:
         """Say how the arm gets from a configuration (n,) to the end of a leg."""
         name, touching = waypoint.frame.name, None
         step = max(1, len(poses) // 4)
         for pose in poses[::-step][::-1]:
             try:
-                q, error = self._reach(q, pose, waypoint.ignore_collisions, allowed)
+                q, error = self._reach(q, pose, starts, waypoint.ignore_collisions, allowed)
                 touching = touching or error
             except NoIkSolution as error:
-                cause = _distance_text(error)
-                return WaypointVerdict(name, "unreachable", cause, poses[-1], None, Failure(cause, name, (), error.nearest))
+                return _red(waypoint, poses, error)
         if touching is None:
             return WaypointVerdict(name, "free", "", poses[-1], q)
         cause = _touch_text(touching)
         return WaypointVerdict(name, "collides", cause, poses[-1], q, Failure(cause, name, touching.pairs))
 
     def _reach(
-        self, q: FloatArray, pose: FloatArray, ignore: bool, allowed: tuple[str, ...]
+        self, q: FloatArray, pose: FloatArray, starts: int, ignore: bool, allowed: tuple[str, ...]
     ) -> tuple[FloatArray, GoalInCollision | None]:
         """Return a configuration at a pose, and what it touches when none is free."""
+        if ignore:
+            return self._solve(q, pose, starts), None
+        collision = self._planner.collision
+        collision.clear()
+        collision.allow(allowed)
+        try:
+            return self._solve(q, pose, starts, collision), None
+        except GoalInCollision as error:
+            return self._solve(q, pose, starts), error
+
+    def _solve(self, q: FloatArray, pose: FloatArray, starts: int, collision: CollisionModel | None = None) -> FloatArray:
         rng = self._runtime.planning_rng
-        if not ignore:
-            try:
-                return self._planner.reachable(q, pose, rng, ignore_collisions=False, allowed=allowed), None
-            except GoalInCollision as error:
-                return self._planner.reachable(q, pose, rng), error
-        return self._planner.reachable(q, pose, rng), None
+        return solve_ik(self._model, pose, q, rng, starts=starts, max_solutions=1, collision=collision)[0]
 
 
 def verdicts(runtime: Runtime) -> tuple[WaypointVerdict, ...]:
     """Return the verdict on every waypoint, in order; those that this episode leaves out are free."""
     found = {visit.waypoint.index: visit.verdict for visit in Reacher(runtime).visits()}
     return tuple(found.get(w.index) or _left_out(w) for w in runtime.task.get_waypoints())
+
+
+def _merit(walk: Walk) -> tuple[int, int]:
+    """Most reached first, then most that are free."""
+    standings = [visit.verdict.standing for visit in walk.visits]
+    return -standings.count("unreachable"), standings.count("free")
+
+
+def _red(waypoint: Waypoint, poses: Sequence[FloatArray], error: NoIkSolution) -> WaypointVerdict:
+    cause, name = _distance_text(error), waypoint.frame.name
+    return WaypointVerdict(name, "unreachable", cause, poses[-1], None, Failure(cause, name, (), error.nearest))
 
 
 def _left_out(waypoint: Waypoint) -> WaypointVerdict:

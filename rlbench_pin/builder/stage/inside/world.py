@@ -24,6 +24,7 @@ from rlbench_pin.builder.stage.inside.following import Follower
 from rlbench_pin.builder.stage.inside.paths import planned_paths
 from rlbench_pin.builder.stage.inside.pictures import camera_pictures
 from rlbench_pin.builder.stage.inside.posing import move_to_frame, move_to_scene, only_moves
+from rlbench_pin.builder.stage.inside.pulse import Pulse
 from rlbench_pin.builder.stage.inside.reachability import verdicts
 from rlbench_pin.builder.stage.inside.standin import stand_in
 from rlbench_pin.builder.stage.problems import Pair, problem_of
@@ -43,8 +44,14 @@ from rlbench_pin.tasks.task_file import load_task_file
 
 RAISED = (Exception, SystemExit, KeyboardInterrupt)
 """What a task may raise."""
+OnAlive = Callable[[], None]
+"""Called now and then while nothing else is; what it raises ends the work."""
 MOST_VARIATIONS = 20
 """Variations that a map of what can be reached is drawn over."""
+
+
+def _silent() -> None:
+    """Nobody listens."""
 
 
 class StageWorld:
@@ -59,6 +66,11 @@ class StageWorld:
         self._episode: tuple[int, int] | None = None
         self._began = 0.0
         self._stale = self._moved = False
+
+    @property
+    def runtime(self) -> Runtime:
+        """World, task and planner of the open task."""
+        return self._opened("runtime").runtime
 
     # Building --------------------------------------------------------------------------------------------------------------
 
@@ -138,12 +150,13 @@ class StageWorld:
 
     # Playing ---------------------------------------------------------------------------------------------------------------
 
-    def reset(self, seed: int, variation: int) -> Recording:
+    def reset(self, seed: int, variation: int, on_alive: OnAlive = _silent) -> Recording:
         """Lay out an episode; its recording is one frame, with a failure when it was refused."""
         environment = self._fresh("reset")
         failure = None
         try:
-            environment.reset(seed=seed, variation=variation)
+            with environment.runtime.listening(Pulse(on_alive)):
+                environment.reset(seed=seed, variation=variation)
         except RAISED as error:
             failure = self._failure(error, environment)
         self._episode, self._moved, self._began = (seed, variation), False, environment.world.time
@@ -153,12 +166,13 @@ class StageWorld:
         except RAISED as error:  # a condition of the task's own
             return Recording((), (), "", (), failure or self._failure(error, environment))
 
-    def demonstrate(self, seed: int, variation: int, on_frame: OnFrame) -> Recording:
+    def demonstrate(self, seed: int, variation: int, on_frame: OnFrame, on_alive: OnAlive = _silent) -> Recording:
         """Reset and play the demonstration; the frames go to `on_frame` alone."""
         environment = self._fresh("demonstrate")
         self._episode, self._moved = (seed, variation), True
         try:
-            recording = record_demonstration(environment, seed, variation, on_frame)
+            with environment.runtime.listening(Pulse(on_alive)):
+                recording = record_demonstration(environment, seed, variation, on_frame)
             return replace(recording, frames=())
         except RAISED as error:
             return replace(self._empty(environment), failure=self._failure(error, environment))
@@ -167,7 +181,7 @@ class StageWorld:
         """Go on from the present moment with the arm held still; the frames go to `on_frame` alone."""
         environment = self._opened("simulate")
         try:
-            if self._episode is None:
+            if self._episode is None and not self._moved:
                 environment = self._begin_in_place()
             since, self._moved = environment.world.time - self._began, True
             environment.runtime.hold()
@@ -194,17 +208,20 @@ class StageWorld:
     def _failure(self, error: BaseException, environment: TaskEnvironment) -> Failure:
         assert self._pair is not None
         problem = problem_of(error, self._pair)
-        if isinstance(error, RlbenchPinError):
-            failure = failure_of(error, "", environment.task)
-            return replace(failure, problem=problem if problem.file == "task" and problem.line else None)
-        return Failure(problem.message, problem=problem)
+        if not isinstance(error, RlbenchPinError):
+            return Failure(problem.message, problem=problem)
+        own = problem if problem.file == "task" and problem.line else None
+        try:
+            return replace(failure_of(error, "", environment.task), problem=own)
+        except RAISED:  # a condition of the task's own
+            return Failure(str(error), problem=own)
 
     # Judging ---------------------------------------------------------------------------------------------------------------
 
     def reach_map(self, layouts: int, on_spot: Callable[[ReachSpot], None]) -> tuple[ReachSpot, ...]:
         """Lay the task out so many times and see which waypoints can be reached; a layout without a place is left out."""
         environment = self._fresh("reach_map")
-        self._episode, self._moved = None, True
+        self._episode, self._moved = None, False
         variations = drawn_variations(environment.variation_count(), MOST_VARIATIONS)
         spots: list[ReachSpot] = []
         for seed in range(layouts):
@@ -214,6 +231,7 @@ class StageWorld:
                 continue
             spots.append(ReachSpot(reach.place, reach.reached, reach.spots, reach.free))
             on_spot(spots[-1])
+        environment.world.restore(environment.world.origin)
         return tuple(spots)
 
     # What is open ----------------------------------------------------------------------------------------------------------

@@ -1,0 +1,116 @@
+"""Whether the hand gets to each waypoint: free, touching something, out of reach, each with the reason."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rlbench_pin.builder.contracts import TaskText, WaypointVerdict
+from rlbench_pin.builder.stage.inside.world import StageWorld
+from rlbench_pin.spatial import rotation_distance
+from tests.builder.stage.conftest import Copied, Opened
+
+_WALLS = "".join(
+    f'\n[[body]]\nname = "wall{number}"\nasset = "objects/cube/cube.urdf"\nfixed = true\n'
+    f'parent = "saucepan"\npose = [{x}, {y}, 0.27]\nscale = 2.0\n'
+    for number, (x, y) in enumerate([(0.09, 0.0), (-0.09, 0.0), (0.0, 0.09), (0.0, -0.09)])
+)
+
+
+def _moved(text: TaskText, x: float) -> TaskText:
+    return replace(text, scene=re.sub(r"(saucepan.urdf\"\nfixed = true)", rf"\1\npose = [{x}, 0.0, 0.0]", text.scene))
+
+
+def _standings(verdicts: tuple[WaypointVerdict, ...]) -> list[str]:
+    return [verdict.standing for verdict in verdicts]
+
+
+def test_free_waypoints_have_a_configuration(copied: Copied, opened: Opened, stage: StageWorld) -> None:
+    """The tip is at the pose there, which is turned about its own z where the hand is symmetric."""
+    opened(copied("take_lid_off_saucepan"))
+    verdicts = stage.reach()
+    assert _standings(verdicts) == ["free"] * 3
+    for verdict in verdicts:
+        assert verdict.configuration is not None
+        tip = stage.runtime.model.tip_pose(verdict.configuration)
+        assert np.abs(tip[:3] - verdict.pose[:3]).max() < 1e-5
+        assert rotation_distance(tip, verdict.pose) < 1e-4
+
+
+def test_a_waypoint_out_of_reach_is_red(copied: Copied, opened: Opened, stage: StageWorld) -> None:
+    """With the nearest pose, and how much is missing to it."""
+    opened(_moved(copied("take_lid_off_saucepan"), 0.5))
+    for verdict in stage.reach():
+        assert verdict.standing == "unreachable"
+        assert verdict.configuration is None
+        assert verdict.failure is not None
+        assert verdict.failure.nearest is not None
+        missing = float(np.linalg.norm(verdict.failure.nearest[:3] - verdict.pose[:3]))
+        said = re.search(r"([\d.]+) cm too far", verdict.cause)
+        assert said is not None
+        assert float(said[1]) == pytest.approx(100.0 * missing, abs=0.5)
+        assert 10.0 < 100.0 * missing < 40.0
+
+
+def test_a_waypoint_inside_things_is_amber(copied: Copied, opened: Opened, stage: StageWorld) -> None:
+    """With the pairs that touch, a link of the arm and a body, and where the arm would be; so it is with a layout of a reset."""
+    text = copied("take_lid_off_saucepan")
+    held = opened(replace(text, scene=text.scene + _WALLS))
+    assert held.problems == ()
+    first, grasp, lift = stage.reach()
+    assert (first.standing, grasp.standing, lift.standing) == ("collides", "collides", "free")
+    for verdict in (first, grasp):
+        assert verdict.configuration is not None
+        assert verdict.failure is not None
+        assert any(thing.startswith("wall") for pair in verdict.failure.pairs for thing in pair)
+        assert "touches something: panda_" in verdict.cause
+    assert _standings(opened_reset(stage)) == ["collides", "collides", "free"]
+
+
+def opened_reset(stage: StageWorld) -> tuple[WaypointVerdict, ...]:
+    """Lay out an episode and look again."""
+    assert stage.reset(1, 0).failure is None
+    return stage.reach()
+
+
+def test_what_the_hand_has_held_is_not_in_its_way(copied: Copied, opened: Opened, stage: StageWorld) -> None:
+    """After the lid was grasped the hand may come back to where it lay; otherwise the lid is in the way."""
+    text = copied("take_lid_off_saucepan")
+    back = '\n[[waypoint]]\nname = "waypoint3"\nparent = "lid"\npose = [0.0, 0.0, -0.06]\nrpy = [3.1415927, 0.0, 3.1415927]\n'
+    opened(replace(text, scene=text.scene + back))
+    assert stage.reach()[3].standing == "free"
+    above = text.scene.replace('parent = "lid"\nrpy', 'parent = "lid"\npose = [0.0, 0.0, 0.3]\nrpy')
+    opened(replace(text, scene=above + back))
+    assert stage.reach()[3].standing == "collides"
+
+
+@pytest.mark.parametrize("name", ["put_item_in_drawer", "open_door", "empty_dishwasher"])
+def test_waypoints_of_the_library_are_free(copied: Copied, opened: Opened, stage: StageWorld, name: str) -> None:
+    """Doors and drawers that were moved on the way are not in the way afterwards; what is planned leads to every one."""
+    opened(copied(name))
+    assert set(_standings(opened_reset(stage))) == {"free"}
+    paths = stage.paths(lambda path: None)
+    assert [path.cause for path in paths] == [""] * len(paths)
+    for path, verdict in zip(paths, stage.reach(), strict=True):
+        assert path.waypoint == verdict.waypoint
+        assert np.abs(path.points[-1] - verdict.pose[:3]).max() < 1e-3
+    for before, after in zip(paths, paths[1:]):
+        assert np.abs(before.points[-1] - after.points[0]).max() < 1e-3
+
+
+def test_the_arm_follows_a_dragged_hand(copied: Copied, opened: Opened, stage: StageWorld) -> None:
+    """Near poses are reached, far ones come as near as joint limits allow, and the arm never leaves them."""
+    opened(copied("push_button"))
+    home = np.array(stage.runtime.model.home)
+    tip = stage.runtime.model.tip_pose(home)
+    q, error = stage.follow(tip + np.array([0.05, 0.03, -0.04, 0, 0, 0, 0]), home)
+    assert error < 1e-3
+    assert np.abs(stage.runtime.model.tip_pose(q)[:3] - tip[:3] - [0.05, 0.03, -0.04]).max() < 1e-3
+    far = tip + np.array([1.5, 0.0, 0.0, 0, 0, 0, 0])
+    for _ in range(5):
+        q, error = stage.follow(far, q)
+    assert 0.5 < error < 1.5
+    assert stage.runtime.model.limits.contains(q)
