@@ -29,12 +29,17 @@ class TaskDocument:
         pair: Where the files lie.
         texts: What they say.
         saved: What they say on disk; None for a file that is not there yet.
+        unfinished: Texts of a save that did not come to an end, which become the first edit.
     """
 
-    def __init__(self, pair: Pair, texts: Texts, saved: tuple[bytes | None, bytes | None]) -> None:
+    def __init__(
+        self, pair: Pair, texts: Texts, saved: tuple[bytes | None, bytes | None], unfinished: Texts | None = None
+    ) -> None:
         self._pair, self._history, self._saved = pair, History(texts), saved
         self._reading = Reading(pair, texts)
         self._left: tuple[str, ...] = ()
+        if unfinished is not None:
+            self._take("unfinished save", unfinished)
 
     @classmethod
     def open(cls, path: Path | str) -> TaskDocument:
@@ -56,10 +61,7 @@ class TaskDocument:
         pair = Pair(path.parent, path.stem)
         unfinished = recover(pair)
         saved = read_pair(pair)
-        document = cls(pair, decoded(pair, saved), saved)
-        if unfinished is not None:
-            document._take("unfinished save", decoded(pair, unfinished))
-        return document
+        return cls(pair, decoded(pair, saved), saved, None if unfinished is None else decoded(pair, unfinished))
 
     @classmethod
     def new(cls, folder: Path | str, name: str) -> TaskDocument:

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from rlbench_pin.builder.document.behaviour import mentions
-from rlbench_pin.builder.document.behaviour.source import PythonSyntaxError, Source
 from rlbench_pin.builder.document.errors import EditRefused, HasDependants
 from rlbench_pin.builder.document.history import Texts
+from rlbench_pin.builder.document.python_text import mentions
+from rlbench_pin.builder.document.python_text.source import PythonSyntaxError, Source
 from rlbench_pin.builder.document.scene_text import names as scene_names
 from rlbench_pin.builder.document.scene_text.arrays import detached, with_pose
 from rlbench_pin.builder.document.scene_text.edits import with_entry, with_keys, without_entry

@@ -8,8 +8,8 @@ from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from rlbench_pin.builder.contracts import Problem
-from rlbench_pin.builder.document.behaviour.mentions import Lookup, lookups
-from rlbench_pin.builder.document.behaviour.source import Source
+from rlbench_pin.builder.document.python_text.mentions import Lookup, lookups
+from rlbench_pin.builder.document.python_text.source import Source
 from rlbench_pin.builder.document.scene_text.layout import line_of
 from rlbench_pin.builder.document.scene_text.scene_text import SceneText
 from rlbench_pin.errors import AssetInvalid, AssetNotFound, RlbenchPinError, SceneFileError, nearest_name
@@ -35,7 +35,7 @@ def scene_problem(text: str, error: RlbenchPinError) -> Problem:
 def python_problems(source: Source, name: str, spec: SceneSpec | None) -> tuple[Problem, ...]:
     """Return what is wrong with a Python file that can be read: no class of the task, names that the scene lacks."""
     found = [_unknown(lookup, spec) for lookup in lookups(source)] if spec is not None else []
-    return (*_class_problem(source, name), *(problem for problem in found if problem is not None))
+    return (*_class_problem(source, name), *dict.fromkeys(problem for problem in found if problem is not None))
 
 
 def _scene_line(text: str, error: SceneFileError) -> int | None:

@@ -17,13 +17,13 @@ from rlbench_pin.builder.document.behaviour.class_words import (
 from rlbench_pin.builder.document.behaviour.conditions import FAILURE, SUCCESS, Conditions, read_conditions, written_conditions
 from rlbench_pin.builder.document.behaviour.forms import ConditionForm, SpawnForm, Written
 from rlbench_pin.builder.document.behaviour.graspable import read_graspable, written_graspable
-from rlbench_pin.builder.document.behaviour.imports import with_imports
 from rlbench_pin.builder.document.behaviour.placements import read_placements, written_placements
 from rlbench_pin.builder.document.behaviour.sentences import Sentences, read_sentences, written_sentences
-from rlbench_pin.builder.document.behaviour.source import PythonSyntaxError, Source
-from rlbench_pin.builder.document.behaviour.task_class import TaskClass
 from rlbench_pin.builder.document.behaviour.tidy import tidied
 from rlbench_pin.builder.document.errors import EditRefused
+from rlbench_pin.builder.document.python_text.imports import with_imports
+from rlbench_pin.builder.document.python_text.source import PythonSyntaxError, Source
+from rlbench_pin.builder.document.python_text.task_class import TaskClass
 from rlbench_pin.values import as_choice, as_flag, as_names, as_record, as_several, as_text, as_whole
 
 Field = Literal[

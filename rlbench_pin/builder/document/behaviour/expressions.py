@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping
 
 from rlbench_pin.builder.document.behaviour.forms import Argument, ConditionForm, Named, Written
 from rlbench_pin.builder.document.behaviour.kinds import arguments_of, kind_of
-from rlbench_pin.builder.document.behaviour.mentions import LOOKUPS
-from rlbench_pin.builder.document.behaviour.source import Source, text_of
-from rlbench_pin.builder.document.behaviour.task_class import Binding, is_own
+from rlbench_pin.builder.document.python_text.mentions import LOOKUPS
+from rlbench_pin.builder.document.python_text.source import Source, text_of
+from rlbench_pin.builder.document.python_text.task_class import Binding, is_own
 
 _DEEPEST = 12
 _TURNED = ("np.deg2rad", "np.radians", "math.radians")

@@ -28,7 +28,8 @@ _KINDS: Mapping[str, ParameterKind] = {
     "Sequence[Body | Frame]": "places",
 }
 """Type of an argument -> what a form asks for."""
-_ARGUMENT = re.compile(r"^ *(\w+): (.*(?:\n +(?!\w+: ).*)*)", re.MULTILINE)
+_ARGUMENT = re.compile(r"^    (?=\w+:)", re.MULTILINE)
+"""Where what is said of an argument begins."""
 
 
 @cache
@@ -73,7 +74,9 @@ def _argument_texts(cls: type[Condition]) -> dict[str, str]:
     texts: dict[str, str] = {}
     for base in reversed(cls.__mro__):
         _, _, said = inspect.cleandoc(base.__doc__ or "").partition("\nArgs:\n")
-        texts |= {name: " ".join(text.split()) for name, text in _ARGUMENT.findall(said)}
+        for part in _ARGUMENT.split(said)[1:]:
+            name, _, text = part.partition(":")
+            texts[name] = " ".join(text.split())
     return texts
 
 

@@ -6,8 +6,8 @@ import ast
 
 from rlbench_pin.builder.document.behaviour.expressions import named_thing
 from rlbench_pin.builder.document.behaviour.kinds import kind_of
-from rlbench_pin.builder.document.behaviour.source import Function, Source
-from rlbench_pin.builder.document.behaviour.writing import without
+from rlbench_pin.builder.document.python_text.source import Function, Source
+from rlbench_pin.builder.document.python_text.writing import without
 
 
 def tidied(old: Source, text: str) -> str:
