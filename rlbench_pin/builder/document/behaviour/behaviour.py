@@ -19,6 +19,7 @@ from rlbench_pin.builder.document.behaviour.forms import ConditionForm, SpawnFor
 from rlbench_pin.builder.document.behaviour.graspable import read_graspable, written_graspable
 from rlbench_pin.builder.document.behaviour.placements import read_placements, written_placements
 from rlbench_pin.builder.document.behaviour.sentences import Sentences, read_sentences, written_sentences
+from rlbench_pin.builder.document.behaviour.shared import with_attributes
 from rlbench_pin.builder.document.behaviour.tidy import tidied
 from rlbench_pin.builder.document.errors import EditRefused
 from rlbench_pin.builder.document.python_text.imports import with_imports
@@ -111,7 +112,7 @@ class Behaviour:
         if text is None:
             raise EditRefused(f"change {name}", "the Python cannot say it in a form that can be edited.", "Edit the text.")
         try:
-            return with_imports(source, tidied(source, text))
+            return with_imports(source, with_attributes(source, tidied(source, text)))
         except PythonSyntaxError as error:
             raise EditRefused(f"change {name}", f"it would not be Python any more: {error}.", "Edit the text.") from error
 

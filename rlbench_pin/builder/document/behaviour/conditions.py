@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from rlbench_pin.builder.document.behaviour.expressions import Reader, expression, named_thing, number_text
 from rlbench_pin.builder.document.behaviour.forms import Argument, ConditionForm, Named, Written
-from rlbench_pin.builder.document.python_text.layout import laid_out
+from rlbench_pin.builder.document.python_text.layout import laid_out, one_line
 from rlbench_pin.builder.document.python_text.source import Replacement, Source
 from rlbench_pin.builder.document.python_text.task_class import Binding, TaskClass
 from rlbench_pin.builder.document.python_text.writing import below, new_list, without
@@ -77,9 +77,13 @@ def _new_items(source: Source, found: _Registered, before: list[str], texts: lis
     changed = new_list(source, found.items, before, texts)
     start, end = source.span(found.call)
     indent = source.text[source.text.rfind("\n", 0, start) + 1 : start]
-    if indent.strip() or any("\n" in text for text in texts) or (changed and changed[0][0] != source.span(found.items)[0]):
+    if (
+        indent.strip()
+        or any("\n" in one_line(text) for text in texts)
+        or (changed and changed[0][0] != source.span(found.items)[0])
+    ):
         return changed
-    call = f"{source.part(found.call.func)}([{', '.join(texts)}])"
+    call = f"{source.part(found.call.func)}([{', '.join(map(one_line, texts))}])"
     return [(start, end, laid_out(call, indent, len(indent)))] if before != texts else []
 
 

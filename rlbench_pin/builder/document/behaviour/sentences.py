@@ -17,6 +17,7 @@ Sentences = tuple[tuple[str, ...], ...]
 """One group for all variations, or one for each."""
 Groups = list[ast.List | ast.Tuple]
 _PLAIN_F_STRING = re.compile(r"""f(["'])(?!\1)(.*)\1""")
+_ESCAPED_QUOTE = re.compile(r"""\\(["'])""")
 _FIELD = re.compile(r"\{([^{}]*)\}")
 _TABLE, _TABLE_WORDS = "SENTENCES", '"""What is said in each variation."""'
 
@@ -144,7 +145,8 @@ def _sentence(source: Source, node: ast.expr) -> str | None:
     if plain is not None or not isinstance(node, ast.JoinedStr):
         return plain
     found = _PLAIN_F_STRING.fullmatch(source.part(node))
-    return found[2] if found is not None and "\\" not in found[2] else None
+    plain = _ESCAPED_QUOTE.sub(r"\1", found[2]) if found is not None else "\\"
+    return None if "\\" in plain else plain
 
 
 def _fields(node: ast.expr) -> set[str]:
@@ -163,5 +165,6 @@ def _written(sentence: str, fields: set[str]) -> str:
     said = [field.partition(":")[0].partition("!")[0] for field in _FIELD.findall(sentence)]
     if not said or not set(said) <= fields:
         return quoted(sentence)
-    quote = "'" if '"' in sentence else '"'
-    return f"f{quote}{sentence}{quote}"
+    if '"' in "".join(said) or "'" in "".join(said):
+        return quoted(sentence)
+    return f"f{quoted(sentence)}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Sequence
 
 LONGEST_LINE = 130
@@ -26,6 +27,15 @@ def laid_out(text: str, indent: str, before: int, behind: int = 0) -> str:
         return f"{head}\n{_each(text, node.elts, indent + INDENT)}{indent}{tail}"
     if isinstance(node, ast.Call) and (node.args or node.keywords):
         return _call(text, node, indent)
+    return text
+
+
+def one_line(text: str) -> str:
+    """Return an expression on one line, where no comment keeps it on several."""
+    if "\n" not in text or "#" in text or '"""' in text:
+        return text
+    for pattern, new in ((r",\s*\n\s*(?=[\])])", ""), (r",\s*\n\s*", ", "), (r"\s*\n\s*", "")):
+        text = re.sub(pattern, new, text)
     return text
 
 
