@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from rlbench_pin.builder.document import ConditionForm, DocumentError, Named, TaskDocument
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.scene import SceneSpec
+from rlbench_pin.scene.spec import PosedSpec
 
 Edit = Callable[[TaskDocument, SceneSpec, np.random.Generator], object]
 
 
 def _name(spec: SceneSpec, rng: np.random.Generator) -> str:
-    return str(rng.choice([thing.name for thing in spec.posed()]))
+    return _one(spec.posed(), rng)
+
+
+def _one(things: Sequence[PosedSpec], rng: np.random.Generator) -> str:
+    """Return the name of one of them, or one that nothing has."""
+    return str(rng.choice([thing.name for thing in things] or ["nothing"]))
 
 
 def _pose(rng: np.random.Generator) -> list[float]:
@@ -37,11 +43,11 @@ def _reparent(document: TaskDocument, spec: SceneSpec, rng: np.random.Generator)
 
 
 def _recolor(document: TaskDocument, spec: SceneSpec, rng: np.random.Generator) -> object:
-    return document.set(str(rng.choice([body.name for body in spec.body])), "color", rng.uniform(0, 1, 3))
+    return document.set(_one(spec.body, rng), "color", rng.uniform(0, 1, 3))
 
 
 def _change_waypoint(document: TaskDocument, spec: SceneSpec, rng: np.random.Generator) -> object:
-    name = f"waypoint{rng.integers(len(spec.waypoint))}"
+    name = f"waypoint{rng.integers(len(spec.waypoint) + 1)}"
     return document.set_several(name, {"gripper": float(rng.uniform()), "ignore_collisions": bool(rng.integers(2))})
 
 
@@ -54,7 +60,7 @@ def _add(document: TaskDocument, spec: SceneSpec, rng: np.random.Generator) -> o
         "waypoint": {"gripper": "open"},
     }
     table = str(rng.choice(sorted(values)))
-    return document.add(table, {**values[table], "parent": _name(spec, rng), "pose": _pose(rng)})
+    return document.add(table, {**values[table], "parent": _name(spec, rng) if spec.body else "root", "pose": _pose(rng)})
 
 
 def _insert(document: TaskDocument, spec: SceneSpec, rng: np.random.Generator) -> object:
@@ -70,7 +76,7 @@ def _delete(document: TaskDocument, spec: SceneSpec, rng: np.random.Generator) -
 
 
 def _rename(document: TaskDocument, spec: SceneSpec, rng: np.random.Generator) -> object:
-    name = str(rng.choice([thing.name for thing in (*spec.body, *spec.frame, *spec.sensor)]))
+    name = _one((*spec.body, *spec.frame, *spec.sensor), rng)
     return document.rename(name, f"thing_{rng.integers(1000)}")
 
 
@@ -94,7 +100,7 @@ def _say(document: TaskDocument, spec: SceneSpec, rng: np.random.Generator) -> o
 
 
 def _succeed(document: TaskDocument, spec: SceneSpec, rng: np.random.Generator) -> object:
-    body = Named("body", str(rng.choice([body.name for body in spec.body])))
+    body = Named("body", _one(spec.body, rng))
     return document.set_behaviour("success", [*(document.behaviour.success or ()), ConditionForm("Grasped", {"body": body})])
 
 

@@ -17,7 +17,7 @@ _FINE = 1e-3
 _EXACT_DIGITS = 7
 _NICE_ANGLE, _NEAR_NICE = math.pi / 12.0, 1e-4
 """Angles as near to a multiple of 15 degrees are written as that [rad]."""
-_LENGTHS = frozenset({"pose", "points", "size", "footprint", "footprint_center", "color"})
+_FOUR_DIGITS = frozenset({"pose", "points", "size", "footprint", "footprint_center", "color", "scale", "gripper", "position"})
 _LONGEST_LINE = 120
 KEYS = (
     "name", "asset", "parent", "pose", "rpy", "poses", "static", "yaw", "footprint", "footprint_center", "shape", "size",
@@ -48,7 +48,7 @@ def rounded(key: str, value: float) -> float:
     """Round a number that is said of a key."""
     if key in ("yaw", "rpy", "angle"):
         return rounded_angle(value)
-    if key not in _LENGTHS:
+    if key not in _FOUR_DIGITS:
         return round(float(value), OTHER_DIGITS) + 0.0
     if key == "size" and 0.0 < abs(value) < _FINE:
         return float(f"{value:.2g}")
