@@ -21,7 +21,7 @@ from rlbench_pin.urdf import read_urdf
 _AT_LINE = re.compile(r"\(at line (\d+), column \d+\)")
 _ENTRY = re.compile(r"\[\[(\w+)\]\] '(.*?)'(?:, key '(.*?)')?$")
 _TABLE = re.compile(r"\[(\w+)\], key '(.*?)'$")
-_KEY = re.compile(r"key '(\w+)'$")
+_KEY = re.compile(r"(?:key '(\w+)'|\[\[(\w+)\]\])$")
 
 
 def scene_problem(text: str, error: RlbenchPinError) -> Problem:
@@ -72,8 +72,9 @@ def _place(scene: SceneText, where: str) -> int | None:
         item = section.item(table[2].partition(".")[0])
         return section.heading if item is None else item.start
     if key is not None:
-        item = scene.sections[0].item(key[1])
-        place = next((section.heading for section in scene.sections if section.path[:1] == (key[1],)), None)
+        name = key[1] or key[2]
+        item = scene.sections[0].item(name)
+        place = next((section.heading for section in scene.sections if section.path[:1] == (name,)), None)
         return item.start if item else place if place is not None else 0
     return None
 

@@ -59,9 +59,9 @@ def plain(key: str, value: object) -> object:
     """Turn a value into what TOML has: lists, rounded numbers, tables without keys that say nothing."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
-    if isinstance(value, bool | str | int):
+    if isinstance(value, bool | str) or (key == "symmetry" and isinstance(value, int)):
         return value
-    if isinstance(value, float):
+    if isinstance(value, int | float):
         return rounded(key, as_number(value, key))
     if isinstance(value, Mapping):
         return {inner: plain(inner, item) for inner, item in value.items() if item is not None}
