@@ -7,7 +7,8 @@ import re
 from collections.abc import Mapping
 from functools import cache
 
-from rlbench_pin.builder.document.behaviour.forms import ConditionKind, Parameter, ParameterKind
+from rlbench_pin.builder.document.behaviour.forms import ConditionForm, ConditionKind, Parameter, ParameterKind
+from rlbench_pin.errors import InvalidValue, UnknownName
 from rlbench_pin.tasks import conditions
 from rlbench_pin.tasks.conditions import Condition
 
@@ -49,6 +50,28 @@ def arguments_of(kind: str) -> Mapping[str, str]:
 def kind_of(name: str) -> ConditionKind | None:
     """Return the condition of that name, None when no form can make it."""
     return next((kind for kind in condition_kinds() if kind.name == name), None)
+
+
+def check_form(form: ConditionForm) -> None:
+    """Check that a condition can be made of what a form says, and so for those within it.
+
+    Raises:
+        UnknownName: There is no such condition, or it has no such argument.
+        InvalidValue: An argument is missing.
+    """
+    kind = kind_of(form.kind)
+    if kind is None:
+        raise UnknownName("condition that forms can make", form.kind, [kind.name for kind in condition_kinds()])
+    known = [parameter.name for parameter in kind.parameters]
+    for name, value in form.arguments.items():
+        if name not in known:
+            raise UnknownName(f"argument of {form.kind}", name, known)
+        for part in value if isinstance(value, tuple | list) else (value,):
+            if isinstance(part, ConditionForm):
+                check_form(part)
+    for parameter in kind.parameters:
+        if parameter.required and parameter.name not in form.arguments:
+            raise InvalidValue(f"{parameter.name} of {form.kind}", None, "has to be given", parameter.text)
 
 
 def _kind(cls: type[Condition]) -> ConditionKind | None:
