@@ -214,14 +214,14 @@ class TaskDocument:
         """Put another text in the place of the Python, also one that is not valid."""
         self._take("edit the Python as text", (self.scene_text, as_text(text, "Python text")), merge)
 
-    def set_behaviour(self, field: str, value: Any) -> None:
+    def set_behaviour(self, field: str, value: Any, merge: str = "") -> None:
         """Change what a form shows of the Python, such as `instructions`; hand-written parts stay as they are.
 
         Raises:
             EditRefused: The Python is not of a form that can be edited so.
         """
         text = self.behaviour.written(field, value)
-        self._take(f"change {field.replace('_', ' ')}", (self.scene_text, text))
+        self._take(f"change {field.replace('_', ' ')}", (self.scene_text, text), merge)
 
     def undo(self) -> str:
         """Take the last edit back, and return its name; empty when there is none."""

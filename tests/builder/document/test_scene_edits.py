@@ -227,3 +227,72 @@ def test_a_file_of_format_1_keeps_its_ways(document: TaskDocument) -> None:
     document.set_placement("pose", [0.25, 0.0, 0.8])
     assert "pose = [0.0, 0.0, 0.1, 1.0, 0.0, 0.0, 0.0]\n" in document.scene_text
     assert "[placement]\npose = [0.25, 0.0, 0.8]\nstatic = true\n" in document.scene_text
+
+
+STYLES = """\
+format = 2
+
+[[ body ]]   # a [[frame]] in a comment
+"name" = 'lamp'
+asset = "objects/desk_lamp/desk_lamp.urdf"
+pose = [ # where
+    0.1,  # x
+    0.2,
+    0.0 ]
+
+[[joint]]
+name = "LAMP/JOINT"
+[joint.spring]
+stiffness = 1.0
+
+[[frame]]
+name = "a"
+
+[[waypoint]]
+name = "waypoint0"
+path = "curve"
+arc.axis = [0.0, 0.0, 1.0]
+arc.angle = 1.0
+
+[[departure]]
+name = "words"
+specified = '''
+[[frame]]
+name = "b" # ]'''
+here = "a \\" # [ {"
+reason = \"\"\"
+x = 1\"\"\"
+"""
+
+
+def test_other_ways_to_write_the_same_are_understood(document: TaskDocument) -> None:
+    """Comments within lists, tables within entries, dotted keys, headings within texts."""
+    body, joint = "carton", "carton/lid_hinge"
+    text = STYLES.replace("lamp'", f"{body}'").replace("objects/desk_lamp/desk_lamp.urdf", "objects/carton/carton.urdf")
+    document.set_scene_text(text.replace("LAMP/JOINT", joint))
+    assert document.problems == (), document.problems
+    before = document.scene_text
+    document.set(body, "pose", [0.1, 0.25, 0.0])
+    assert document.scene_text == before.replace("0.2,", "0.25,")
+    document.set(joint, "friction", 0.5)
+    assert f'name = "{joint}"\nfriction = 0.5\n[joint.spring]' in document.scene_text
+    document.set(joint, "spring", {"stiffness": 2.0})
+    assert "friction = 0.5\nspring = { stiffness = 2.0 }\n\n[[frame]]" in document.scene_text
+    document.set("waypoint0", "arc", {"axis": [0.0, 0.0, 1.0], "angle": 0.5})
+    assert 'path = "curve"\narc = { axis = [0.0, 0.0, 1.0], angle = 0.5 }\n\n[[departure]]' in document.scene_text
+    document.rename("a", "c")
+    document.add("frame", {})
+    assert 'name = "c"\n\n[[frame]]\nname = "frame"\n\n[[waypoint]]' in document.scene_text
+    assert document.scene_text.endswith(before[before.index("[[departure]]") :]) and document.problems == ()
+
+
+@pytest.mark.parametrize("value", ["abc", 3, None, [[1]], {"x": 1}, object(), [None] * 3, [True, False, True]])
+@pytest.mark.parametrize("key", ["pose", "points", "arc", "size", "gripper"])
+def test_values_of_any_kind_are_refused_in_our_words(document: TaskDocument, key: str, value: object) -> None:
+    """Or they are the default, or the value is one that can be."""
+    before = document.scene_text
+    try:
+        document.set("waypoint0", key, value)
+    except RlbenchPinError:
+        assert document.scene_text == before
+    assert document.problems == ()

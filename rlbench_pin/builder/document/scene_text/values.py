@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import tomlkit
 
+from rlbench_pin.errors import InvalidValue
 from rlbench_pin.values import as_number
 
 LENGTH_DIGITS, OTHER_DIGITS = 4, 6
@@ -67,7 +68,7 @@ def plain(key: str, value: object) -> object:
         return {inner: plain(inner, item) for inner, item in value.items() if item is not None}
     if isinstance(value, Sequence):
         return [plain(key, item) for item in value]
-    return value
+    raise InvalidValue(key, value, "has to be a text, a number, true or false, or a list or a table of such")
 
 
 def literal(value: object, column: int = 0) -> str:
