@@ -29,12 +29,17 @@ class TaskDocument:
         pair: Where the files lie.
         texts: What they say.
         saved: What they say on disk; None for a file that is not there yet.
+        unfinished: Texts of a save that did not come to an end, which become the first edit.
     """
 
-    def __init__(self, pair: Pair, texts: Texts, saved: tuple[bytes | None, bytes | None]) -> None:
+    def __init__(
+        self, pair: Pair, texts: Texts, saved: tuple[bytes | None, bytes | None], unfinished: Texts | None = None
+    ) -> None:
         self._pair, self._history, self._saved = pair, History(texts), saved
         self._reading = Reading(pair, texts)
         self._left: tuple[str, ...] = ()
+        if unfinished is not None:
+            self._take("unfinished save", unfinished)
 
     @classmethod
     def open(cls, path: Path | str) -> TaskDocument:
@@ -56,10 +61,7 @@ class TaskDocument:
         pair = Pair(path.parent, path.stem)
         unfinished = recover(pair)
         saved = read_pair(pair)
-        document = cls(pair, decoded(pair, saved), saved)
-        if unfinished is not None:
-            document._take("unfinished save", decoded(pair, unfinished))
-        return document
+        return cls(pair, decoded(pair, saved), saved, None if unfinished is None else decoded(pair, unfinished))
 
     @classmethod
     def new(cls, folder: Path | str, name: str) -> TaskDocument:
@@ -212,14 +214,14 @@ class TaskDocument:
         """Put another text in the place of the Python, also one that is not valid."""
         self._take("edit the Python as text", (self.scene_text, as_text(text, "Python text")), merge)
 
-    def set_behaviour(self, field: str, value: Any) -> None:
+    def set_behaviour(self, field: str, value: Any, merge: str = "") -> None:
         """Change what a form shows of the Python, such as `instructions`; hand-written parts stay as they are.
 
         Raises:
             EditRefused: The Python is not of a form that can be edited so.
         """
         text = self.behaviour.written(field, value)
-        self._take(f"change {field.replace('_', ' ')}", (self.scene_text, text))
+        self._take(f"change {field.replace('_', ' ')}", (self.scene_text, text), merge)
 
     def undo(self) -> str:
         """Take the last edit back, and return its name; empty when there is none."""

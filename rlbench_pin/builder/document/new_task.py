@@ -26,11 +26,11 @@ class $cls(Task):
     """$title."""
 
     def init_task(self) -> None:
-        """Say what success is."""
+        """Look things up, and say what success is."""
         self.register_success_conditions([])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences."""
+        """Lay out the episode, and return the sentences."""
         return ["$title."]
 ''')
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from rlbench_pin.builder.document.behaviour import mentions
-from rlbench_pin.builder.document.behaviour.source import PythonSyntaxError, Source
 from rlbench_pin.builder.document.errors import EditRefused, HasDependants
 from rlbench_pin.builder.document.history import Texts
+from rlbench_pin.builder.document.python_text import mentions
+from rlbench_pin.builder.document.python_text.source import PythonSyntaxError, Source
 from rlbench_pin.builder.document.scene_text import names as scene_names
 from rlbench_pin.builder.document.scene_text.arrays import detached, with_pose
 from rlbench_pin.builder.document.scene_text.edits import with_entry, with_keys, without_entry
@@ -51,7 +51,7 @@ def changed(scene: SceneText, python: str, name: str, values: Mapping[str, Any])
         raise EditRefused(f"change the name of '{name}' alone", "others may refer to it.", "Rename it.")
     entry = scene.find(name)
     if entry.is_several and set(values) == {"pose"} and values["pose"] is not None:
-        text = with_pose(scene, entry, name, [float(v) for v in values["pose"]])
+        text = with_pose(scene, entry, name, values["pose"])
         if text is not None:
             return Edited((text, python), name)
     alone = detached(scene, name)
@@ -66,7 +66,7 @@ def placement_changed(scene: SceneText, python: str, values: Mapping[str, Any]) 
     section = scene.section(PLACEMENT)
     pose = values.get("pose")
     if pose is not None and scene.has_short_forms:
-        pose = placement_for_file(PlacementSpec(pose=tuple(pose))).pose
+        pose = placement_for_file(PlacementSpec(pose=pose)).pose
     said = {**values, "pose": pose} if "pose" in values else dict(values)
     keys = written_keys(PLACEMENT, said, scene.raw.get(PLACEMENT, {}), short_forms=scene.has_short_forms)
     if not keys:

@@ -8,8 +8,8 @@ from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from rlbench_pin.builder.contracts import Problem
-from rlbench_pin.builder.document.behaviour.mentions import Lookup, lookups
-from rlbench_pin.builder.document.behaviour.source import Source
+from rlbench_pin.builder.document.python_text.mentions import Lookup, lookups
+from rlbench_pin.builder.document.python_text.source import Source
 from rlbench_pin.builder.document.scene_text.layout import line_of
 from rlbench_pin.builder.document.scene_text.scene_text import SceneText
 from rlbench_pin.errors import AssetInvalid, AssetNotFound, RlbenchPinError, SceneFileError, nearest_name
@@ -21,7 +21,7 @@ from rlbench_pin.urdf import read_urdf
 _AT_LINE = re.compile(r"\(at line (\d+), column \d+\)")
 _ENTRY = re.compile(r"\[\[(\w+)\]\] '(.*?)'(?:, key '(.*?)')?$")
 _TABLE = re.compile(r"\[(\w+)\], key '(.*?)'$")
-_KEY = re.compile(r"key '(\w+)'$")
+_KEY = re.compile(r"(?:key '(\w+)'|\[\[(\w+)\]\])$")
 
 
 def scene_problem(text: str, error: RlbenchPinError) -> Problem:
@@ -35,7 +35,7 @@ def scene_problem(text: str, error: RlbenchPinError) -> Problem:
 def python_problems(source: Source, name: str, spec: SceneSpec | None) -> tuple[Problem, ...]:
     """Return what is wrong with a Python file that can be read: no class of the task, names that the scene lacks."""
     found = [_unknown(lookup, spec) for lookup in lookups(source)] if spec is not None else []
-    return (*_class_problem(source, name), *(problem for problem in found if problem is not None))
+    return (*_class_problem(source, name), *dict.fromkeys(problem for problem in found if problem is not None))
 
 
 def _scene_line(text: str, error: SceneFileError) -> int | None:
@@ -72,8 +72,9 @@ def _place(scene: SceneText, where: str) -> int | None:
         item = section.item(table[2].partition(".")[0])
         return section.heading if item is None else item.start
     if key is not None:
-        item = scene.sections[0].item(key[1])
-        place = next((section.heading for section in scene.sections if section.path[:1] == (key[1],)), None)
+        name = key[1] or key[2]
+        item = scene.sections[0].item(name)
+        place = next((section.heading for section in scene.sections if section.path[:1] == (name,)), None)
         return item.start if item else place if place is not None else 0
     return None
 

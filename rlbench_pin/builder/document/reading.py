@@ -6,10 +6,10 @@ from functools import cached_property
 
 from rlbench_pin.builder.contracts import Problem
 from rlbench_pin.builder.document.behaviour import Behaviour
-from rlbench_pin.builder.document.behaviour.source import PythonSyntaxError, Source
 from rlbench_pin.builder.document.errors import EditRefused, TaskFilesError
 from rlbench_pin.builder.document.history import Texts
 from rlbench_pin.builder.document.problems import python_problems, scene_problem
+from rlbench_pin.builder.document.python_text.source import PythonSyntaxError, Source
 from rlbench_pin.builder.document.scene_text.scene_text import SceneText
 from rlbench_pin.builder.document.storage import Pair
 from rlbench_pin.errors import RlbenchPinError, SceneFileError

@@ -19,6 +19,7 @@ from rlbench_pin.errors import StorageError
 
 LARGEST_FILE = 4_000_000
 """Files of a task have at most so many bytes."""
+_LARGEST_JOURNAL = 16 * LARGEST_FILE
 _JOURNAL_FORMAT = 1
 Listener = Callable[[str], None]
 """Told each step of a save right after it; what it is called does not matter to the save."""
@@ -174,6 +175,8 @@ def _sync_folder(folder: Path) -> None:
 def _journal_of(pair: Pair) -> tuple[list[str | None], tuple[bytes, bytes]] | None:
     """Return what a journal says; None when there is none, or it is not one of ours."""
     try:
+        if pair.journal.stat().st_size > _LARGEST_JOURNAL:
+            return None
         journal = json.loads(pair.journal.read_bytes())
         if journal["format"] != _JOURNAL_FORMAT:
             return None

@@ -17,13 +17,16 @@ from rlbench_pin.builder.document.behaviour.class_words import (
 from rlbench_pin.builder.document.behaviour.conditions import FAILURE, SUCCESS, Conditions, read_conditions, written_conditions
 from rlbench_pin.builder.document.behaviour.forms import ConditionForm, SpawnForm, Written
 from rlbench_pin.builder.document.behaviour.graspable import read_graspable, written_graspable
-from rlbench_pin.builder.document.behaviour.imports import with_imports
+from rlbench_pin.builder.document.behaviour.kinds import check_form
 from rlbench_pin.builder.document.behaviour.placements import read_placements, written_placements
 from rlbench_pin.builder.document.behaviour.sentences import Sentences, read_sentences, written_sentences
-from rlbench_pin.builder.document.behaviour.source import PythonSyntaxError, Source
-from rlbench_pin.builder.document.behaviour.task_class import TaskClass
+from rlbench_pin.builder.document.behaviour.shared import with_attributes
 from rlbench_pin.builder.document.behaviour.tidy import tidied
 from rlbench_pin.builder.document.errors import EditRefused
+from rlbench_pin.builder.document.python_text.imports import with_imports
+from rlbench_pin.builder.document.python_text.source import PythonSyntaxError, Source
+from rlbench_pin.builder.document.python_text.task_class import TaskClass
+from rlbench_pin.errors import InvalidValue
 from rlbench_pin.values import as_choice, as_flag, as_names, as_record, as_several, as_text, as_whole
 
 Field = Literal[
@@ -111,7 +114,7 @@ class Behaviour:
         if text is None:
             raise EditRefused(f"change {name}", "the Python cannot say it in a form that can be edited.", "Edit the text.")
         try:
-            return with_imports(source, tidied(source, text))
+            return with_imports(source, with_attributes(source, tidied(source, text)))
         except PythonSyntaxError as error:
             raise EditRefused(f"change {name}", f"it would not be Python any more: {error}.", "Edit the text.") from error
 
@@ -153,6 +156,8 @@ def _checked(name: Field, value: Any) -> Any:
         return tuple(as_names(value, name))
     if name == "instructions":
         groups = as_several(value, name)
+        if not groups:
+            raise InvalidValue(name, value, "has to have one group of sentences at least")
         return tuple(tuple(as_text(sentence, "sentence") for sentence in as_several(group, name)) for group in groups)
     if name == "placements":
         return tuple(as_record(item, SpawnForm, f"entry {k} of {name}") for k, item in enumerate(as_several(value, name)))
@@ -160,4 +165,8 @@ def _checked(name: Field, value: Any) -> Any:
 
 
 def _condition(item: object, number: int, name: str) -> ConditionForm | Written:
-    return item if isinstance(item, Written) else as_record(item, ConditionForm, f"entry {number} of {name}")
+    if isinstance(item, Written):
+        return item
+    form = as_record(item, ConditionForm, f"entry {number} of {name}")
+    check_form(form)
+    return form

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import ast
 
-from rlbench_pin.builder.document.behaviour.source import Source
-from rlbench_pin.builder.document.behaviour.task_class import TaskClass, only_return
-from rlbench_pin.builder.document.behaviour.writing import above, below, docstring
+from rlbench_pin.builder.document.python_text.source import Source
+from rlbench_pin.builder.document.python_text.task_class import TaskClass, only_return
+from rlbench_pin.builder.document.python_text.writing import above, below, docstring
 
 
 def read_docstring(node: ast.Module | ast.ClassDef) -> str | None:

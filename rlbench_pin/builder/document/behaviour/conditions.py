@@ -8,9 +8,10 @@ from dataclasses import dataclass
 
 from rlbench_pin.builder.document.behaviour.expressions import Reader, expression, named_thing, number_text
 from rlbench_pin.builder.document.behaviour.forms import Argument, ConditionForm, Named, Written
-from rlbench_pin.builder.document.behaviour.source import Replacement, Source
-from rlbench_pin.builder.document.behaviour.task_class import Binding, TaskClass
-from rlbench_pin.builder.document.behaviour.writing import call_of_list, into_init, new_list
+from rlbench_pin.builder.document.python_text.layout import laid_out, one_line
+from rlbench_pin.builder.document.python_text.source import Replacement, Source
+from rlbench_pin.builder.document.python_text.task_class import Binding, TaskClass
+from rlbench_pin.builder.document.python_text.writing import below, new_list, without
 
 Conditions = tuple[ConditionForm | Written, ...]
 SUCCESS, FAILURE = "register_success_conditions", "register_fail_conditions"
@@ -39,6 +40,8 @@ def written_conditions(task: TaskClass, register: str, new: Sequence[ConditionFo
     found = _registered(task, register)
     if found is None:
         return _first(task, register, new)
+    if not new and register == FAILURE and (statement := _statement(task, found.call)) is not None:
+        return task.source.edited([without(task.source, statement)])
     source, old = task.source, [_shown(found.reader, item) for item in found.items.elts]
     names = _names_before(found)
     before = [source.part(item) for item in found.items.elts]
@@ -70,13 +73,18 @@ def _kept(old: Sequence[object], new: Sequence[object], before: Sequence[str], t
 
 
 def _new_items(source: Source, found: _Registered, before: list[str], texts: list[str]) -> list[Replacement]:
-    if len(before) == len(texts):
-        return new_list(source, found.items, before, texts)
-    line = source.text[source.text.rfind("\n", 0, source.span(found.call)[0]) + 1 : source.span(found.call)[0]]
-    if line.strip():
-        return new_list(source, found.items, before, texts)
-    statement = call_of_list(source.part(found.call.func), texts, line)
-    return [(*source.span(found.call), statement.removeprefix(line))]
+    """Return what to replace so that the list has other texts; the call is laid out anew where its lines change."""
+    changed = new_list(source, found.items, before, texts)
+    start, end = source.span(found.call)
+    indent = source.text[source.text.rfind("\n", 0, start) + 1 : start]
+    if (
+        indent.strip()
+        or any("\n" in one_line(text) for text in texts)
+        or (changed and changed[0][0] != source.span(found.items)[0])
+    ):
+        return changed
+    call = f"{source.part(found.call.func)}([{', '.join(map(one_line, texts))}])"
+    return [(start, end, laid_out(call, indent, len(indent)))] if before != texts else []
 
 
 def _registered(task: TaskClass, register: str) -> _Registered | None:
@@ -86,6 +94,11 @@ def _registered(task: TaskClass, register: str) -> _Registered | None:
     function = task.function_around(calls[0])
     reader = Reader(task.source, task.bindings(function))
     return _Registered(calls[0], calls[0].args[0], reader)
+
+
+def _statement(task: TaskClass, call: ast.Call) -> ast.Expr | None:
+    """Return the statement that is a call and nothing else."""
+    return next((node for node in ast.walk(task.node) if isinstance(node, ast.Expr) and node.value is call), None)
 
 
 def _shown(reader: Reader, item: ast.expr) -> ConditionForm | Written:
@@ -101,12 +114,10 @@ def _first(task: TaskClass, register: str, new: Sequence[ConditionForm | Written
     init = task.method("init_task")
     assert init is not None, "a task class is found by its init_task"
     reader = Reader(task.source, task.bindings(init))
-    end = task.source.line_span(init)[1]
     names = dict(_things(reader, task.source.line_count + 1))
-    line = call_of_list(f"self.{register}", [expression(form, names) for form in new], " " * init.body[0].col_offset)
-    if register != SUCCESS:
-        return task.source.edited([into_init(task.source, init, f"{line}\n")])
-    return task.source.edited([(end, end, f"{line}\n" if task.source.text[:end].endswith("\n") else f"\n{line}\n")])
+    indent = " " * init.body[0].col_offset
+    call = f"self.{register}([{', '.join(expression(form, names) for form in new)}])"
+    return task.source.edited([below(task.source, init.body[-1], f"{indent}{laid_out(call, indent, len(indent))}\n")])
 
 
 def _names_before(found: _Registered) -> dict[Named, str]:

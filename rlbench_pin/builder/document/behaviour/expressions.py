@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping
 
 from rlbench_pin.builder.document.behaviour.forms import Argument, ConditionForm, Named, Written
 from rlbench_pin.builder.document.behaviour.kinds import arguments_of, kind_of
-from rlbench_pin.builder.document.behaviour.mentions import LOOKUPS
-from rlbench_pin.builder.document.behaviour.source import Source, text_of
-from rlbench_pin.builder.document.behaviour.task_class import Binding, is_own
+from rlbench_pin.builder.document.python_text.mentions import LOOKUPS
+from rlbench_pin.builder.document.python_text.source import Source, text_of
+from rlbench_pin.builder.document.python_text.task_class import Binding, is_own
 
 _DEEPEST = 12
 _TURNED = ("np.deg2rad", "np.radians", "math.radians")
@@ -22,7 +22,7 @@ _OPERATORS: Mapping[type[ast.operator], Callable[[float, float], float]] = {
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
 }
-_DIGITS = 6
+_DIGITS, _NEAR = 6, 1e-6
 
 
 class Reader:
@@ -135,17 +135,17 @@ def expression(value: Argument, names: Mapping[Named, str]) -> str:
 def number_text(value: float, before: str = "") -> str:
     """Return a number as Python, in degrees where it was written so before."""
     call = next((call for call in _TURNED if before.startswith(f"{call}(")), None)
-    if call is not None:
-        return f"{call}({round(math.degrees(value), 2) + 0.0})"
+    degrees = round(math.degrees(value), 2) + 0.0
+    if call is not None and abs(math.radians(degrees) - value) < _NEAR:
+        return f"{call}({degrees})"
     return repr(round(float(value), _DIGITS) + 0.0)
 
 
 def quoted(text: str) -> str:
-    """Return a text as Python, in double quotes unless it has such."""
-    if '"' in text and "'" not in text:
-        return repr(text)
-    inner = repr(text)[1:-1].replace("\\'", "'").replace('"', '\\"')
-    return f'"{inner}"'
+    """Return a text as Python, in double quotes unless that takes more escapes."""
+    inner = repr(f"'\"{text}")[4:-1].replace("\\'", "'")  # quoted singly, and escaped for that
+    quote = "'" if text.count('"') > text.count("'") else '"'
+    return f"{quote}{inner.replace(quote, chr(92) + quote)}{quote}"
 
 
 def _call(form: ConditionForm, names: Mapping[Named, str]) -> str:

@@ -6,9 +6,10 @@ import ast
 from collections.abc import Sequence
 
 from rlbench_pin.builder.document.behaviour.expressions import quoted
-from rlbench_pin.builder.document.behaviour.source import text_of
-from rlbench_pin.builder.document.behaviour.task_class import TaskClass
-from rlbench_pin.builder.document.behaviour.writing import into_init, listed, new_list, without
+from rlbench_pin.builder.document.python_text.layout import laid_out
+from rlbench_pin.builder.document.python_text.source import text_of
+from rlbench_pin.builder.document.python_text.task_class import TaskClass
+from rlbench_pin.builder.document.python_text.writing import into_init, new_list, without
 
 REGISTER = "register_graspable_objects"
 
@@ -30,8 +31,8 @@ def written_graspable(task: TaskClass, names: Sequence[str]) -> str | None:
     texts = [quoted(name) for name in names]
     if not calls:
         indent = " " * init.body[0].col_offset
-        call = f"{indent}self.{REGISTER}("
-        return source.edited([into_init(source, init, f"{call}{listed(texts, call, ')')})\n")])
+        call = laid_out(f"self.{REGISTER}([{', '.join(texts)}])", indent, len(indent))
+        return source.edited([into_init(source, init, f"{indent}{call}\n")])
     items = _items(calls)
     if items is None:
         return None

@@ -7,7 +7,8 @@ import re
 from collections.abc import Mapping
 from functools import cache
 
-from rlbench_pin.builder.document.behaviour.forms import ConditionKind, Parameter, ParameterKind
+from rlbench_pin.builder.document.behaviour.forms import ConditionForm, ConditionKind, Parameter, ParameterKind
+from rlbench_pin.errors import InvalidValue, UnknownName
 from rlbench_pin.tasks import conditions
 from rlbench_pin.tasks.conditions import Condition
 
@@ -28,7 +29,8 @@ _KINDS: Mapping[str, ParameterKind] = {
     "Sequence[Body | Frame]": "places",
 }
 """Type of an argument -> what a form asks for."""
-_ARGUMENT = re.compile(r"^ *(\w+): (.*(?:\n +(?!\w+: ).*)*)", re.MULTILINE)
+_ARGUMENT = re.compile(r"^    (?=\w+:)", re.MULTILINE)
+"""Where what is said of an argument begins."""
 
 
 @cache
@@ -48,6 +50,28 @@ def arguments_of(kind: str) -> Mapping[str, str]:
 def kind_of(name: str) -> ConditionKind | None:
     """Return the condition of that name, None when no form can make it."""
     return next((kind for kind in condition_kinds() if kind.name == name), None)
+
+
+def check_form(form: ConditionForm) -> None:
+    """Check that a condition can be made of what a form says, and so for those within it.
+
+    Raises:
+        UnknownName: There is no such condition, or it has no such argument.
+        InvalidValue: An argument is missing.
+    """
+    kind = kind_of(form.kind)
+    if kind is None:
+        raise UnknownName("condition that forms can make", form.kind, [kind.name for kind in condition_kinds()])
+    known = [parameter.name for parameter in kind.parameters]
+    for name, value in form.arguments.items():
+        if name not in known:
+            raise UnknownName(f"argument of {form.kind}", name, known)
+        for part in value if isinstance(value, tuple | list) else (value,):
+            if isinstance(part, ConditionForm):
+                check_form(part)
+    for parameter in kind.parameters:
+        if parameter.required and parameter.name not in form.arguments:
+            raise InvalidValue(f"{parameter.name} of {form.kind}", None, "has to be given", parameter.text)
 
 
 def _kind(cls: type[Condition]) -> ConditionKind | None:
@@ -73,7 +97,9 @@ def _argument_texts(cls: type[Condition]) -> dict[str, str]:
     texts: dict[str, str] = {}
     for base in reversed(cls.__mro__):
         _, _, said = inspect.cleandoc(base.__doc__ or "").partition("\nArgs:\n")
-        texts |= {name: " ".join(text.split()) for name, text in _ARGUMENT.findall(said)}
+        for part in _ARGUMENT.split(said)[1:]:
+            name, _, text = part.partition(":")
+            texts[name] = " ".join(text.split())
     return texts
 
 

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 
 from rlbench_pin.builder.document.behaviour.expressions import Reader, expression, named_thing, number_text
 from rlbench_pin.builder.document.behaviour.forms import Named, Rotation, SpawnedForm, SpawnForm, Written
-from rlbench_pin.builder.document.behaviour.source import Replacement
-from rlbench_pin.builder.document.behaviour.task_class import TaskClass, body_of
-from rlbench_pin.builder.document.behaviour.writing import above, below, into_init, listed, without
+from rlbench_pin.builder.document.python_text.layout import laid_out
+from rlbench_pin.builder.document.python_text.source import Replacement
+from rlbench_pin.builder.document.python_text.task_class import TaskClass, body_of
+from rlbench_pin.builder.document.python_text.writing import above, below, into_init, without
 
 BOUNDARY, STILL = "SpawnBoundary", "NO_ROTATION"
 _ZERO = (0.0, 0.0, 0.0)
@@ -139,11 +140,13 @@ def _made(task: TaskClass, name: str, form: SpawnForm) -> list[Replacement]:
     """Return what to replace so that there is another boundary."""
     init, indent = task.method("init_task"), _indent(task)
     assert init is not None, "a task class is found by its init_task"
-    regions = listed([_region(region) for region in form.regions], f"{indent}{name} = {BOUNDARY}(", ")")
+    head = f"{name} = "
+    boundary = f"{BOUNDARY}([{', '.join(_region(region) for region in form.regions)}])"
+    made = f"{indent}{head}{laid_out(boundary, indent, len(indent + head))}\n"
     names = _names(task)
     lines = [f"{indent}{name}.clear()\n", *(_sample(name, thing, names, indent) for thing in form.things)]
     return [
-        into_init(task.source, init, f"{indent}{name} = {BOUNDARY}({regions})\n"),
+        into_init(task.source, init, made),
         above(task.source, _first(task), "".join(lines)),
     ]
 
@@ -155,8 +158,8 @@ def _sample(boundary: str, form: SpawnedForm, names: dict[Named, str], indent: s
     ]
     parts += [f"min_distance={number_text(form.min_distance)}"] if form.min_distance is not None else []
     parts += ["ignore_collisions=True"] if form.ignore_collisions else []
-    call = f"{indent}{boundary}.sample"
-    return f"{call}{listed(parts, call, brackets='()')}\n"
+    call = f"{boundary}.sample({', '.join(parts)})"
+    return f"{indent}{laid_out(call, indent, len(indent))}\n"
 
 
 def _rotation(value: Rotation) -> str:

@@ -8,16 +8,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rlbench_pin.builder.document.behaviour.expressions import quoted
-from rlbench_pin.builder.document.behaviour.source import Replacement, Source, text_of
-from rlbench_pin.builder.document.behaviour.task_class import Binding, TaskClass, only_return
-from rlbench_pin.builder.document.behaviour.writing import INDENT, above, listed, new_list, without
+from rlbench_pin.builder.document.python_text.layout import INDENT, listed
+from rlbench_pin.builder.document.python_text.source import Replacement, Source, text_of
+from rlbench_pin.builder.document.python_text.task_class import Binding, TaskClass, only_return
+from rlbench_pin.builder.document.python_text.writing import new_list
 
 Sentences = tuple[tuple[str, ...], ...]
 """One group for all variations, or one for each."""
 Groups = list[ast.List | ast.Tuple]
 _PLAIN_F_STRING = re.compile(r"""f(["'])(?!\1)(.*)\1""")
+_ESCAPED_QUOTE = re.compile(r"""\\(["'])""")
 _FIELD = re.compile(r"\{([^{}]*)\}")
-_TABLE = "SENTENCES"
+_TABLE, _TABLE_WORDS = "SENTENCES", '"""What is said in each variation."""'
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,14 +63,11 @@ def written_sentences(task: TaskClass, new: Sequence[Sequence[str]]) -> str | No
 
 def _in_one_list(task: TaskClass, said: _Said, sentences: Sequence[str]) -> str:
     """Return one list for all variations instead of a table."""
-    head = f"{' ' * said.answer.col_offset}return "
-    answer = f"return {listed(_texts(task.source, said, sentences), head)}"
-    found = [(*task.source.span(said.answer), answer)]
-    if said.table is not None and said.table.is_alone:
-        start, end, _ = without(task.source, said.table.statement)
-        behind = task.source.text[end:]
-        end += len(behind) - len(behind.lstrip("\n")) if behind.startswith("\n") else 0
-        found.append((start, end, ""))
+    indent = " " * said.answer.col_offset
+    answer = listed(_texts(task.source, said, sentences), indent, len(f"{indent}return "))
+    found = [(*task.source.span(said.answer), f"return {answer}")]
+    if said.table is not None and said.table.is_alone and said.table.statement in task.source.tree.body:
+        found.append(_without_table(task.source, said.table.statement))
     return task.source.edited(found)
 
 
@@ -79,16 +78,32 @@ def _in_table(task: TaskClass, said: _Said, new: Sequence[Sequence[str]]) -> str
     if said.table is None and any(text.startswith("f") for group in groups for text in group):
         return None
     if said.table is not None:
-        indent = INDENT if said.table.statement.col_offset else ""
+        indent = " " * said.table.statement.col_offset
         return source.edited([(*source.span(said.table.value), _table(groups, indent))])
-    table = f'{_TABLE} = {_table(groups, "")}\n"""What is said in each variation."""\n\n\n'
+    start, _ = source.line_span(task.node)
+    above = source.tree.body[source.tree.body.index(task.node) - 1]
+    gap = source.line_span(above)[1] if isinstance(above, ast.Import | ast.ImportFrom) else start
+    table = f"{_TABLE} = {_table(groups, '')}\n{_TABLE_WORDS}\n\n\n"
     answer = f"return {_TABLE}[{_variation(task)}]"
-    return source.edited([above(source, task.node, table), (*source.span(said.answer), answer)])
+    return source.edited([(gap, start, f"\n{table}" if gap < start else table), (*source.span(said.answer), answer)])
+
+
+def _without_table(source: Source, table: ast.stmt) -> Replacement:
+    """Take a table away, with the text below it that says what it is, and the gap behind."""
+    body = source.tree.body
+    number = body.index(table)
+    words = body[number + 1] if number + 1 < len(body) else None
+    last = words if isinstance(words, ast.Expr) and text_of(words.value) is not None else table
+    start, end = source.line_span(table)[0], source.line_span(last)[1]
+    behind = source.text[end:]
+    gap = len(behind) - len(behind.lstrip("\n"))
+    above_is_import = number > 0 and isinstance(body[number - 1], ast.Import | ast.ImportFrom)
+    return start, end + gap, "\n" if gap >= 2 and above_is_import else ""
 
 
 def _table(groups: Sequence[Sequence[str]], indent: str) -> str:
     deeper = indent + INDENT
-    return "(\n" + "".join(f"{deeper}{listed(group, deeper, ',')},\n" for group in groups) + f"{indent})"
+    return "(\n" + "".join(f"{deeper}{listed(group, deeper, len(deeper), 1)},\n" for group in groups) + f"{indent})"
 
 
 def _said(task: TaskClass) -> _Said | None:
@@ -130,7 +145,8 @@ def _sentence(source: Source, node: ast.expr) -> str | None:
     if plain is not None or not isinstance(node, ast.JoinedStr):
         return plain
     found = _PLAIN_F_STRING.fullmatch(source.part(node))
-    return found[2] if found is not None and "\\" not in found[2] else None
+    plain = _ESCAPED_QUOTE.sub(r"\1", found[2]) if found is not None else "\\"
+    return None if "\\" in plain else plain
 
 
 def _fields(node: ast.expr) -> set[str]:
@@ -149,5 +165,6 @@ def _written(sentence: str, fields: set[str]) -> str:
     said = [field.partition(":")[0].partition("!")[0] for field in _FIELD.findall(sentence)]
     if not said or not set(said) <= fields:
         return quoted(sentence)
-    quote = "'" if '"' in sentence else '"'
-    return f"f{quote}{sentence}{quote}"
+    if '"' in "".join(said) or "'" in "".join(said):
+        return quoted(sentence)
+    return f"f{quoted(sentence)}"

@@ -6,14 +6,12 @@ import ast
 
 from rlbench_pin.builder.document.behaviour.expressions import named_thing
 from rlbench_pin.builder.document.behaviour.kinds import kind_of
-from rlbench_pin.builder.document.behaviour.source import Function, Source
-from rlbench_pin.builder.document.behaviour.writing import without
+from rlbench_pin.builder.document.python_text.source import Function, Source
+from rlbench_pin.builder.document.python_text.writing import without
 
 
 def tidied(old: Source, text: str) -> str:
     """Return a text without assignments of things and conditions that were used before an edit and are not any more.
-
-    Attributes of the task that are things of the scene stay, for they are at the service of the whole class.
 
     Args:
         old: The Python before the edit.
@@ -36,13 +34,13 @@ def _assignments(source: Source) -> list[ast.Assign]:
         for function in ast.walk(source.tree)
         if isinstance(function, Function)
         for node in function.body
-        if isinstance(node, ast.Assign) and len(node.targets) == 1 and _may_go(node.targets[0], node.value)
+        if isinstance(node, ast.Assign) and len(node.targets) == 1 and _may_go(node.value)
     ]
 
 
-def _may_go(target: ast.expr, value: ast.expr) -> bool:
+def _may_go(value: ast.expr) -> bool:
     is_condition = isinstance(value, ast.Call) and isinstance(value.func, ast.Name) and kind_of(value.func.id) is not None
-    return is_condition or (isinstance(target, ast.Name) and named_thing(value) is not None)
+    return is_condition or named_thing(value) is not None
 
 
 def _used(source: Source) -> set[str]:

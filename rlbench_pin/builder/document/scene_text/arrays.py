@@ -12,7 +12,7 @@ from rlbench_pin.builder.document.scene_text.scene_text import Entry, SceneText
 from rlbench_pin.builder.document.scene_text.values import literal
 
 
-def with_pose(scene: SceneText, entry: Entry, name: str, pose: list[float]) -> str | None:
+def with_pose(scene: SceneText, entry: Entry, name: str, pose: Any) -> str | None:
     """Return the text with one of the poses of an array changed; None when the array cannot say it."""
     index = entry.names.index(name)
     written = entry.raw["poses"][index]

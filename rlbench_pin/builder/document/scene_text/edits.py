@@ -43,7 +43,7 @@ def with_keys(scene: SceneText, entry: Entry | Section, changes: Mapping[str, An
             found += _new_value(scene.text, items[0], raw.get(key), value)
             continue
         found += [(item.start, item.end, "") for item in items]
-        found += [_without_gap(scene.text, part.start, part.end) for part in tables]
+        found += [(_gap_before(scene.text, part.start), part.end, "") for part in tables]
         if value is not None:
             found.append(_new_line(scene.text, section, key, value))
     return replaced(scene.text, _joined(found))
@@ -130,6 +130,12 @@ def _without_gap(text: str, start: int, end: int) -> Replacement:
     while end < len(text) and text[end] in "\r\n":
         end += 1
     if end == len(text):
-        while start > 1 and text[start - 2 : start] == "\n\n":
-            start -= 1
+        start = _gap_before(text, start)
     return start, end, ""
+
+
+def _gap_before(text: str, start: int) -> int:
+    """Return where the blank lines above a place begin."""
+    while start > 1 and text[start - 2 : start] == "\n\n":
+        start -= 1
+    return start

@@ -12,16 +12,17 @@ from rlbench_pin.builder.document.scene_text.scene_text import SceneText, Thing
 from rlbench_pin.builder.document.scene_text.values import literal
 from rlbench_pin.scene.checks import RESERVED
 
-_NUMBER = re.compile(r"_?[0-9]+$")
+_NUMBERED = re.compile(r"(.*[^0-9])([0-9]{1,9})")
 
 
 def free_name(wanted: str, taken: Collection[str]) -> str:
-    """Return `cup`, or `cup_2`, `cup_3`, ... where it is taken."""
+    """Return `cup`, or `cup_2`, `cup_3`, ... where it is taken; of `cup4` the next number that is free."""
     used = {*taken, *RESERVED}
     if wanted not in used:
         return wanted
-    stem = _NUMBER.sub("", wanted) or wanted
-    return next(name for k in range(2, len(used) + 3) if (name := f"{stem}_{k}") not in used)
+    numbered = _NUMBERED.fullmatch(wanted)
+    stem, first = (numbered[1], int(numbered[2]) + 1) if numbered else (f"{wanted}_", 2)
+    return next(name for k in range(first, first + len(used) + 1) if (name := f"{stem}{k}") not in used)
 
 
 def name_from_asset(asset: str) -> str:

@@ -21,7 +21,7 @@ _LOCKED = 1e-6
 _QUATERNION_DIGITS = 7
 
 
-def pose_keys(new: Sequence[float], entry: Mapping[str, Any], *, has_rpy: bool) -> dict[str, Numbers | None]:
+def pose_keys(new: Any, entry: Mapping[str, Any], *, has_rpy: bool) -> dict[str, Numbers | None]:
     """Return what to write, or to take away (None), so that an entry says a new pose; nothing when it says it already.
 
     Args:
@@ -29,7 +29,7 @@ def pose_keys(new: Sequence[float], entry: Mapping[str, Any], *, has_rpy: bool) 
         entry: What stands in the file.
         has_rpy: Whether the file may say `rpy` there.
     """
-    goal, before = np.array(FrameSpec(name="place", pose=tuple(new)).pose), _full(entry)
+    goal, before = np.array(FrameSpec(name="place", pose=new).pose), _full(entry)
     written = entry.get("pose", [0.0, 0.0, 0.0])
     position = _position(goal, before, written)
     pose, rpy = [*position, *written[3:]], entry.get("rpy")
@@ -40,7 +40,7 @@ def pose_keys(new: Sequence[float], entry: Mapping[str, Any], *, has_rpy: bool) 
     return {key: value for key, value in wanted.items() if not is_same(value, entry.get(key), 1e-12)}
 
 
-def short_pose(new: Sequence[float], written: Sequence[float] | None = None) -> Numbers:
+def short_pose(new: Any, written: Sequence[float] | None = None) -> Numbers:
     """Return a pose as one list of numbers, such as an element of `poses`.
 
     Args:

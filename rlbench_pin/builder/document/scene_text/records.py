@@ -23,6 +23,7 @@ from rlbench_pin.scene.spec import (
     SpringSpec,
     WaypointSpec,
 )
+from rlbench_pin.values import as_several
 
 RECORDS: Mapping[str, type[Spec]] = {
     PLACEMENT: PlacementSpec,
@@ -70,7 +71,9 @@ def written_keys(table: str, values: Mapping[str, Any], raw: Mapping[str, Any], 
             found |= {key: None} if key in raw else {}
         elif key == "points":
             written = raw.get("points", [])
-            found[key] = [short_pose(pose, written[k] if k < len(written) else None) for k, pose in enumerate(value)]
+            found[key] = [
+                short_pose(pose, written[k] if k < len(written) else None) for k, pose in enumerate(as_several(value, key))
+            ]
         else:
             found[key] = plain(key, _dumped(value))
     return found

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import tomlkit
 
+from rlbench_pin.errors import InvalidValue
 from rlbench_pin.values import as_number
 
 LENGTH_DIGITS, OTHER_DIGITS = 4, 6
@@ -17,7 +18,7 @@ _FINE = 1e-3
 _EXACT_DIGITS = 7
 _NICE_ANGLE, _NEAR_NICE = math.pi / 12.0, 1e-4
 """Angles as near to a multiple of 15 degrees are written as that [rad]."""
-_LENGTHS = frozenset({"pose", "points", "size", "footprint", "footprint_center", "color"})
+_FOUR_DIGITS = frozenset({"pose", "points", "size", "footprint", "footprint_center", "color", "scale", "gripper", "position"})
 _LONGEST_LINE = 120
 KEYS = (
     "name", "asset", "parent", "pose", "rpy", "poses", "static", "yaw", "footprint", "footprint_center", "shape", "size",
@@ -48,7 +49,7 @@ def rounded(key: str, value: float) -> float:
     """Round a number that is said of a key."""
     if key in ("yaw", "rpy", "angle"):
         return rounded_angle(value)
-    if key not in _LENGTHS:
+    if key not in _FOUR_DIGITS:
         return round(float(value), OTHER_DIGITS) + 0.0
     if key == "size" and 0.0 < abs(value) < _FINE:
         return float(f"{value:.2g}")
@@ -59,15 +60,15 @@ def plain(key: str, value: object) -> object:
     """Turn a value into what TOML has: lists, rounded numbers, tables without keys that say nothing."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
-    if isinstance(value, bool | str | int):
+    if isinstance(value, bool | str) or (key == "symmetry" and isinstance(value, int)):
         return value
-    if isinstance(value, float):
+    if isinstance(value, int | float):
         return rounded(key, as_number(value, key))
     if isinstance(value, Mapping):
         return {inner: plain(inner, item) for inner, item in value.items() if item is not None}
     if isinstance(value, Sequence):
         return [plain(key, item) for item in value]
-    return value
+    raise InvalidValue(key, value, "has to be a text, a number, true or false, or a list or a table of such")
 
 
 def literal(value: object, column: int = 0) -> str:

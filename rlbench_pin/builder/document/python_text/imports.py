@@ -6,8 +6,8 @@ import ast
 from collections.abc import Iterable
 
 from rlbench_pin import tasks
-from rlbench_pin.builder.document.behaviour.source import Source
-from rlbench_pin.builder.document.behaviour.writing import LONGEST_LINE
+from rlbench_pin.builder.document.python_text.layout import LONGEST_LINE
+from rlbench_pin.builder.document.python_text.source import Source
 
 HOME = "rlbench_pin.tasks"
 

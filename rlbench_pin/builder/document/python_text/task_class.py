@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from rlbench_pin.builder.document.behaviour.source import Function, Source
+from rlbench_pin.builder.document.python_text.source import Function, Source
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from rlbench_pin.builder.document.behaviour.source import Source, text_of, texts_of
+from rlbench_pin.builder.document.python_text.source import Source, text_of, texts_of
 
 LOOKUPS = ("body", "joint", "frame", "region", "sensor")
 """`self.world.body(name)` and so on."""

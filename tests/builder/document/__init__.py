@@ -1,0 +1,1 @@
+"""Tests of tasks that are being edited."""

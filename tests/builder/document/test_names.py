@@ -1,0 +1,110 @@
+"""Names: renamed everywhere at once, waypoints renumbered, nothing deleted that others need."""
+
+from __future__ import annotations
+
+import pytest
+
+from rlbench_pin.builder.document import EditRefused, HasDependants
+from rlbench_pin.errors import RlbenchPinError
+from tests.builder.document.conftest import Opener
+
+
+def test_a_body_is_renamed_everywhere(opened: Opener) -> None:
+    """In the scene with parents and joints, in the Python as a text or before a slash; other mentions are told."""
+    document = opened("open_drawer")
+    python = document.python_text
+    left = document.rename("chest", "commode")
+    assert "chest" not in document.scene_text.replace("objects/chest/chest.urdf", "").replace(
+        "right in front of the chest", ""
+    ).replace("straight out of the chest", "")
+    assert document.spec is not None and document.problems == ()
+    assert [joint.name for joint in document.spec.joint] == [f"commode/drawer_{which}" for which in ("bottom", "middle", "top")]
+    assert 'self.world.joint(f"chest/drawer_{drawer}")' in document.python_text
+    assert any('f"chest/drawer_{drawer}"' in line for line in left)
+    assert left == document.left
+    document.undo()
+    assert document.python_text == python
+
+
+def test_texts_of_the_python_are_renamed_and_the_rest_is_told(opened: Opener) -> None:
+    """Line and content of what was left."""
+    document = opened("pick_and_lift")
+    left = document.rename("block", "brick")
+    assert 'self.world.body("brick")' in document.python_text and 'objects(["brick"])' in document.python_text
+    assert document.problems == ()
+    assert any(line.startswith("15: ") and "self.block" in line for line in left)
+    assert any("{name} block at it" in line for line in left)
+    assert not any(line.endswith('register_graspable_objects(["brick"])') for line in left)
+
+
+@pytest.mark.parametrize("new", ["target", "marker", "Brick", "table", "a b", ""])
+def test_a_name_that_cannot_be_is_refused(opened: Opener, new: str) -> None:
+    """One that is taken, reserved or none."""
+    document = opened("pick_and_lift")
+    texts = document.text
+    with pytest.raises(RlbenchPinError):
+        document.rename("block", new if new != "target" else "marker")
+    assert document.text == texts and document.step == 0
+
+
+def test_waypoints_are_renumbered_wherever_they_are_named(opened: Opener) -> None:
+    """As parents, as texts, as numbers of hooks; what is before keeps its number."""
+    document = opened("stack_blocks")
+    before = document.spec
+    assert before is not None and "register_waypoint_ability_start(3, " in document.python_text
+    assert document.insert_waypoint(2, {"parent": "waypoint3", "pose": [0.0, 0.0, -0.2]}) == "waypoint2"
+    assert document.spec is not None and document.problems == ()
+    names = [waypoint.name for waypoint in document.spec.waypoint]
+    assert names == [f"waypoint{k}" for k in range(len(before.waypoint) + 1)]
+    assert document.spec.waypoint[2].parent == "waypoint4"
+    for old in before.waypoint:
+        number = int(old.name.removeprefix("waypoint"))
+        new = document.spec.waypoint[number + (number >= 2)]
+        assert new.pose == old.pose and new.gripper == old.gripper
+    for line in ("start(0, self._aim", "start(4, self._rise", "start(6, self._stay", 'frame("waypoint1")'):
+        assert line in document.python_text
+    document.delete("waypoint2")
+    assert document.spec == before and "start(3, self._rise" in document.python_text
+
+
+def test_texts_that_make_names_of_waypoints_are_told(opened: Opener) -> None:
+    """An f-string may name any of them."""
+    document = opened("stack_blocks")
+    document.set_python_text(document.python_text + '\n\ndef name_of(i: int) -> str:\n    return f"waypoint{i}"\n')
+    document.insert_waypoint(0, {})
+    assert [line.partition(": ")[2] for line in document.left] == ['return f"waypoint{i}"']
+
+
+def test_what_others_need_is_not_deleted_without_them(opened: Opener) -> None:
+    """The error lists what hangs on it, its joints, and the lines of Python that name it."""
+    document = opened("open_drawer")
+    with pytest.raises(HasDependants) as refused:
+        document.delete("chest")
+    assert refused.value.dependants == (
+        *("chest/drawer_bottom", "chest/drawer_middle", "chest/drawer_top"),
+        *("handle_bottom", "handle_middle", "handle_top"),
+    )
+    assert len(refused.value.mentions) == 1 and "drawer_{drawer}" in refused.value.mentions[0]
+    assert document.step == 0
+    document.delete("chest", with_dependants=True)
+    assert document.spec is not None and not document.spec.body and not document.spec.joint and not document.spec.frame
+    assert len(document.spec.waypoint) == 3
+
+
+def test_waypoints_go_with_those_on_which_they_hang(opened: Opener) -> None:
+    """What is left is numbered without gaps."""
+    document = opened("setup_checkers")
+    before = document.spec
+    document.delete("waypoint1", with_dependants=True)
+    assert before is not None and document.spec is not None
+    assert [waypoint.name for waypoint in document.spec.waypoint] == ["waypoint0", "waypoint1", "waypoint2"]
+    assert [waypoint.pose for waypoint in document.spec.waypoint] == [waypoint.pose for waypoint in before.waypoint[3:]]
+    assert [waypoint.parent for waypoint in document.spec.waypoint] == ["waypoint1", "square0", "waypoint1"]
+
+
+def test_names_are_not_changed_in_python_that_cannot_be_read(opened: Opener) -> None:
+    """It has to be mended first."""
+    document = opened("open_drawer")
+    document.set_python_text("def (")
+    with pytest.raises(EditRefused, match="line 1.*Mend it first"):
+        document.rename("chest", "commode")

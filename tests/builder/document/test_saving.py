@@ -1,0 +1,194 @@
+"""Both files appear together or not at all, whenever the process is killed."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import time
+from pathlib import Path
+
+import pytest
+
+from rlbench_pin.builder.document import ChangedOnDisk, TaskDocument, TaskFilesError
+from rlbench_pin.builder.document.storage import LARGEST_FILE, Pair, write_pair
+from rlbench_pin.errors import StorageError
+from tests.builder.document.conftest import Opener
+
+OLD, NEW = (b"format = 2\n", b"x = 1\n"), (b"format = 2\n# new\n", b"x = 2\n")
+STEPS = 10
+"""Steps of a save: a journal and two files, each begun, written and in place; then the journal goes."""
+
+
+def _pair(folder: Path) -> Pair:
+    pair = Pair(folder, "thing")
+    write_pair(pair, OLD)
+    return pair
+
+
+def _contents(pair: Pair) -> tuple[bytes, ...]:
+    return tuple(path.read_bytes() for path in pair.files)
+
+
+def _killed_save(pair: Pair, last: int) -> None:
+    """Save in another process, which is killed right after a step."""
+    process = os.fork()
+    if process == 0:
+        steps = iter(range(last))
+
+        def listen(step: str) -> None:
+            if next(steps, None) is None:
+                os.kill(os.getpid(), signal.SIGKILL)
+
+        write_pair(pair, NEW, listen)
+        os._exit(0)
+    assert os.WIFSIGNALED(os.waitpid(process, 0)[1])
+
+
+@pytest.mark.parametrize("last", range(STEPS))
+def test_a_save_that_is_killed_is_finished_or_dropped(tmp_path: Path, last: int) -> None:
+    """After each step: what is opened next is old in both files, or new in both, and nothing else is left in the folder."""
+    pair = _pair(tmp_path)
+    _killed_save(pair, last)
+    document = TaskDocument.open(pair.files[0])
+    assert _contents(pair) == (OLD if last < 2 else NEW) and not document.unsaved
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["thing.py", "thing.toml"]
+
+
+def test_a_save_has_these_steps(tmp_path: Path) -> None:
+    """So that the test above leaves none out."""
+    steps: list[str] = []
+    write_pair(_pair(tmp_path), NEW, steps.append)
+    assert len(steps) == STEPS and len(set(steps)) == STEPS
+
+
+def test_files_that_were_changed_after_a_kill_stay(tmp_path: Path) -> None:
+    """They are not overwritten: what was being saved is an edit that can be undone."""
+    pair = _pair(tmp_path)
+    _killed_save(pair, 5)
+    pair.files[1].write_text("x = 3\n")
+    document = TaskDocument.open(pair.files[0])
+    assert pair.files[1].read_text() == "x = 3\n" and pair.files[0].read_bytes() == OLD[0]
+    assert document.python_text == "x = 2\n" and document.unsaved and document.undoable == "unfinished save"
+    document.undo()
+    assert document.python_text == "x = 3\n" and not document.unsaved
+    assert not pair.journal.exists()
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"{", b"[]", b'{"format": 9}', b'{"format": 1, "before": [], "files": [1, 2]}', b"\xff"]
+)
+def test_a_journal_that_is_none_is_ignored(tmp_path: Path, content: bytes) -> None:
+    """It does not stand in the way of opening or saving."""
+    pair = _pair(tmp_path)
+    pair.journal.write_bytes(content)
+    assert TaskDocument.open(pair.files[0]).scene_text == OLD[0].decode()
+    write_pair(pair, NEW)
+    assert _contents(pair) == NEW and not pair.journal.exists()
+
+
+@pytest.mark.simulation
+def test_saves_that_are_killed_at_any_instant_lose_nothing(tmp_path: Path) -> None:
+    """A process saves without end and is killed: the two files always belong together, and are not older than its word."""
+    rng = random.Random(0)
+    for _ in range(12):
+        pair = _pair(tmp_path)
+        said, word = os.pipe()
+        process = os.fork()
+        if process == 0:
+            for number in range(10**6):
+                write_pair(pair, (b"# %d\n" % number * 2000, b"# %d\n" % number * 2000))
+                os.write(word, b"%d\n" % number)
+        os.close(word)
+        time.sleep(rng.uniform(0.02, 0.08))
+        os.kill(process, signal.SIGKILL)
+        os.waitpid(process, 0)
+        with os.fdopen(said) as lines:
+            last = max([int(line) for line in lines if line.endswith("\n")], default=-1)
+        document = TaskDocument.open(pair.files[0])
+        assert document.scene_text == document.python_text
+        lines_there = set(document.scene_text.splitlines())
+        assert last == -1 or (len(lines_there) == 1 and int(lines_there.pop().removeprefix("# ")) in (last, last + 1))
+        assert sorted(file.name for file in tmp_path.iterdir()) == ["thing.py", "thing.toml"]
+        for file in pair.files:
+            file.unlink()
+
+
+def test_a_save_that_fails_leaves_what_was_there(tmp_path: Path) -> None:
+    """With an error of ours, and nothing else in the folder."""
+    pair = _pair(tmp_path)
+
+    def listen(step: str) -> None:
+        if step == ".thing.py.part is written":
+            raise OSError(28, "No space left on device")
+
+    with pytest.raises(StorageError, match="No space left"):
+        write_pair(pair, NEW, listen)
+    assert _contents(pair) == OLD
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["thing.py", "thing.toml"]
+
+
+def test_saving_says_what_is_unsaved(opened: Opener) -> None:
+    """An edit makes a task unsaved, saving and undoing make it saved again."""
+    document = opened("open_drawer")
+    document.set("waypoint0", "gripper", "close")
+    assert document.unsaved
+    document.save()
+    assert not document.unsaved
+    document.undo()
+    assert document.unsaved
+    document.redo()
+    assert not document.unsaved
+
+
+def test_files_that_somebody_changed_are_not_overwritten(opened: Opener) -> None:
+    """Saving says so, unless it is told to; reloading takes them over as an edit that can be undone."""
+    document = opened("open_drawer")
+    file = document.folder / "open_drawer.py"
+    file.write_text(file.read_text() + "\n# by hand\n")
+    assert document.changed_on_disk() == (file,)
+    document.set("waypoint0", "gripper", "close")
+    with pytest.raises(ChangedOnDisk, match="open_drawer.py changed on disk"):
+        document.save()
+    edited = document.scene_text
+    document.reload()
+    assert document.python_text.endswith("# by hand\n") and 'gripper = "open"' in document.scene_text
+    assert document.undoable == "reload" and not document.changed_on_disk() and not document.unsaved
+    document.undo()
+    assert document.scene_text == edited and not document.python_text.endswith("# by hand\n")
+    document.save()
+    file.write_text("# other\n")
+    document.save(over=True)
+    assert file.read_text() == document.python_text
+
+
+def test_line_ends_and_letters_stay(tmp_path: Path) -> None:
+    """Files whose lines end with a carriage return, too, keep that; so do letters of any language."""
+    pair = Pair(tmp_path, "thing")
+    scene = '# Größe 长\r\nformat = 2\r\n\r\n[[frame]]\r\nname = "a"   # あ\r\n'.encode()
+    write_pair(pair, (scene, b"x = 1\n"))
+    document = TaskDocument.open(pair.files[0])
+    document.set("a", "pose", [0.1, 0.0, 0.0])
+    document.save()
+    assert pair.files[0].read_bytes() == scene + b"pose = [0.1, 0.0, 0.0]\r\n"
+    assert pair.files[1].read_bytes() == b"x = 1\n"
+
+
+def test_what_is_no_task_is_not_opened(tmp_path: Path) -> None:
+    """A missing file, one that is no text, one that is too large, another kind of file: refused with what to do."""
+    pair = _pair(tmp_path)
+    with pytest.raises(TaskFilesError, match="no file of a task"):
+        TaskDocument.open(tmp_path / "thing.txt")
+    with pytest.raises(TaskFilesError, match=r"other.toml'.*does not exist"):
+        TaskDocument.open(tmp_path / "other.py")
+    pair.files[0].write_bytes(b"\xff\xfe")
+    with pytest.raises(TaskFilesError, match="no text in UTF-8"):
+        TaskDocument.open(pair.files[0])
+    with pair.files[0].open("wb") as file:
+        file.truncate(LARGEST_FILE + 1)
+    with pytest.raises(TaskFilesError, match="at most"):
+        TaskDocument.open(pair.files[0])
+    with pytest.raises(TaskFilesError, match="there already"):
+        TaskDocument.new(tmp_path, "thing")
+    with pytest.raises(TaskFilesError, match="no name"):
+        TaskDocument.new(tmp_path, "../thing")
