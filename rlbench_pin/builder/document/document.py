@@ -72,11 +72,12 @@ class TaskDocument:
             name: Small letters, digits and underscores, a letter first.
 
         Raises:
-            TaskFilesError: The name is none, or a file of that name is there.
+            TaskFilesError: The name is none, or a file of that name is there, perhaps from a save that was killed.
         """
         pair = Pair(as_path(folder, "folder").resolve(), as_text(name, "name"))
         if not fullmatch(NAME_PATTERN, name):
             raise TaskFilesError(name, "it is no name of a task.", "Use small letters, digits and underscores, a letter first.")
+        recover(pair)
         for file in pair.files:
             if file.exists():
                 raise TaskFilesError(file, "it is there already.", "Open it, or choose another name.")

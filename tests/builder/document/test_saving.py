@@ -55,6 +55,21 @@ def test_a_save_that_is_killed_is_finished_or_dropped(tmp_path: Path, last: int)
     assert sorted(file.name for file in tmp_path.iterdir()) == ["thing.py", "thing.toml"]
 
 
+@pytest.mark.parametrize("last", range(STEPS))
+def test_a_first_save_that_is_killed_leaves_both_files_or_none(tmp_path: Path, last: int) -> None:
+    """A task of that name cannot be begun anew over what was being saved."""
+    pair = Pair(tmp_path, "thing")
+    _killed_save(pair, last)
+    if last < 2:
+        assert TaskDocument.new(tmp_path, "thing").unsaved
+        assert list(tmp_path.iterdir()) == []
+        return
+    with pytest.raises(TaskFilesError, match="there already"):
+        TaskDocument.new(tmp_path, "thing")
+    assert _contents(pair) == NEW
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["thing.py", "thing.toml"]
+
+
 def test_a_save_has_these_steps(tmp_path: Path) -> None:
     """So that the test above leaves none out."""
     steps: list[str] = []
