@@ -12,8 +12,9 @@ from rlbench_pin.builder.document.problems import python_problems, scene_problem
 from rlbench_pin.builder.document.python_text.source import PythonSyntaxError, Source
 from rlbench_pin.builder.document.scene_text.scene_text import SceneText
 from rlbench_pin.builder.document.storage import Pair
-from rlbench_pin.errors import RlbenchPinError, SceneFileError
+from rlbench_pin.errors import InvalidValue, RlbenchPinError, SceneFileError
 from rlbench_pin.scene import SceneSpec, scene_from_raw
+from rlbench_pin.values import as_text
 
 
 class Reading:
@@ -93,6 +94,21 @@ def decoded(pair: Pair, contents: tuple[bytes, bytes]) -> Texts:
 def encoded(text: str, *, with_return: bool) -> bytes:
     """Return what a file says, its lines ended as they were."""
     return (text.replace("\n", "\r\n") if with_return else text).encode()
+
+
+def typed(text: str, what: str, saved: bytes | None) -> str:
+    """Return a text that somebody has typed, its lines ended as those of the file are in memory, or raise InvalidValue.
+
+    Args:
+        text: The text.
+        what: What it is called.
+        saved: What the file says on disk.
+    """
+    try:
+        as_text(text, what).encode()
+    except UnicodeEncodeError as error:
+        raise InvalidValue(what, text, f"has to be text that can be written in UTF-8, not {error.reason}") from error
+    return text.replace("\r\n", "\n") if saved is None or ends_lines_with_return(saved) else text
 
 
 def ends_lines_with_return(content: bytes | None) -> bool:

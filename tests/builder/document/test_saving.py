@@ -12,7 +12,7 @@ import pytest
 
 from rlbench_pin.builder.document import ChangedOnDisk, TaskDocument, TaskFilesError
 from rlbench_pin.builder.document.storage import LARGEST_FILE, Pair, write_pair
-from rlbench_pin.errors import StorageError
+from rlbench_pin.errors import InvalidValue, StorageError
 from tests.builder.document.conftest import Opener
 
 OLD, NEW = (b"format = 2\n", b"x = 1\n"), (b"format = 2\n# new\n", b"x = 2\n")
@@ -182,6 +182,10 @@ def test_line_ends_and_letters_stay(tmp_path: Path) -> None:
     scene = '# Größe 长\r\nformat = 2\r\n\r\n[[frame]]\r\nname = "a"   # あ\r\n'.encode()
     write_pair(pair, (scene, b"x = 1\n"))
     document = TaskDocument.open(pair.files[0])
+    document.set_scene_text(document.scene_text.replace("\n", "\r\n"))
+    assert document.step == 0
+    with pytest.raises(InvalidValue, match="UTF-8"):
+        document.set_scene_text("\ud800")
     document.set("a", "pose", [0.1, 0.0, 0.0])
     document.save()
     assert pair.files[0].read_bytes() == scene + b"pose = [0.1, 0.0, 0.0]\r\n"
