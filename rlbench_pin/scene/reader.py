@@ -30,7 +30,7 @@ def read_scene(path: Path | str) -> SceneSpec:
         AssetInvalid: A URDF is not XML.
     """
     path = as_path(path, "path")
-    return _checked(_parse(path), path)
+    return scene_from_raw(_parse(path), path)
 
 
 def read_scene_text(text: str, path: Path | str) -> SceneSpec:
@@ -46,7 +46,7 @@ def read_scene_text(text: str, path: Path | str) -> SceneSpec:
         AssetInvalid: A URDF is not XML.
     """
     path = as_path(path, "path")
-    return _checked(raw_scene(text, path), path)
+    return scene_from_raw(raw_scene(text, path), path)
 
 
 def raw_scene(text: str, path: Path | str) -> Raw:
@@ -61,7 +61,8 @@ def raw_scene(text: str, path: Path | str) -> Raw:
         raise SceneFileError(as_path(path, "path"), "file", f"it is not valid TOML: {error}.") from error
 
 
-def _checked(raw: Raw, path: Path) -> SceneSpec:
+def scene_from_raw(raw: Raw, path: Path) -> SceneSpec:
+    """Check the tables of a scene file, which `raw_scene` returned, and return the scene."""
     _check_format(path, raw)
     if raw["format"] == FORMAT:
         raw = _written_out(path, raw)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.errors import AssetInvalid, AssetNotFound, SceneFileError
-from rlbench_pin.scene import SceneSpec, read_scene, resolve_asset
+from rlbench_pin.scene import SceneSpec, raw_scene, read_scene, read_scene_text, resolve_asset, scene_from_raw
 from rlbench_pin.tasks import LIBRARY
 
 CUBE = 'asset = "objects/cube/cube.urdf"'
@@ -196,6 +196,17 @@ def test_every_scene_of_the_library_reads(file: Path) -> None:
     scene = read_scene(file)
     assert scene.file == str(file)
     assert "[m]" in file.read_text().splitlines()[0]
+
+
+def test_a_text_is_read_as_its_file_would_be(tmp_path: Path) -> None:
+    """Also one that was not written yet; errors name the file that it is meant for."""
+    file = LIBRARY / "open_drawer.toml"
+    text = file.read_text()
+    assert read_scene_text(text, file) == scene_from_raw(raw_scene(text, file), file) == read_scene(file)
+    with pytest.raises(SceneFileError, match=r"^new.toml: file: it is not valid TOML: .*\(at line 2, column 1\)"):
+        read_scene_text("format = 2\n=", tmp_path / "new.toml")
+    with pytest.raises(SceneFileError, match=r"^new.toml: key 'format'"):
+        read_scene_text("", tmp_path / "new.toml")
 
 
 def test_a_scene_is_frozen() -> None:

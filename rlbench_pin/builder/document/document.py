@@ -14,7 +14,7 @@ from rlbench_pin.builder.document.errors import ChangedOnDisk, TaskFilesError
 from rlbench_pin.builder.document.history import History, Texts
 from rlbench_pin.builder.document.new_task import texts_of_new_task
 from rlbench_pin.builder.document.operations import Edited
-from rlbench_pin.builder.document.reading import Reading, decoded, encoded, ends_lines_with_return
+from rlbench_pin.builder.document.reading import Reading, decoded, encoded, ends_lines_with_return, typed
 from rlbench_pin.builder.document.scene_text.scene_text import SceneText
 from rlbench_pin.builder.document.storage import Pair, on_disk, read_pair, recover, write_pair
 from rlbench_pin.scene import SceneSpec
@@ -72,11 +72,12 @@ class TaskDocument:
             name: Small letters, digits and underscores, a letter first.
 
         Raises:
-            TaskFilesError: The name is none, or a file of that name is there.
+            TaskFilesError: The name is none, or a file of that name is there, perhaps from a save that was killed.
         """
         pair = Pair(as_path(folder, "folder").resolve(), as_text(name, "name"))
         if not fullmatch(NAME_PATTERN, name):
             raise TaskFilesError(name, "it is no name of a task.", "Use small letters, digits and underscores, a letter first.")
+        recover(pair)
         for file in pair.files:
             if file.exists():
                 raise TaskFilesError(file, "it is there already.", "Open it, or choose another name.")
@@ -208,11 +209,11 @@ class TaskDocument:
 
     def set_scene_text(self, text: str, merge: str = "") -> None:
         """Put another text in the place of the scene, also one that is not valid."""
-        self._take("edit the scene as text", (as_text(text, "scene text"), self.python_text), merge)
+        self._take("edit the scene as text", (typed(text, "scene text", self._saved[0]), self.python_text), merge)
 
     def set_python_text(self, text: str, merge: str = "") -> None:
         """Put another text in the place of the Python, also one that is not valid."""
-        self._take("edit the Python as text", (self.scene_text, as_text(text, "Python text")), merge)
+        self._take("edit the Python as text", (self.scene_text, typed(text, "Python text", self._saved[1])), merge)
 
     def set_behaviour(self, field: str, value: Any, merge: str = "") -> None:
         """Change what a form shows of the Python, such as `instructions`; hand-written parts stay as they are.

@@ -15,7 +15,7 @@ from rlbench_pin.builder.document.scene_text.arrays import detached, with_pose
 from rlbench_pin.builder.document.scene_text.edits import with_entry, with_keys, without_entry
 from rlbench_pin.builder.document.scene_text.records import written_keys
 from rlbench_pin.builder.document.scene_text.scene_text import PLACEMENT, TABLES, SceneText
-from rlbench_pin.errors import InvalidValue, UnknownName
+from rlbench_pin.errors import InvalidValue
 from rlbench_pin.scene.short_forms import placement_for_file
 from rlbench_pin.scene.spec import PlacementSpec
 from rlbench_pin.values import as_choice, as_text, as_whole
@@ -83,7 +83,7 @@ def duplicated(scene: SceneText, python: str, name: str) -> Edited:
     entry = detached(scene, name).find(name)
     keys = {key: value for key, value in entry.raw.items() if key != "name"}
     if entry.table == "waypoint":
-        return _inserted_as_written(scene, python, int(name.removeprefix("waypoint")) + 1, keys)
+        return _inserted_as_written(scene, python, _number(name) + 1, keys)
     new = scene_names.free_name(name, scene.names)
     scene.refuse_inline(f"duplicate '{name}'", entry.table)
     text = with_entry(scene, entry.table, {**keys, "name": new})
@@ -103,16 +103,17 @@ def deleted(scene: SceneText, python: str, name: str, *, with_dependants: bool =
     if (hanging or lines) and not with_dependants:
         raise HasDependants(name, [thing.name for thing in hanging], lines)
     doomed = {name, *(thing.name for thing in hanging)}
-    points = sorted((int(n.removeprefix("waypoint")) for n in doomed if _is_waypoint(scene, n)), reverse=True)
+    points = sorted((_number(n) for n in doomed if scene.find(n).table == "waypoint"), reverse=True)
     for other in sorted(doomed - {f"waypoint{k}" for k in points}):
         scene = detached(scene, other)
         scene = SceneText(without_entry(scene, scene.find(other)), scene.path)
-    left: tuple[str, ...] = ()
+    left = [line for other in sorted(doomed) for line in mentions.mentions(source, other)] if source is not None else []
     for number in points:
         gone = SceneText(without_entry(scene, scene.find(f"waypoint{number}")), scene.path)
         shift = {f"waypoint{k}": f"waypoint{k - 1}" for k in range(number + 1, len(scene.of_table("waypoint")))}
-        scene, python, left = _renumbered(gone, python, shift)
-    return Edited((scene.text, python), name, left)
+        scene, python, more = _renumbered(gone, python, shift)
+        left += more
+    return Edited((scene.text, python), name, tuple(dict.fromkeys(left)))
 
 
 def waypoint_inserted(scene: SceneText, python: str, index: int, values: Mapping[str, Any]) -> Edited:
@@ -170,11 +171,12 @@ def _name_for(scene: SceneText, table: str, values: Mapping[str, Any]) -> str:
     return as_text(wanted, "name")
 
 
-def _is_waypoint(scene: SceneText, name: str) -> bool:
-    try:
-        return scene.find(name).table == "waypoint"
-    except UnknownName:
-        return False
+def _number(waypoint: str) -> int:
+    """Return the number of a waypoint."""
+    digits = waypoint.removeprefix("waypoint")
+    if not digits.isdecimal():
+        raise EditRefused("renumber the waypoints", f"'{waypoint}' has no number.", "Mend its name in the text.")
+    return int(digits)
 
 
 def _source(python: str, edit: str) -> Source:

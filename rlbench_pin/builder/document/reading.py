@@ -12,8 +12,9 @@ from rlbench_pin.builder.document.problems import python_problems, scene_problem
 from rlbench_pin.builder.document.python_text.source import PythonSyntaxError, Source
 from rlbench_pin.builder.document.scene_text.scene_text import SceneText
 from rlbench_pin.builder.document.storage import Pair
-from rlbench_pin.errors import RlbenchPinError, SceneFileError
-from rlbench_pin.scene import SceneSpec, read_scene_text
+from rlbench_pin.errors import InvalidValue, RlbenchPinError, SceneFileError
+from rlbench_pin.scene import SceneSpec, scene_from_raw
+from rlbench_pin.values import as_text
 
 
 class Reading:
@@ -31,25 +32,32 @@ class Reading:
         """Why the scene is not valid, None when it is."""
         self.spec: SceneSpec | None = None if before is None else before.spec
         """The scene as the last valid text says it."""
+        self._scene: SceneText | None = None
         if before is not None and before.texts[0] == texts[0]:
-            self.error = before.error
+            self.error, self._scene = before.error, before.parsed
             return
         try:
-            self.spec = read_scene_text(texts[0], pair.files[0])
+            self._scene = SceneText(texts[0], pair.files[0])
+            self.spec = scene_from_raw(self._scene.raw, pair.files[0])
         except RlbenchPinError as error:
             self.error = error
 
-    @cached_property
+    @property
     def scene(self) -> SceneText:
         """The scene with the places of its parts.
 
         Raises:
             EditRefused: It is not valid TOML.
         """
-        try:
-            return SceneText(self.texts[0], self.pair.files[0])
-        except SceneFileError as error:
-            raise EditRefused("edit the scene", error.problem, "Mend the text first.") from error
+        if self._scene is None:
+            problem = self.error.problem if isinstance(self.error, SceneFileError) else str(self.error)
+            raise EditRefused("edit the scene", problem, "Mend the text first.")
+        return self._scene
+
+    @property
+    def parsed(self) -> SceneText | None:
+        """The same, None when it is not valid TOML."""
+        return self._scene
 
     @cached_property
     def problems(self) -> tuple[Problem, ...]:
@@ -86,6 +94,21 @@ def decoded(pair: Pair, contents: tuple[bytes, bytes]) -> Texts:
 def encoded(text: str, *, with_return: bool) -> bytes:
     """Return what a file says, its lines ended as they were."""
     return (text.replace("\n", "\r\n") if with_return else text).encode()
+
+
+def typed(text: str, what: str, saved: bytes | None) -> str:
+    """Return a text that somebody has typed, its lines ended as those of the file are in memory, or raise InvalidValue.
+
+    Args:
+        text: The text.
+        what: What it is called.
+        saved: What the file says on disk.
+    """
+    try:
+        as_text(text, what).encode()
+    except UnicodeEncodeError as error:
+        raise InvalidValue(what, text, f"has to be text that can be written in UTF-8, not {error.reason}") from error
+    return text.replace("\r\n", "\n") if saved is None or ends_lines_with_return(saved) else text
 
 
 def ends_lines_with_return(content: bytes | None) -> bool:

@@ -88,6 +88,7 @@ def test_what_others_need_is_not_deleted_without_them(opened: Opener) -> None:
     assert document.step == 0
     document.delete("chest", with_dependants=True)
     assert document.spec is not None and not document.spec.body and not document.spec.joint and not document.spec.frame
+    assert any("drawer_{drawer}" in line for line in document.left)
     assert len(document.spec.waypoint) == 3
 
 

@@ -104,7 +104,19 @@ def test_joints_and_frames_are_looked_up_as_the_world_does(opened: Opener) -> No
     ]
 
 
-@pytest.mark.parametrize("text", ["x = " + "[" * 5000, "\0", "a = 1" + "0" * 9000, "[[body]]\n" * 3, "body = 3\nformat = 2"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x = " + "[" * 5000,
+        "x = a" + ".b" * 900,
+        "x = 1" + " + 1" * 900,
+        "x = " + "-" * 5000 + "1",
+        "\0",
+        "a = 1" + "0" * 9000,
+        "[[body]]\n" * 3,
+        "body = 3\nformat = 2",
+    ],
+)
 def test_hostile_texts_are_problems(tmp_path: Path, text: str) -> None:
     """They are kept as they are typed, in both files, and can be undone."""
     document = TaskDocument.new(tmp_path, "thing")

@@ -12,7 +12,7 @@ import pytest
 
 from rlbench_pin.builder.document import ChangedOnDisk, TaskDocument, TaskFilesError
 from rlbench_pin.builder.document.storage import LARGEST_FILE, Pair, write_pair
-from rlbench_pin.errors import StorageError
+from rlbench_pin.errors import InvalidValue, StorageError
 from tests.builder.document.conftest import Opener
 
 OLD, NEW = (b"format = 2\n", b"x = 1\n"), (b"format = 2\n# new\n", b"x = 2\n")
@@ -52,6 +52,21 @@ def test_a_save_that_is_killed_is_finished_or_dropped(tmp_path: Path, last: int)
     _killed_save(pair, last)
     document = TaskDocument.open(pair.files[0])
     assert _contents(pair) == (OLD if last < 2 else NEW) and not document.unsaved
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["thing.py", "thing.toml"]
+
+
+@pytest.mark.parametrize("last", range(STEPS))
+def test_a_first_save_that_is_killed_leaves_both_files_or_none(tmp_path: Path, last: int) -> None:
+    """A task of that name cannot be begun anew over what was being saved."""
+    pair = Pair(tmp_path, "thing")
+    _killed_save(pair, last)
+    if last < 2:
+        assert TaskDocument.new(tmp_path, "thing").unsaved
+        assert list(tmp_path.iterdir()) == []
+        return
+    with pytest.raises(TaskFilesError, match="there already"):
+        TaskDocument.new(tmp_path, "thing")
+    assert _contents(pair) == NEW
     assert sorted(file.name for file in tmp_path.iterdir()) == ["thing.py", "thing.toml"]
 
 
@@ -100,18 +115,17 @@ def test_saves_that_are_killed_at_any_instant_lose_nothing(tmp_path: Path) -> No
                 write_pair(pair, (b"# %d\n" % number * 2000, b"# %d\n" % number * 2000))
                 os.write(word, b"%d\n" % number)
         os.close(word)
-        time.sleep(rng.uniform(0.02, 0.08))
-        os.kill(process, signal.SIGKILL)
-        os.waitpid(process, 0)
         with os.fdopen(said) as lines:
-            last = max([int(line) for line in lines if line.endswith("\n")], default=-1)
+            assert lines.readline() == "0\n"
+            time.sleep(rng.uniform(0.0, 0.05))
+            os.kill(process, signal.SIGKILL)
+            os.waitpid(process, 0)
+            last = max((int(line) for line in lines), default=0)
         document = TaskDocument.open(pair.files[0])
         assert document.scene_text == document.python_text
-        lines_there = set(document.scene_text.splitlines())
-        assert last == -1 or (len(lines_there) == 1 and int(lines_there.pop().removeprefix("# ")) in (last, last + 1))
+        (number_there,) = {int(line.removeprefix("# ")) for line in document.scene_text.splitlines()}
+        assert number_there in (last, last + 1)
         assert sorted(file.name for file in tmp_path.iterdir()) == ["thing.py", "thing.toml"]
-        for file in pair.files:
-            file.unlink()
 
 
 def test_a_save_that_fails_leaves_what_was_there(tmp_path: Path) -> None:
@@ -168,6 +182,10 @@ def test_line_ends_and_letters_stay(tmp_path: Path) -> None:
     scene = '# Größe 长\r\nformat = 2\r\n\r\n[[frame]]\r\nname = "a"   # あ\r\n'.encode()
     write_pair(pair, (scene, b"x = 1\n"))
     document = TaskDocument.open(pair.files[0])
+    document.set_scene_text(document.scene_text.replace("\n", "\r\n"))
+    assert document.step == 0
+    with pytest.raises(InvalidValue, match="UTF-8"):
+        document.set_scene_text("\ud800")
     document.set("a", "pose", [0.1, 0.0, 0.0])
     document.save()
     assert pair.files[0].read_bytes() == scene + b"pose = [0.1, 0.0, 0.0]\r\n"

@@ -286,8 +286,8 @@ def test_other_ways_to_write_the_same_are_understood(document: TaskDocument) -> 
     assert document.scene_text.endswith(before[before.index("[[departure]]") :]) and document.problems == ()
 
 
-@pytest.mark.parametrize("value", ["abc", 3, None, [[1]], {"x": 1}, object(), [None] * 3, [True, False, True]])
-@pytest.mark.parametrize("key", ["pose", "points", "arc", "size", "gripper"])
+@pytest.mark.parametrize("value", ["abc", 3, None, [[1]], {"x": 1}, object(), [None] * 3, [True, False, True], "\ud800"])
+@pytest.mark.parametrize("key", ["pose", "points", "arc", "parent", "gripper"])
 def test_values_of_any_kind_are_refused_in_our_words(document: TaskDocument, key: str, value: object) -> None:
     """Or they are the default, or the value is one that can be."""
     before = document.scene_text

@@ -114,7 +114,7 @@ class Behaviour:
         if text is None:
             raise EditRefused(f"change {name}", "the Python cannot say it in a form that can be edited.", "Edit the text.")
         try:
-            return with_imports(source, with_attributes(source, tidied(source, text)))
+            return Source(with_imports(source, with_attributes(source, tidied(source, text)))).text
         except PythonSyntaxError as error:
             raise EditRefused(f"change {name}", f"it would not be Python any more: {error}.", "Edit the text.") from error
 

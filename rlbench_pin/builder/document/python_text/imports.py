@@ -24,8 +24,10 @@ def with_imports(old: Source, text: str) -> str:
     """
     new = Source(text)
     used, bound = _used(new), _bound(new)
-    missing = {name for name in used - bound if name in tasks.__all__}
+    missing = {name for name in used - bound - _used(old) if name in tasks.__all__}
     statement = next((node for node in new.tree.body if isinstance(node, ast.ImportFrom) and node.module == HOME), None)
+    if statement is not None and any(alias.name == "*" for alias in statement.names):
+        return text
     if statement is None:
         return new.edited([_first_import(new, missing)]) if missing else text
     idle = {alias.asname or alias.name for alias in statement.names} - used

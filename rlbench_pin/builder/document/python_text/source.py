@@ -8,6 +8,8 @@ from functools import cached_property
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 Replacement = tuple[int, int, str]
+_DEEPEST = 100
+"""Levels of a tree."""
 
 
 class PythonSyntaxError(ValueError):
@@ -36,6 +38,8 @@ class Source:
             raise PythonSyntaxError(error.lineno, error.msg) from error
         except (ValueError, RecursionError, MemoryError) as error:
             raise PythonSyntaxError(None, str(error) or "it is nested too deeply") from error
+        if (line := _too_deep(self.tree)) is not None:
+            raise PythonSyntaxError(line, "it is nested too deeply")
 
     @cached_property
     def _starts(self) -> list[int]:
@@ -81,6 +85,14 @@ class Source:
         for start, end, new in sorted(replacements, reverse=True):
             text = f"{text[:start]}{new}{text[end:]}"
         return text
+
+
+def _too_deep(tree: ast.Module) -> int | None:
+    """Return a line in which expressions or statements are nested deeper than people write, None when there is none."""
+    level: list[ast.AST] = [tree]
+    for _ in range(_DEEPEST):
+        level = [child for node in level for child in ast.iter_child_nodes(node)]
+    return next((node.lineno for node in level if isinstance(node, ast.expr | ast.stmt)), None)
 
 
 def text_of(node: ast.AST | None) -> str | None:

@@ -60,6 +60,8 @@ def plain(key: str, value: object) -> object:
     """Turn a value into what TOML has: lists, rounded numbers, tables without keys that say nothing."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
+    if isinstance(value, str) and not value.isprintable() and value.encode(errors="replace").decode() != value:
+        raise InvalidValue(key, value, "has to be text that can be written in UTF-8")
     if isinstance(value, bool | str) or (key == "symmetry" and isinstance(value, int)):
         return value
     if isinstance(value, int | float):
