@@ -9,12 +9,13 @@ JOBS ?= 2
 TASKS ?=
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: help setup demo lint check format test sweep baselines bench lock clean
+.PHONY: help setup demo lint check format test test-browser sweep baselines bench lock clean
 
 help:
 	@echo "make demo    a Panda takes the lid off a saucepan: an episode and a video in out/demo"
 	@echo "make check   format, lint, types and the tests that play no episodes: before every commit"
 	@echo "make test    all tests but the long ones: before a merge"
+	@echo "make test-browser  the task builder in a browser, which it installs where it may"
 	@echo "make lint    format, lint and types only"
 	@echo "make format  format, and fix what the linter can"
 	@echo "make sweep   100 demonstrations of each task and the long tests; writes docs/results and the table in README.md"
@@ -40,14 +41,21 @@ lint: $(STAMP)
 	$(BIN)/mypy --explicit-package-bases $$(find rlbench_pin/compat/packages -name '*.py')
 
 check: lint
-	$(BIN)/pytest -m "not slow and not simulation" -n $(JOBS) --dist worksteal $(TESTS)
+	$(BIN)/pytest -m "not slow and not simulation and not browser" -n $(JOBS) --dist worksteal $(TESTS)
 
 format: $(STAMP)
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
 test: $(STAMP)
-	$(BIN)/pytest -m "not slow" -n $(JOBS) --dist worksteal $(TESTS)
+	$(BIN)/pytest -m "not slow and not browser" -n $(JOBS) --dist worksteal $(TESTS)
+
+# Debian's Chromium, where this runs as root with apt-get; without a browser the tests are skipped and say why. Pictures of the steps: out/browser.
+test-browser: $(STAMP)
+	@if ! command -v chromedriver > /dev/null && command -v apt-get > /dev/null && [ "$$(id -u)" = 0 ]; then \
+		apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium chromium-driver > /dev/null \
+		|| echo "Chromium could not be installed; the tests are skipped."; fi
+	$(BIN)/pytest -m browser -rs tests/builder/browser
 
 lock:
 	rm -rf .venv-lock && $(PYTHON) -m venv .venv-lock

@@ -13,7 +13,7 @@ from rlbench_pin.scene.checks import check_scene
 from rlbench_pin.scene.findings import dotted, first_finding, key_hint
 from rlbench_pin.scene.short_forms import POSED_TABLES, ShortFormError, placement_from_file, short_keys, write_out
 from rlbench_pin.scene.spec import FORMAT, SceneSpec
-from rlbench_pin.values import as_path
+from rlbench_pin.values import as_path, as_text
 
 Raw = dict[str, Any]
 
@@ -30,7 +30,38 @@ def read_scene(path: Path | str) -> SceneSpec:
         AssetInvalid: A URDF is not XML.
     """
     path = as_path(path, "path")
-    raw = _parse(path)
+    return _checked(_parse(path), path)
+
+
+def read_scene_text(text: str, path: Path | str) -> SceneSpec:
+    """Read and check the content of a scene file that may not have been written yet.
+
+    Args:
+        text: What the file says.
+        path: Where the file lies, or will lie: models of its own are found from here.
+
+    Raises:
+        SceneFileError: Something in the text is wrong; names the table, the key and the nearest known word.
+        AssetNotFound: A URDF, mesh or texture that the scene needs does not exist.
+        AssetInvalid: A URDF is not XML.
+    """
+    path = as_path(path, "path")
+    return _checked(raw_scene(text, path), path)
+
+
+def raw_scene(text: str, path: Path | str) -> Raw:
+    """Return the tables of a scene file as they stand in its text; nothing but the TOML is checked.
+
+    Raises:
+        SceneFileError: It is not valid TOML.
+    """
+    try:
+        return tomllib.loads(as_text(text, "text"))
+    except (ValueError, RecursionError) as error:  # what is no TOML, no UTF-8, too deep, or a number of too many digits
+        raise SceneFileError(as_path(path, "path"), "file", f"it is not valid TOML: {error}.") from error
+
+
+def _checked(raw: Raw, path: Path) -> SceneSpec:
     _check_format(path, raw)
     if raw["format"] == FORMAT:
         raw = _written_out(path, raw)
@@ -50,11 +81,12 @@ def _parse(path: Path) -> Raw:
         near = nearest_name(path.name, siblings)
         raise SceneFileError(path, "file", f"'{path}' does not exist.", f"Did you mean '{near}'?" if near else "")
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (ValueError, RecursionError) as error:  # what is no TOML, no UTF-8, too deep, or a number of too many digits
+        text = path.read_text(encoding="utf-8")
+    except ValueError as error:
         raise SceneFileError(path, "file", f"it is not valid TOML: {error}.") from error
     except OSError as error:
         raise SceneFileError(path, "file", f"it cannot be read: {error.strerror}.", "See who may read it.") from error
+    return raw_scene(text, path)
 
 
 def _check_format(path: Path, raw: Raw) -> None:

@@ -1,0 +1,37 @@
+"""A task that is being edited: its two files as text, undone without end, saved together or not at all."""
+
+from __future__ import annotations
+
+from rlbench_pin.builder.document.behaviour import (
+    Argument,
+    Behaviour,
+    ConditionForm,
+    ConditionKind,
+    Named,
+    Parameter,
+    SpawnedForm,
+    SpawnForm,
+    Written,
+    condition_kinds,
+)
+from rlbench_pin.builder.document.document import TaskDocument
+from rlbench_pin.builder.document.errors import ChangedOnDisk, DocumentError, EditRefused, HasDependants, TaskFilesError
+
+__all__ = [
+    "Argument",
+    "Behaviour",
+    "ChangedOnDisk",
+    "ConditionForm",
+    "ConditionKind",
+    "DocumentError",
+    "EditRefused",
+    "HasDependants",
+    "Named",
+    "Parameter",
+    "SpawnForm",
+    "SpawnedForm",
+    "TaskDocument",
+    "TaskFilesError",
+    "Written",
+    "condition_kinds",
+]

@@ -1,0 +1,47 @@
+"""What can go wrong with a task that is being edited."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from pathlib import Path
+
+from rlbench_pin.errors import RlbenchPinError
+
+
+class DocumentError(RlbenchPinError):
+    """Base of the errors of a task that is being edited; nothing has changed."""
+
+
+class TaskFilesError(DocumentError):
+    """The files of a task cannot be opened."""
+
+    def __init__(self, path: Path | str, problem: str, hint: str = "") -> None:
+        self.path, self.problem, self.hint = Path(path), problem, hint
+        super().__init__(f"'{path}': {problem}{f' {hint}' if hint else ''}")
+
+
+class EditRefused(DocumentError):
+    """An edit cannot be made."""
+
+    def __init__(self, edit: str, problem: str, hint: str = "") -> None:
+        self.edit, self.problem, self.hint = edit, problem, hint
+        super().__init__(f"Cannot {edit}: {problem}{f' {hint}' if hint else ''}")
+
+
+class HasDependants(EditRefused):
+    """Something is needed by others, so that it is not deleted without them."""
+
+    def __init__(self, name: str, dependants: Sequence[str], mentions: Sequence[str]) -> None:
+        self.name, self.dependants, self.mentions = name, tuple(dependants), tuple(mentions)
+        needed = [*dependants, *(f"line {mention}" for mention in mentions)]
+        hint = "Delete it with what depends on it (lines of Python stay), or change these first."
+        super().__init__(f"delete '{name}'", f"it is needed by {', '.join(needed)}.", hint)
+
+
+class ChangedOnDisk(DocumentError):
+    """Files were changed by somebody else since they were read or saved."""
+
+    def __init__(self, files: Collection[Path]) -> None:
+        self.files = tuple(files)
+        names = " and ".join(sorted(file.name for file in files))
+        super().__init__(f"{names} changed on disk since it was read. Reload, or save over it.")

@@ -1,0 +1,191 @@
+"""What edits do to the two texts: pure functions from texts to texts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from rlbench_pin.builder.document.behaviour import mentions
+from rlbench_pin.builder.document.behaviour.source import PythonSyntaxError, Source
+from rlbench_pin.builder.document.errors import EditRefused, HasDependants
+from rlbench_pin.builder.document.history import Texts
+from rlbench_pin.builder.document.scene_text import names as scene_names
+from rlbench_pin.builder.document.scene_text.arrays import detached, with_pose
+from rlbench_pin.builder.document.scene_text.edits import with_entry, with_keys, without_entry
+from rlbench_pin.builder.document.scene_text.records import written_keys
+from rlbench_pin.builder.document.scene_text.scene_text import PLACEMENT, TABLES, SceneText
+from rlbench_pin.errors import InvalidValue, UnknownName
+from rlbench_pin.scene.short_forms import placement_for_file
+from rlbench_pin.scene.spec import PlacementSpec
+from rlbench_pin.values import as_choice, as_text, as_whole
+
+
+@dataclass(frozen=True)
+class Edited:
+    """The outcome of an edit."""
+
+    texts: Texts
+    """Scene and Python afterwards."""
+    name: str = ""
+    """Of the thing that it is about."""
+    left: tuple[str, ...] = ()
+    """Lines of Python that name it in another way, and were left as they are."""
+
+
+def added(scene: SceneText, python: str, table: str, values: Mapping[str, Any]) -> Edited:
+    """Add an entry behind the last of its table."""
+    as_choice(table, "table", TABLES)
+    if table == "waypoint":
+        return waypoint_inserted(scene, python, len(scene.of_table("waypoint")), values)
+    name = _name_for(scene, table, values)
+    text = _with_new(scene, table, {**values, "name": name})
+    return Edited((text, python), name)
+
+
+def changed(scene: SceneText, python: str, name: str, values: Mapping[str, Any]) -> Edited:
+    """Change keys of a thing; those of a joint that the file does not speak of are added."""
+    if "/" in as_text(name, "name") and name not in scene.names:
+        return added(scene, python, "joint", {**values, "name": name})
+    if "name" in values:
+        raise EditRefused(f"change the name of '{name}' alone", "others may refer to it.", "Rename it.")
+    entry = scene.find(name)
+    if entry.is_several and set(values) == {"pose"} and values["pose"] is not None:
+        text = with_pose(scene, entry, name, [float(v) for v in values["pose"]])
+        if text is not None:
+            return Edited((text, python), name)
+    alone = detached(scene, name)
+    entry = alone.find(name)
+    keys = written_keys(entry.table, values, entry.raw, short_forms=scene.has_short_forms)
+    return Edited((with_keys(alone, entry, keys) if keys else scene.text, python), name)
+
+
+def placement_changed(scene: SceneText, python: str, values: Mapping[str, Any]) -> Edited:
+    """Change keys of `[placement]`; a pose is meant in the world."""
+    scene.refuse_inline("change the placement", PLACEMENT)
+    section = scene.section(PLACEMENT)
+    pose = values.get("pose")
+    if pose is not None and scene.has_short_forms:
+        pose = placement_for_file(PlacementSpec(pose=tuple(pose))).pose
+    said = {**values, "pose": pose} if "pose" in values else dict(values)
+    keys = written_keys(PLACEMENT, said, scene.raw.get(PLACEMENT, {}), short_forms=scene.has_short_forms)
+    if not keys:
+        return Edited((scene.text, python), PLACEMENT)
+    text = with_keys(scene, section, keys) if section is not None else with_entry(scene, PLACEMENT, keys)
+    return Edited((text, python), PLACEMENT)
+
+
+def duplicated(scene: SceneText, python: str, name: str) -> Edited:
+    """Add a thing like another, with the joints of a body, at the same place."""
+    entry = scene.find(name)
+    if entry.table == "joint":
+        raise EditRefused(f"duplicate '{name}'", "a joint is described once.", "Duplicate its body.")
+    entry = detached(scene, name).find(name)
+    keys = {key: value for key, value in entry.raw.items() if key != "name"}
+    if entry.table == "waypoint":
+        return _inserted_as_written(scene, python, int(name.removeprefix("waypoint")) + 1, keys)
+    new = scene_names.free_name(name, scene.names)
+    scene.refuse_inline(f"duplicate '{name}'", entry.table)
+    text = with_entry(scene, entry.table, {**keys, "name": new})
+    for joint in scene.of_table("joint"):
+        body, _, rest = str(joint.raw.get("name")).partition("/")
+        if body == name:
+            text = with_entry(SceneText(text, scene.path), "joint", {**joint.raw, "name": f"{new}/{rest}"})
+    return Edited((text, python), new)
+
+
+def deleted(scene: SceneText, python: str, name: str, *, with_dependants: bool = False) -> Edited:
+    """Take a thing away, perhaps with all that hangs on it; waypoints behind one that goes are renumbered."""
+    scene.find(name)
+    hanging = scene_names.dependants(scene, name)
+    source = _source_or_none(python)
+    lines = mentions.mentions(source, name) if source is not None else ()
+    if (hanging or lines) and not with_dependants:
+        raise HasDependants(name, [thing.name for thing in hanging], lines)
+    doomed = {name, *(thing.name for thing in hanging)}
+    points = sorted((int(n.removeprefix("waypoint")) for n in doomed if _is_waypoint(scene, n)), reverse=True)
+    for other in sorted(doomed - {f"waypoint{k}" for k in points}):
+        scene = detached(scene, other)
+        scene = SceneText(without_entry(scene, scene.find(other)), scene.path)
+    left: tuple[str, ...] = ()
+    for number in points:
+        gone = SceneText(without_entry(scene, scene.find(f"waypoint{number}")), scene.path)
+        shift = {f"waypoint{k}": f"waypoint{k - 1}" for k in range(number + 1, len(scene.of_table("waypoint")))}
+        scene, python, left = _renumbered(gone, python, shift)
+    return Edited((scene.text, python), name, left)
+
+
+def waypoint_inserted(scene: SceneText, python: str, index: int, values: Mapping[str, Any]) -> Edited:
+    """Add a waypoint before the one of that number; those behind move up by one, wherever they are named."""
+    keys = written_keys("waypoint", {k: v for k, v in values.items() if k != "name"}, {}, short_forms=scene.has_short_forms)
+    return _inserted_as_written(scene, python, index, keys)
+
+
+def renamed(scene: SceneText, python: str, old: str, new: str) -> Edited:
+    """Call a thing otherwise, wherever it is named."""
+    entry = scene.find(old)
+    if entry.table == "joint":
+        raise EditRefused(f"rename '{old}'", "the name of a joint is in the URDF file of its body.", "Rename the body.")
+    if as_text(new, "new name") in scene.names:
+        raise EditRefused(f"rename '{old}'", f"'{new}' is used already.", "Choose another name.")
+    text, left = mentions.renamed(_source(python, f"rename '{old}'"), {old: new})
+    return Edited((scene_names.renamed(scene, {old: new}).text, text), new, left)
+
+
+def _inserted_as_written(scene: SceneText, python: str, index: int, keys: Mapping[str, Any]) -> Edited:
+    count = len(scene.of_table("waypoint"))
+    scene.refuse_inline("add a waypoint", "waypoint")
+    if as_whole(index, "index", least=0) > count:
+        raise InvalidValue("index", index, f"has to be 0 to {count}, the number of waypoints")
+    shift = scene_names.waypoint_shift(scene, index, 1)
+    moved, python, left = _renumbered(scene, python, shift)
+    parent = keys.get("parent")
+    parent = shift.get(parent, parent) if isinstance(parent, str) else parent
+    behind = moved.find(f"waypoint{index + 1}") if index < count else None
+    name = f"waypoint{index}"
+    text = with_entry(moved, "waypoint", {**keys, "parent": parent, "name": name}, behind)
+    return Edited((text, python), name, left)
+
+
+def _renumbered(scene: SceneText, python: str, shift: Mapping[str, str]) -> tuple[SceneText, str, tuple[str, ...]]:
+    if not shift:
+        return scene, python, ()
+    python, left = mentions.renamed(_source(python, "renumber the waypoints"), shift)
+    return scene_names.renamed(scene, shift), python, left
+
+
+def _with_new(scene: SceneText, table: str, values: Mapping[str, Any]) -> str:
+    scene.refuse_inline(f"add a {table}", table)
+    return with_entry(scene, table, written_keys(table, values, {}, short_forms=scene.has_short_forms))
+
+
+def _name_for(scene: SceneText, table: str, values: Mapping[str, Any]) -> str:
+    """Return the name of a new thing: the one that is wanted, or a free one."""
+    wanted = values.get("name")
+    if wanted is None and table in ("joint", "departure"):
+        raise InvalidValue("name", wanted, f"has to be given for a {table}")
+    if wanted is None:
+        stem = scene_names.name_from_asset(as_text(values.get("asset"), "asset")) if table == "body" else table
+        return scene_names.free_name(stem, scene.names)
+    return as_text(wanted, "name")
+
+
+def _is_waypoint(scene: SceneText, name: str) -> bool:
+    try:
+        return scene.find(name).table == "waypoint"
+    except UnknownName:
+        return False
+
+
+def _source(python: str, edit: str) -> Source:
+    try:
+        return Source(python)
+    except PythonSyntaxError as error:
+        raise EditRefused(edit, f"the Python cannot be read, {error}.", "Mend it first.") from error
+
+
+def _source_or_none(python: str) -> Source | None:
+    try:
+        return Source(python)
+    except PythonSyntaxError:
+        return None

@@ -1,0 +1,1 @@
+"""The text of a scene file, edited in place."""

@@ -1,0 +1,1 @@
+"""The panels of the page: functions from what is being edited to items."""

@@ -1,0 +1,93 @@
+"""A browser for the tests of this folder; where there is none, they are skipped with the reason."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from rlbench_pin.builder.document import TaskDocument
+from rlbench_pin.builder.server import LocalServer
+from rlbench_pin.builder.stage import StageClient
+from rlbench_pin.builder.view import Window
+from rlbench_pin.tasks.registry import LIBRARY
+from tests.builder.browser.page import Page, start_browser
+
+PICTURES = Path(__file__).parents[3] / "out" / "browser"
+"""Where pictures of the steps are kept."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark everything here."""
+    for item in items:
+        if Path(__file__).parent in item.path.parents:
+            item.add_marker(pytest.mark.browser)
+
+
+@pytest.fixture(scope="session")
+def browser_programs() -> tuple[str, str]:
+    """Chromium and its driver."""
+    pytest.importorskip("selenium", reason="selenium is not installed")
+    chromium, driver = shutil.which("chromium"), shutil.which("chromedriver")
+    if chromium is None or driver is None:
+        pytest.skip("Chromium or its driver is missing: `make test-browser` installs them where it may (root, apt-get)")
+    return chromium, driver
+
+
+class Desk:
+    """A builder with a page in a browser.
+
+    Args:
+        document: The task that is edited.
+        page: Opens the page.
+        window: What the page shows.
+    """
+
+    def __init__(self, document: TaskDocument, page: Page, window: Window) -> None:
+        self.document, self.page, self.window = document, page, window
+        self.session = window.session
+
+    def settle(self) -> None:
+        """Wait until everything was done that was asked for."""
+        assert self.session.edits.wait(120.0)
+        assert self.window.watch.wait(120.0)
+        assert self.session.edits.wait(120.0)
+
+
+Sit = Callable[[TaskDocument], Desk]
+"""Opens a document in a browser."""
+
+
+@pytest.fixture
+def sit(browser_programs: tuple[str, str], request: pytest.FixtureRequest) -> Iterator[Sit]:
+    """Open a document in a browser; everything is closed afterwards."""
+    ends: list[Callable[[], object]] = []
+
+    def open_desk(document: TaskDocument) -> Desk:
+        server, stage = LocalServer(), StageClient()
+        ends.extend([server.stop, stage.close])
+        window = Window(server.viser, document, stage)
+        ends.append(window.close)
+        browser = start_browser(*browser_programs)
+        ends.append(browser.quit)
+        page = Page(browser, server.viser, PICTURES / request.node.name)
+        page.open(server.address)
+        return Desk(document, page, window)
+
+    yield open_desk
+    for end in reversed(ends):
+        end()
+
+
+@pytest.fixture
+def copied(tmp_path: Path) -> Callable[[str], TaskDocument]:
+    """Open a copy of a task of the library."""
+
+    def copy(name: str) -> TaskDocument:
+        for ending in (".toml", ".py"):
+            shutil.copy(LIBRARY / f"{name}{ending}", tmp_path)
+        return TaskDocument.open(tmp_path / f"{name}.toml")
+
+    return copy

@@ -1,0 +1,55 @@
+"""What a person does with the mouse reaches the file, and can be taken back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from rlbench_pin.builder.document import TaskDocument
+from tests.builder.browser.conftest import Sit
+from tests.builder.browser.page import until
+
+
+def test_a_dragged_body_moves_in_the_file_and_back(sit: Sit, copied: Callable[[str], TaskDocument]) -> None:
+    """Clicked in the scene, dragged along an arrow of the gizmo, undone to the same bytes."""
+    document = copied("pick_and_lift")
+    desk = sit(document)
+    page, session = desk.page, desk.session
+    desk.settle()
+    before = document.text
+    page.quiet()
+    page.picture("opened")
+    seen = session.places.things["distractor0"][:3] + (0.0, 0.0, 0.015)
+    page.click_until(seen, lambda: session.selected == "distractor0", "the block is selected")
+    page.shows("Duplicate")
+    start = session.places.things["distractor0"][:3].copy()
+    page.drag(start + (0.0, 0.125, 0.0), start + (0.0, 0.225, 0.0))
+    until(lambda: document.undoable and not desk.window.view.is_dragging, "an edit, and the end of the drag")
+    desk.settle()
+    moved = session.places.things["distractor0"][:3]
+    assert np.allclose(moved - start, (0.0, 0.1, 0.0), atol=0.021)
+    assert abs(moved[0] - start[0]) < 1e-9
+    assert document.scene_text != before.scene
+    page.picture("dragged")
+    page.press(f"Undo: {document.undoable}")
+    until(lambda: document.text == before, "the same bytes")
+    assert not document.unsaved
+
+
+def test_the_tree_selects_and_numbers_move(sit: Sit, copied: Callable[[str], TaskDocument]) -> None:
+    """A number that is typed stands in the file; renaming changes it everywhere at once."""
+    document = copied("pick_and_lift")
+    desk = sit(document)
+    desk.page.quiet()
+    desk.page.press("■ block")
+    desk.page.type("x y z [m]", "0.07")
+    until(lambda: "pose = [0.07, 0.0, 0.0225]" in document.scene_text, "the number in the file")
+    desk.page.type("Name", "brick")
+    desk.page.press("Rename")
+    until(lambda: 'parent = "brick"' in document.scene_text, "the new name in the scene")
+    assert 'self.world.body("brick")' in document.python_text
+    assert '"block"' not in document.scene_text
+    desk.page.press("Save")
+    until(lambda: not document.unsaved, "saved")
+    assert (document.folder / "pick_and_lift.toml").read_text() == document.scene_text
