@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 import numpy as np
 
 from rlbench_pin.builder.contracts import Failure
 from rlbench_pin.builder.playback.conditions import looked_at, success_texts
-from rlbench_pin.errors import DemoError, NoIkSolution, PlanningError, RlbenchPinError
+from rlbench_pin.errors import DemoError, NoIkSolution, PlanningError, ResetError, RlbenchPinError
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Task
+
+_NUMBER = re.compile(r"-?\d+(\.\d+)?")
 
 
 def failure_of(error: RlbenchPinError, waypoint: str, task: Task) -> Failure:
@@ -21,11 +24,20 @@ def failure_of(error: RlbenchPinError, waypoint: str, task: Task) -> Failure:
         waypoint: Name of the waypoint on the way to which it was raised, or empty.
         task: The running task; a goal that was not reached names the conditions that do not hold.
     """
-    cause = str(error)
+    cause = _reset_text(error) if isinstance(error, ResetError) else str(error)
     if isinstance(error, DemoError):
         open_ones = missing_conditions(task)
         cause += f" What does not hold: {'; '.join(open_ones)}." if open_ones else ""
     return Failure(cause, waypoint, pairs_of(error), nearest_pose(error))
+
+
+def _reset_text(error: ResetError) -> str:
+    """Return why a reset was refused: causes that differ in their numbers alone are counted together, by the first."""
+    groups: dict[str, list[str]] = {}
+    for cause in error.causes:
+        groups.setdefault(_NUMBER.sub("#", cause), []).append(cause)
+    causes = "; ".join(f"{len(alike)} x {alike[0]}" for alike in groups.values())
+    return f"No layout was found in {len(error.causes)} attempts: {causes}"
 
 
 def missing_conditions(task: Task) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_
 import numpy as np
 
 from rlbench_pin.builder.contracts import Frame
+from rlbench_pin.scene.spec import BodySpec
 
 RecordT = TypeVar("RecordT")
 
@@ -20,6 +21,8 @@ def plain(value: object) -> Any:
     """Return a value as arrays, numbers, text, lists and maps; records become maps, a frame a short one."""
     if isinstance(value, Frame):
         return _plain_frame(value)
+    if isinstance(value, BodySpec):
+        return value.model_dump()
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, tuple | list):
@@ -58,6 +61,8 @@ def _value(kind: Any, sent: Any) -> Any:
     origin, inner = get_origin(kind), get_args(kind)
     if kind is Frame:
         return _frame(sent)
+    if kind is BodySpec:
+        return BodySpec(**sent)
     if isinstance(kind, type) and is_dataclass(kind):
         hints = _hints(kind)
         if not isinstance(sent, dict) or not set(sent) <= set(hints):

@@ -85,9 +85,9 @@ def test_a_module_that_crashes_the_process(client: StageClient, text: TaskText) 
 
 def test_a_module_that_allocates_without_end(client: StageClient, text: TaskText) -> None:
     """It gets a MemoryError at its line, and the machine keeps its memory."""
-    hungry = replace(text, python=text.python + "kept = []\nwhile True:\n    kept.append(bytearray(50_000_000))\n")
+    hungry = replace(text, python=text.python + "kept = []\nwhile True:\n    kept.append(np.empty(10_000_000))\n")
     opened = client.open(hungry, run_task=True)
-    assert _problem(opened) == ("task", _line(hungry, "bytearray"))
+    assert _problem(opened) == ("task", _line(hungry, "np.empty"))
     assert "memory" in opened.problems[0].message
     _lives(client, text)
 

@@ -24,6 +24,7 @@ from rlbench_pin.builder.contracts import (
 )
 from rlbench_pin.builder.stage.wire import plain, record
 from rlbench_pin.evaluation.policies.policy_server import pack, unpack
+from rlbench_pin.scene.spec import BodySpec
 
 _POSE = np.array([0.1, -0.2, 0.3, 0.0, 0.0, 0.6, 0.8])
 _FRAME = Frame(
@@ -40,7 +41,14 @@ _FRAME = Frame(
 _FAILURE = Failure("too far", "waypoint1", (("hand", "wall"), ("finger", "wall")), _POSE, Problem("task", 3, "here"))
 _RECORDS = (
     OpenedTask(3, ("lid grasped",), ("lid",), ("waypoint0",), (Problem("scene", None, "no TOML"), Problem("task", 4, "a"))),
-    Recording((_FRAME, _FRAME), ("a", "b"), "Lift it.", (Leg("waypoint0", 0, "straight"),), _FAILURE),
+    Recording(
+        (_FRAME, _FRAME),
+        ("a", "b"),
+        "Lift it.",
+        (Leg("waypoint0", 0, "straight"),),
+        _FAILURE,
+        (BodySpec(name="drop", asset="objects/cube/cube.urdf", color=(1.0, 0.0, 0.0), scale=0.5),),
+    ),
     Recording((), (), "", (), None),
     Frame(0.0, {}, np.zeros(7), np.zeros(2), np.zeros(7), np.zeros(7), (), False),
     WaypointVerdict("waypoint0", "collides", "touches", _POSE, np.arange(7.0), _FAILURE),

@@ -74,6 +74,7 @@ def test_a_reset_that_is_refused_says_why(copied: Copied, opened: Opened, stage:
     opened(replace(text, scene=text.scene.replace("[0.24, 0.24]", "[0.9, 0.9]")))
     failure = stage.reset(0, 0).failure
     assert failure is not None
+    assert "40 x BoundaryError" in failure.cause
     assert "smaller footprint" in failure.cause
     opened(text)
     failure = stage.reset(0, 99).failure

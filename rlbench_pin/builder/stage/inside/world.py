@@ -185,12 +185,12 @@ class StageWorld:
                 environment = self._begin_in_place()
             since, self._moved = environment.world.time - self._began, True
             environment.runtime.hold()
-            with FrameRecorder(environment.runtime, lambda f: on_frame(replace(f, time=f.time + since))):
+            with FrameRecorder(environment.runtime, lambda f: on_frame(replace(f, time=f.time + since))) as recorder:
                 for _ in range(max(1, round(seconds / environment.world.control_dt))):
                     environment.runtime.step()
                     if environment.task.get_success_conditions():
                         environment.task.success()
-            return self._empty(environment)
+                return replace(recorder.recording(), frames=())
         except RAISED as error:
             return replace(self._empty(environment), failure=self._failure(error, environment))
 
