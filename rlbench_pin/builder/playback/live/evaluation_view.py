@@ -94,6 +94,12 @@ class EvaluationView:
                 self.page.player.finish(recording)
                 self.page.say(title, recording.instruction, wrong=not record.success)
 
+    @property
+    def episodes(self) -> tuple[str, ...]:
+        """What was played, the latest first, each with how it ended."""
+        with self._lock:
+            return tuple(reversed(self._played))
+
     @contextmanager
     def turn(self) -> Iterator[bool]:
         """Say for the duration of a block whether somebody wants to see the episode under way."""

@@ -75,6 +75,11 @@ class LivePage:
         if self._cameras.wanted:
             self._cameras.show(pictures)
 
+    @property
+    def words(self) -> str:
+        """What was said last, as HTML."""
+        return self._words.content
+
     def say(self, title: str, text: str, *, wrong: bool = False) -> None:
         """Say something above the controls; it takes the place of what was said before."""
         color = "#d93025" if wrong else "inherit"
