@@ -68,7 +68,7 @@ class Controls:
 
     def _paced(self, event: GuiEvent) -> None:
         speed = _WORDS[event.target.value]
-        self._change(lambda timeline: setattr(timeline, "speed", speed))
+        self._change(lambda timeline: timeline.pace(speed))
 
     def remove_keys(self) -> None:
         """Take the keys out of the page."""

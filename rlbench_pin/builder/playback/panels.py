@@ -28,7 +28,7 @@ class ConditionPanel:
     def show(self, texts: Sequence[str], frames: Sequence[Frame], index: int) -> None:
         """Show an instant; nothing is sent where nothing has changed."""
         held = frames[index].held if frames else (False,) * len(texts)
-        key = (tuple(texts), held, len(frames), id(frames[0]) if frames else 0)
+        key = (tuple(texts), held, len(frames), frames[0] if frames else None)
         if key != self._shown:
             self._shown = key
             self._html.content = conditions_html(texts, held, [frame.held for frame in frames])

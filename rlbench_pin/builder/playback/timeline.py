@@ -95,6 +95,10 @@ class Timeline:
         """Stop at the shown frame."""
         self.seek(self.index)
 
+    def pace(self, speed: float) -> None:
+        """Let time go on at another pace, in simulated seconds per second on the wall."""
+        self.speed = speed
+
     def advance(self, seconds: float) -> bool:
         """Let time on the wall go on, and say whether another frame is to be shown; at the end time stops, or waits for more."""
         if not self.playing or not self.times:

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from viser import GuiEvent, ViserServer
 
 from rlbench_pin.builder.contracts import Failure, Frame, Leg, Recording
-from rlbench_pin.builder.playback.cameras import camera_pictures
 from rlbench_pin.builder.playback.live.feed import Feed
 from rlbench_pin.builder.playback.live.page import LivePage
+from rlbench_pin.builder.playback.pictures import camera_pictures
 from rlbench_pin.builder.playback.recorder import FrameRecorder
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.evaluation.results.records import EpisodeRecord
@@ -93,6 +93,12 @@ class EvaluationView:
             if self._shown == _NOW:
                 self.page.player.finish(recording)
                 self.page.say(title, recording.instruction, wrong=not record.success)
+
+    @property
+    def episodes(self) -> tuple[str, ...]:
+        """What was played, the latest first, each with how it ended."""
+        with self._lock:
+            return tuple(reversed(self._played))
 
     @contextmanager
     def turn(self) -> Iterator[bool]:

@@ -17,8 +17,10 @@ from rlbench_pin.builder.playback.readout import framed
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
 
-_EYE, _TARGET = (1.35, 1.0, 1.75), (0.15, 0.0, 1.0)
+_EYE, _TARGET = (1.3, 0.9, 1.65), (0.15, 0.0, 0.95)
 """Where a new tab looks from and to [m]: over the table from the robot's left."""
+_LEFT, _RIGHT = 300.0, 360.0
+"""Widths of the panels [px]."""
 
 
 class LivePage:
@@ -41,11 +43,17 @@ class LivePage:
         self.gui, self._on_look = server.gui, on_look
         server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
         server.initial_camera.position, server.initial_camera.look_at = _EYE, _TARGET
+        server.gui.main_panel.dock_right()
+        server.gui.main_panel.set_width(_RIGHT)
         self._figures = Figures(server.scene)
         self._words = server.gui.add_html("")
         build_controls()
         self.player = Player(server.gui, self._figures, self._shown, server.atomic)
-        self._cameras = CameraPanel(server.gui, on_look, cameras)
+        side = server.gui.add_panel()
+        with side.add_tab("Cameras"):
+            self._cameras = CameraPanel(server.gui, on_look, cameras)
+        side.dock_left()
+        side.set_width(_LEFT)
 
     def _shown(self, index: int, frame: Frame) -> None:
         if self._cameras.wanted:
@@ -66,6 +74,11 @@ class LivePage:
         """Show what the cameras see, pictures (h, w, 3) by name."""
         if self._cameras.wanted:
             self._cameras.show(pictures)
+
+    @property
+    def words(self) -> str:
+        """What was said last, as HTML."""
+        return self._words.content
 
     def say(self, title: str, text: str, *, wrong: bool = False) -> None:
         """Say something above the controls; it takes the place of what was said before."""

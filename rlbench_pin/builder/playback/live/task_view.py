@@ -47,7 +47,7 @@ class TaskView:
         seed, variation = self._start
         with gui.add_folder("Episode"):
             self._seed = gui.add_number("Seed", seed, min=0, max=LARGEST_SEED, step=1)
-            moves = gui.add_button_group("Seed", ("before", "next", "random"))
+            moves = gui.add_button_group("Go to", ("before", "next", "random"))
             self._variation = gui.add_dropdown("Variation", (str(variation),), initial_value=str(variation))
             demonstrate = gui.add_button("Play the demonstration", icon=Icon.ROBOT)
             self._progress = gui.add_progress_bar(0.0, visible=False)
