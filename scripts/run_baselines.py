@@ -10,6 +10,7 @@ import argparse
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -20,6 +21,9 @@ from baselines_lib.tables import RESULTS, write_tables
 from tqdm import tqdm
 
 from rlbench_pin.evaluation import read_results, write_results
+
+OUT = Path("out/baselines")
+"""Where data, models and results are, unless told otherwise."""
 
 
 class Run:
@@ -47,10 +51,15 @@ class Run:
                 list(pool.map(lambda command: self._call(command, bar), stage))
 
     def keep(self, row: Row) -> None:
-        """Copy the results of a row into the repository; after all are played: until then the checkout stays as it is."""
+        """Copy the results of a row into the repository; after all are played: until then the checkout stays as it is.
+
+        Policies are called as if the folder of the run were the usual one.
+        """
         RESULTS.mkdir(parents=True, exist_ok=True)
         for name, file in row.results.items():
-            write_results(RESULTS / f"{name}.json", read_results(self._out / file))
+            results = read_results(self._out / file)
+            policy = results.policy.replace(str(self._out), str(OUT))
+            write_results(RESULTS / f"{name}.json", replace(results, policy=policy))
             if name in by_trial():
                 draw_row(name, self._out / "models", TRIED)
 
@@ -81,9 +90,7 @@ def main() -> int:
     known = rows()
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("rows", nargs="*", metavar="ROW", help=f"rows to play: {', '.join(known)}; all when none is named")
-    parser.add_argument(
-        "--out", type=Path, default=Path("out/baselines"), help="data, models, logs and results (default: %(default)s)"
-    )
+    parser.add_argument("--out", type=Path, default=OUT, help="data, models, logs and results (default: %(default)s)")
     parser.add_argument("--jobs", type=int, default=2, help="worker processes (default: %(default)s)")
     arguments = parser.parse_args()
     if unknown := [name for name in arguments.rows if name not in known]:
