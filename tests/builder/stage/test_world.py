@@ -129,6 +129,7 @@ def test_looking_does_not_change_what_is_played(copied: Copied, opened: Opened, 
     frames: list[Frame] = []
     stage.simulate(0.05, frames.append)
     assert np.abs(frames[0].poses["lid/knob"] - end.poses["lid/knob"]).max() < 1e-6
+    assert frames[0].time == pytest.approx(end.time)
     assert frames[-1].held == (True, True)
 
 

@@ -170,9 +170,14 @@ class StageWorld:
         """Reset and play the demonstration; the frames go to `on_frame` alone."""
         environment = self._fresh("demonstrate")
         self._episode, self._moved = (seed, variation), True
+
+        def seen(frame: Frame) -> None:
+            self._began = environment.world.time - frame.time
+            on_frame(frame)
+
         try:
             with environment.runtime.listening(Pulse(on_alive)):
-                recording = record_demonstration(environment, seed, variation, on_frame)
+                recording = record_demonstration(environment, seed, variation, seen)
             return replace(recording, frames=())
         except RAISED as error:
             return replace(self._empty(environment), failure=self._failure(error, environment))
