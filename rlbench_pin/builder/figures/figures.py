@@ -11,7 +11,7 @@ from rlbench_pin.assets import asset_path
 from rlbench_pin.builder.figures.chain import link_poses
 from rlbench_pin.builder.figures.model_figure import Look, ModelFigure, OnPick, Rgb
 from rlbench_pin.builder.figures.places import places_at_rest
-from rlbench_pin.builder.figures.surfaces import room_meshes
+from rlbench_pin.builder.figures.surfaces import room_glb
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.robot import DEFAULT_ROBOT, RobotDescription, robot_description
 from rlbench_pin.scene import BodySpec, SceneSpec, resolve_asset
@@ -47,9 +47,12 @@ class Figures:
 
     def _draw_room(self) -> None:
         self._scene.set_up_direction("+z")
+        self._scene.configure_environment_map(None)  # costs more than all the rest where there is no graphics card
+        self._scene.add_light_ambient("/lights/ambient", intensity=1.3)
         for part in ROOM:
-            for number, mesh in enumerate(room_meshes(asset_path(f"room/{part}.urdf"))):
-                self._scene.add_mesh_trimesh(f"/room/{part}/{number}", mesh, cast_shadow=False)
+            is_table = part == ROOM[0]
+            glb = room_glb(asset_path(f"room/{part}.urdf"), lit=is_table)
+            self._scene.add_glb(f"/room/{part}", glb, cast_shadow=False, receive_shadow=is_table)
 
     # Bodies ----------------------------------------------------------------------------------------------------------
 

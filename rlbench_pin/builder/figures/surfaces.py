@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -17,6 +18,7 @@ from rlbench_pin.sim.render.raster.normals import creased_normals
 from rlbench_pin.urdf import UrdfShape
 
 _DIGITS = 6
+_UNLIT = "KHR_materials_unlit"
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,9 +54,31 @@ def _drawn_surface(shape: UrdfShape, scale: float, written: int) -> DrawnSurface
 
 
 @lru_cache(maxsize=16)
-def room_meshes(urdf: Path) -> tuple[trimesh.Trimesh, ...]:
-    """Return a part of the room as meshes with the textures that it has in simulation, seen from inside alone."""
-    return tuple(_quad_mesh(quad) for quad in read_quads(urdf))
+def room_glb(urdf: Path, *, lit: bool) -> bytes:
+    """Return a part of the room as a GLB file with the textures that it has in simulation, seen from inside alone.
+
+    Args:
+        urdf: The part.
+        lit: Whether lights and shadows fall on it; what fills the whole picture is cheaper to draw without.
+    """
+    scene = trimesh.Scene([_quad_mesh(quad) for quad in read_quads(urdf)])
+    glb: bytes = scene.export(file_type="glb")
+    return glb if lit else _unlit(glb)
+
+
+def _unlit(glb: bytes) -> bytes:
+    """Return a GLB file whose materials show their own colours, whatever the light (extension KHR_materials_unlit)."""
+    size = int.from_bytes(glb[12:16], "little")
+    said = json.loads(glb[20 : 20 + size])
+    for material in said["materials"]:
+        material["extensions"] = {_UNLIT: {}}
+    said["extensionsUsed"] = [_UNLIT]
+    text = json.dumps(said).encode()
+    text += b" " * (-len(text) % 4)
+    rest = glb[20 + size :]
+    return (
+        glb[:8] + (20 + len(text) + len(rest)).to_bytes(4, "little") + len(text).to_bytes(4, "little") + glb[16:20] + text + rest
+    )
 
 
 def _quad_mesh(quad: Quad) -> trimesh.Trimesh:

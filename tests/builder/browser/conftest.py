@@ -73,6 +73,7 @@ def sit(browser_programs: tuple[str, str], request: pytest.FixtureRequest) -> It
         browser = start_browser(*browser_programs)
         ends.append(browser.quit)
         page = Page(browser, server.viser, PICTURES / request.node.name)
+        ends.append(lambda: page.picture("last"))
         page.open(server.address)
         return Desk(document, page, window)
 

@@ -56,7 +56,9 @@ class Adding:
 
     def _add(self, table: str, values: dict[str, object], on_selected: bool) -> None:
         """Add a thing, perhaps hanging on what is selected."""
-        parent: dict[str, object] = {"parent": self._session.selected} if on_selected and self._session.thing(self._session.selected) else {}
+        parent: dict[str, object] = (
+            {"parent": self._session.selected} if on_selected and self._session.thing(self._session.selected) else {}
+        )
         self._session.add(table, {**parent, **values})
 
     # Waypoints -------------------------------------------------------------------------------------------------------
