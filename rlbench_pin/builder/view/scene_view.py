@@ -43,21 +43,26 @@ class SceneView:
         self._curves: tuple[PlannedPath, ...] = ()
         self._model = RobotModel(robot_description(DEFAULT_ROBOT))
         self._q: FloatArray = self._model.home
+        self._follows = ""
         self.hands, self.is_dragging = "all", False
         self.faults: Mapping[str, str] = {}
 
     def show(self, spec: SceneSpec) -> None:
-        """Draw a scene at rest, with the arm at home."""
+        """Draw a scene at rest; the arm stays where a dragged hand has taken it."""
         with self._lock:
             self._spec, self._places = spec, places_at_rest(spec)
             self.faults = self.figures.show(spec)
             self.figures.mark(())
-            self.show_arm(self._model.home)
+            if self._follows == "":
+                self._put_arm(self._model.home)
 
     def point_out(self, selected: str, verdicts: Mapping[str, WaypointVerdict], paths: tuple[PlannedPath, ...]) -> None:
         """Show what is selected, and what the stage says of the waypoints."""
         with self._lock:
             self._selected, self._verdicts = selected, verdicts
+            if self._follows not in ("", selected):
+                self._follows = ""
+                self._put_arm(self._model.home)
             self._shapes.show(self._spec, self._places, selected)
             self._show_hands()
             self._show_paths(paths)
@@ -80,13 +85,17 @@ class SceneView:
     def played(self, frame: Frame) -> None:
         """Take note that the arm is shown at an instant of a recording."""
         with self._lock:
-            self._q = np.array(frame.arm)
+            self._q, self._follows = np.array(frame.arm), ""
 
-    def show_arm(self, q: FloatArray) -> None:
-        """Show the arm at joint positions (n,) [rad] with open fingers."""
+    def follow(self, q: FloatArray) -> None:
+        """Show the arm at joint positions (n,) [rad] to which it has followed the selected hand."""
         with self._lock:
-            robot, self._q = robot_description(DEFAULT_ROBOT), q
-            self.figures.arm(q, [robot.gripper_open] * len(robot.gripper_joints))
+            self._follows = self._selected
+            self._put_arm(q)
+
+    def _put_arm(self, q: FloatArray) -> None:
+        robot, self._q = robot_description(DEFAULT_ROBOT), q
+        self.figures.arm(q, [robot.gripper_open] * len(robot.gripper_joints))
 
     def _show_hands(self) -> None:
         shown = {

@@ -49,7 +49,7 @@ class Window:
         self._viser = viser
         self.session = Session(document, self._notify)
         self.view = SceneView(viser.scene, self._pick, self._drag)
-        self.watch = Watch(self.session, stage, self.view.show_arm)
+        self.watch = Watch(self.session, stage, self.view.follow)
         self._dragging = Dragging(self.session, self.view, self.watch)
         self._adding, self._spots = Adding(self.session, self.view.tip), ReachMarks(viser.scene)
         self._drawn, self._is_playing, self._closed = -1, False, threading.Event()

@@ -13,7 +13,7 @@ from rlbench_pin.builder.figures import Figures
 from rlbench_pin.builder.figures.surfaces import drawn_surface
 from rlbench_pin.robot import RobotModel, robot_description
 from rlbench_pin.robot.surfaces import shape_surface
-from rlbench_pin.scene import BodySpec, SceneSpec
+from rlbench_pin.scene import BodySpec, SceneSpec, resolve_asset
 from rlbench_pin.urdf import UrdfShape, read_urdf
 
 CUBE = BodySpec(name="cube", asset="objects/cube/cube.urdf", color=(0.2, 0.4, 0.6))
@@ -31,6 +31,12 @@ def server() -> Iterator[ViserServer]:
 def _mesh(server: ViserServer, name: str) -> MeshHandle:
     handle = server.scene.get_handle_by_name(name)
     assert isinstance(handle, MeshHandle)
+    return handle
+
+
+def _frame(server: ViserServer, name: str) -> FrameHandle:
+    handle = server.scene.get_handle_by_name(name)
+    assert isinstance(handle, FrameHandle)
     return handle
 
 
@@ -116,3 +122,22 @@ def test_surfaces_are_sharp_at_edges_and_smooth_elsewhere() -> None:
     cylinder = UrdfShape("cylinder", (0.1, 0.2), None, None, None)
     points, _ = shape_surface(cylinder)
     assert len(drawn_surface(cylinder, 1.0).corners) == 2 * len(points)
+
+
+def test_an_episode_has_colours_and_bodies_of_its_own(server: ViserServer) -> None:
+    """They last until the scene is shown again, beneath marks, which come off to them."""
+    figures, spec = Figures(server.scene), SceneSpec(format=2, body=(CUBE, CUP))
+    figures.show(spec)
+    link = read_urdf(resolve_asset(spec, CUBE.asset)).base_link
+    figures.paint({f"cube/{link}": (1.0, 0.0, 0.0, 1.0)})
+    figures.present({"cube"})
+    assert _mesh(server, "/bodies/cube/0/0").color == (255, 0, 0)
+    assert not _frame(server, "/bodies/cup").visible
+    figures.mark(["cube"])
+    figures.paint({f"cube/{link}": (0.0, 1.0, 0.0, 1.0)})
+    assert _mesh(server, "/bodies/cube/0/0").color == (230, 40, 40)
+    figures.mark([])
+    assert _mesh(server, "/bodies/cube/0/0").color == (0, 255, 0)
+    figures.show(spec)
+    assert _mesh(server, "/bodies/cube/0/0").color == (51, 102, 153)
+    assert _frame(server, "/bodies/cup").visible
