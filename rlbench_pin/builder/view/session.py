@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from rlbench_pin.builder.contracts import OpenedTask, PlannedPath, WaypointVerdict
+from rlbench_pin.builder.document import Behaviour
 from rlbench_pin.builder.figures import Places, places_at_rest
 from rlbench_pin.builder.view.contracts import Document
 from rlbench_pin.builder.view.snapping import Snap
@@ -53,6 +54,7 @@ class Session:
     def __init__(self, document: Document, notify: Callable[[str, str, bool], None]) -> None:
         self.document, self.sight, self.selected = document, Sight(), ""
         self.snap: Snap = "grid"
+        self._behaviour: tuple[str, Behaviour] | None = None
         self._notify = notify
         self._listeners: list[Callable[[], None]] = []
         self.edits = Worker("edits", self._internal)
@@ -63,6 +65,14 @@ class Session:
     def spec(self) -> SceneSpec:
         """The scene as the last valid text says it; an empty one before there was any."""
         return self.document.spec or _EMPTY
+
+    @property
+    def behaviour(self) -> Behaviour:
+        """What forms can edit of the Python; it is read again only when the Python has changed."""
+        text = self.document.python_text
+        if self._behaviour is None or self._behaviour[0] != text:
+            self._behaviour = (text, self.document.behaviour)
+        return self._behaviour[1]
 
     @property
     def places(self) -> Places:

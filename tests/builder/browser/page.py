@@ -70,6 +70,7 @@ class Page:
     def open(self, address: str) -> None:
         """Open the page, and wait until it shows the scene."""
         self.browser.get(address)
+        self._show_room(False)
         until(lambda: self._viser.get_clients(), "a client")
         until(lambda: self.browser.find_elements(By.TAG_NAME, "canvas"), "the scene")
 
@@ -77,8 +78,16 @@ class Page:
         """Keep a picture of the page."""
         self._pictures.mkdir(parents=True, exist_ok=True)
         file = self._pictures / f"{name}.png"
+        self._show_room(True)
         until(lambda: self.browser.save_screenshot(str(file)), "a picture")
+        self._show_room(False)
         return file
+
+    def _show_room(self, visible: bool) -> None:
+        """Show the room in pictures alone: without a graphics card it takes most of the time."""
+        room = self._viser.scene.get_handle_by_name("/room")
+        assert room is not None
+        room.visible = visible
 
     def quiet(self) -> None:
         """Close the messages that lie over the scene."""

@@ -17,7 +17,7 @@ _NO_TURN = (0.0, 0.0, 0.0)
 
 def behaviour_items(session: Session) -> list[Item]:
     """Return forms for what the Python says."""
-    behaviour: Behaviour = session.document.behaviour
+    behaviour: Behaviour = session.behaviour
 
     def put(field: str) -> Callable[[object], None]:
         return lambda value: session.do(lambda document: document.set_behaviour(field, value))

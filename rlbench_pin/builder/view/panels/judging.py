@@ -75,7 +75,7 @@ class Judging:
         return items
 
     def _ready_items(self) -> list[Item]:
-        document, behaviour = self._session.document, self._session.document.behaviour
+        document, behaviour = self._session.document, self._session.behaviour
         sentences = behaviour.instructions
         wanted = (
             (not problems_of(self._session), "No problem in either file"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from typing import Any
 
 import numpy as np
@@ -27,8 +27,8 @@ from rlbench_pin.builder.view.widgets.items import (
     Vector,
 )
 
-Post = Callable[[Callable[[], None]], None]
-"""Has a function run where edits are made."""
+Post = Callable[[Callable[[], None], str], None]
+"""Has a function run where edits are made; of several of one kind that wait, the last counts, unless the kind is empty."""
 _FIXED: dict[type, tuple[str, ...]] = {
     Button: ("key",),
     Check: ("label", "hint"),
@@ -62,7 +62,8 @@ class Widget:
     """
 
     def __init__(self, item: Item, post: Post) -> None:
-        self._item, self._post, self._lock, self._waiting = item, post, threading.Lock(), 0
+        self._item, self._post, self._lock = item, post, threading.Lock()
+        self._heard, self._told, self._touched = 0, 0, False
         self._value: Callable[[Item], None] | None = None
         self._removal: Callable[[], None] = _nothing
 
@@ -71,33 +72,57 @@ class Widget:
         self._removal, self._value = remove, value
 
     def show(self, item: Item) -> None:
-        """Take new values; one that somebody is changing at this moment stays as it is."""
+        """Take new values; what somebody is changing at this moment, and what says the same as before, stays as it is."""
         with self._lock:
-            self._item = item
-            busy = self._waiting > 0
-        if not busy and self._value is not None:
+            said, self._item = self._item, item
+            busy, touched = self._heard > self._told, self._touched
+            self._touched = busy and touched
+        if not busy and self._value is not None and (touched or _says(said) != _says(item)):
             self._value(item)
 
     def remove(self) -> None:
         """Take it out."""
         self._removal()
 
-    def listen(self, tell: Callable[[Any], None]) -> Callable[[GuiEvent[Any]], None]:
-        """Return what the browser's event calls: it has `tell` run with the item as it is by then; own changes are no events."""
+    def listen(
+        self, tell: Callable[[Any, Any], None], *, every: bool = False
+    ) -> Callable[[GuiEvent[Any]], Coroutine[Any, Any, None]]:
+        """Return what the browser's event calls; own changes are no events.
 
-        def told() -> None:
+        Args:
+            tell: Run with the item as it is by then, and the value that the event brought.
+            every: Each event counts; otherwise the last of those that wait.
+        """
+
+        async def heard(event: GuiEvent[Any]) -> None:  # in the event loop, so that values come in order
+            if event.client_id is None:
+                return
+            value = getattr(event.target, "value", None)
             with self._lock:
-                self._waiting -= 1
-                item = self._item
-            tell(item)
+                self._heard += 1
+                number = self._heard
 
-        def heard(event: GuiEvent[Any]) -> None:
-            if event.client_id is not None:
+            def told() -> None:
                 with self._lock:
-                    self._waiting += 1
-                self._post(told)
+                    self._told, self._touched = number, True
+                    item = self._item
+                tell(item, value)
+
+            self._post(told, "" if every else f"widget {id(self)}")
 
         return heard
+
+
+def _says(item: Item) -> object:
+    """Return what an item shows that may change; pictures are compared by those who draw them."""
+    if isinstance(item, Choice):
+        return item.value, item.options
+    if isinstance(item, Button):
+        return item.label, item.shade, item.disabled
+    if isinstance(item, Picture):
+        return id(item.pixels)
+    name = "text" if isinstance(item, Note) else "html" if isinstance(item, Markup) else "value"
+    return getattr(item, "share" if isinstance(item, Progress) else name, None)
 
 
 def _nothing() -> None:
@@ -141,7 +166,7 @@ def _markup(gui: GuiApi, item: Markup, widget: Widget) -> None:
 
 def _button(gui: GuiApi, item: Button, widget: Widget) -> None:
     handle = gui.add_button(item.label, color=item.shade, hint=item.hint or None, disabled=item.disabled)
-    handle.on_click(widget.listen(lambda now: None if now.disabled else now.on_press()))
+    handle.on_click(widget.listen(lambda now, _: None if now.disabled else now.on_press(), every=True))
 
     def show(new: Any) -> None:
         _assign(handle, "label", new.label)
@@ -176,7 +201,7 @@ def _line(gui: GuiApi, item: Line, widget: Widget) -> None:
 
 def _choice(gui: GuiApi, item: Choice, widget: Widget) -> None:
     handle: Any = gui.add_dropdown(item.label, item.options, initial_value=item.value, hint=item.hint or None)
-    handle.on_update(widget.listen(lambda now: now.on_change(handle.value)))
+    handle.on_update(widget.listen(lambda now, value: now.on_change(value)))
 
     def show(new: Any) -> None:
         _assign(handle, "options", new.options)
@@ -190,7 +215,7 @@ def _entry(gui: GuiApi, item: Entry, widget: Widget) -> None:
     with form:
         text = gui.add_text(item.label, item.value, multiline=item.lines)
         button = gui.add_button(item.button, color="gray")
-    commit = widget.listen(lambda now: now.on_commit(text.value))
+    commit = widget.listen(lambda now, _: now.on_commit(text.value), every=True)
     button.on_click(commit)
     form.on_submit(commit)
     shown = [item.value]
@@ -221,13 +246,13 @@ def _picture(gui: GuiApi, item: Picture, widget: Widget) -> None:
 
 def _upload(gui: GuiApi, item: Upload, widget: Widget) -> None:
     handle = gui.add_upload_button(item.label, hint=item.hint or None)
-    handle.on_upload(widget.listen(lambda now: now.on_file(handle.value.name, handle.value.content)))
+    handle.on_upload(widget.listen(lambda now, file: now.on_file(file.name, file.content), every=True))
     widget.bind(handle.remove, None)
 
 
 def _input(handle: Any, widget: Widget) -> None:
     """Have an input tell its value, and take new ones."""
-    handle.on_update(widget.listen(lambda now: now.on_change(handle.value)))
+    handle.on_update(widget.listen(lambda now, value: now.on_change(value)))
     widget.bind(handle.remove, lambda new: _assign(handle, "value", new.value))  # type: ignore[union-attr]
 
 
