@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import threading
 from pathlib import Path
 
 from rlbench_pin.cli.arguments import build as arguments
 from rlbench_pin.cli.process.files import check_folder
-from rlbench_pin.cli.process.pages import serve_page
-from rlbench_pin.cli.process.words import check_at_least
+from rlbench_pin.cli.process.pages import announce, check_port
 from rlbench_pin.errors import MissingExtra, TaskEnvironmentError
 from rlbench_pin.tasks import library_names
 from rlbench_pin.tasks.registry import LIBRARY
@@ -30,14 +30,16 @@ class Build(arguments.Build):
 
     def run(self) -> int:
         """Serve until Ctrl-C."""
-        check_at_least(self, port=0)
+        check_port(self)
         document = self._document()
         with LocalServer(self.port, title=f"{document.name} - task builder") as server, StageClient() as stage:
             window = Window(server.viser, document, stage)
             if self.trust:
                 window.session.post(window.watch.allow)
             try:
-                serve_page(server.address, f"'{document.name}' in {document.folder}", self.browser)
+                print(f"'{document.name}' in {document.folder}")
+                announce(server.address, self.browser)
+                threading.Event().wait()
             finally:
                 window.close()
                 if document.unsaved:

@@ -41,7 +41,8 @@ def test_the_page_is_served_until_it_is_interrupted(tmp_path: Path) -> None:
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
         assert process.stdout is not None
         assert process.stderr is not None
-        address = process.stdout.readline().split()[-1]
+        assert "'fresh' in" in process.stdout.readline()
+        address = process.stdout.readline().split()[0]
         with urllib.request.urlopen(address, timeout=SHOWN) as answer:
             assert b"<html" in answer.read().lower()
         with pytest.raises(urllib.error.HTTPError, match="403"):

@@ -81,7 +81,7 @@ class LocalServer:
 
 @contextlib.contextmanager
 def _guarded(loops: GuardedLoops) -> Iterator[None]:
-    """Put the event loop that a server makes for itself behind a door, and do not show the address that it prints."""
+    """Put the event loop that a server makes for itself behind a door; what it prints lacks the token, and is not shown."""
     with _STARTING, contextlib.redirect_stdout(io.StringIO()):
         usual = asyncio.get_event_loop_policy()
         asyncio.set_event_loop_policy(loops)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 from collections.abc import Callable
 
 import numpy as np
@@ -17,7 +19,7 @@ _Drawn = tuple[object, ...]
 
 
 _Unseen = FrameSpec | RegionSpec | SensorSpec
-_Node = FrameHandle | BoxHandle | CylinderHandle | IcosphereHandle
+_Node: TypeAlias = FrameHandle | BoxHandle | CylinderHandle | IcosphereHandle
 
 
 class Shapes:

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from functools import partial
 
 from rlbench_pin.cli.arguments.evaluation.evaluate import Watching
-from rlbench_pin.cli.live import announce, check_port, live_module
+from rlbench_pin.cli.process.pages import announce, check_port, live_module
 from rlbench_pin.evaluation.run import EpisodeRunner, EvaluationConfig
 
 MakeRunner = Callable[[EvaluationConfig], EpisodeRunner]

@@ -1,27 +1,52 @@
-"""Pages that commands serve to a browser of this machine."""
+"""Pages that commands serve until Ctrl-C: the builder's modules, which need viser, are imported when one is asked for."""
 
 from __future__ import annotations
 
+import importlib
 import os
 import sys
 import threading
 import webbrowser
+from typing import Any
+
+from rlbench_pin.cli.process.words import check_at_least
+from rlbench_pin.errors import TaskEnvironmentError
+
+_DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
+_LARGEST_PORT = 65535
 
 
-def serve_page(address: str, what: str, browser: bool) -> None:
-    """Say where a page is, open it, and wait for Ctrl-C.
+def live_module() -> Any:
+    """Return `rlbench_pin.builder.playback.live`.
 
-    Args:
-        address: What a browser opens.
-        what: What is on the page.
-        browser: Open it in a browser, where there is a screen.
+    Raises:
+        MissingExtra: viser is not installed.
     """
-    print(f"{what}: {address}\nCtrl-C ends it. Whoever has the address can use the page.", flush=True)
+    return importlib.import_module("rlbench_pin.builder.playback.live")
+
+
+def check_port(page: Any) -> None:
+    """Raise TaskEnvironmentError unless the port of a page is one."""
+    check_at_least(page, port=0)
+    if page.port > _LARGEST_PORT:
+        raise TaskEnvironmentError(f"--port is {page.port}; ports go up to {_LARGEST_PORT}, and 0 takes a free one.")
+
+
+def announce(address: str, browser: bool) -> None:
+    """Print where a page is, and open it where somebody wants that and there is a screen."""
+    print(f"{address}  (Ctrl-C ends it)", flush=True)
     if browser and has_screen():
         webbrowser.open(address)
-    threading.Event().wait()
 
 
 def has_screen() -> bool:
-    """Whether a browser with a window can be opened here."""
-    return sys.platform == "darwin" or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+    """Whether a browser would be seen."""
+    return sys.platform in ("darwin", "win32") or any(os.environ.get(name) for name in _DISPLAYS)
+
+
+def serve(view: Any, browser: bool) -> int:
+    """Print the address of a page, and keep it until Ctrl-C, which comes as KeyboardInterrupt."""
+    with view:
+        announce(view.address, browser)
+        threading.Event().wait()
+    return 0

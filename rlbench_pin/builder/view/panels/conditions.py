@@ -22,7 +22,7 @@ def condition_items(vocabulary: Vocabulary, conditions: Conditions, put: Put) ->
         conditions: As they are.
         put: Called with changed ones.
     """
-    items: list[Item] = []
+    items: list[Item] = [_add_item(vocabulary, conditions, put)]
     for number, form in enumerate(conditions):
         others = conditions[:number], conditions[number + 1 :]
         remove = Button("Remove", lambda o=others: put((*o[0], *o[1])), "red")  # type: ignore[misc]
@@ -31,7 +31,6 @@ def condition_items(vocabulary: Vocabulary, conditions: Conditions, put: Put) ->
             continue
         change = _changer(others, put)
         items.append(Fold(f"{number + 1}. {form.kind}", [*_form_items(vocabulary, form, change), remove]))
-    items.append(_add_item(vocabulary, conditions, put))
     return items
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Literal
 
 from rlbench_pin.errors import InvalidValue
 from rlbench_pin.values import as_choice, as_number, as_text
 
+Vector3 = tuple[float, float, float]
 Primitive = Literal["box", "cylinder", "sphere"]
 """A solid without a mesh."""
 PRIMITIVES: tuple[Primitive, ...] = ("box", "cylinder", "sphere")
@@ -35,11 +35,13 @@ def primitive_urdf(name: str, kind: Primitive, size: Sequence[float], mass: floa
         raise InvalidValue("size", size, f"has to be {', '.join(words)} [m]")
     lengths = [as_number(value, f"{word} [m]", above=0.0, most=_LARGEST) for word, value in zip(words, size)]
     mass = as_number(mass, "mass [kg]", above=0.0, most=100.0)
-    shape, moments = _shape(kind, lengths), _moments(kind, lengths, mass)
     rgba = " ".join(f"{as_number(share, 'colour', least=0.0, most=1.0):g}" for share in (*color[:3], 1.0))
-    x, y, z = (_text(moment) for moment in moments)
+    return _text(as_text(name, "name"), _shape(kind, lengths), mass, _moments(kind, lengths, mass), rgba)
+
+
+def _text(name: str, shape: str, mass: float, moments: Vector3, rgba: str) -> str:
     geometry = f"      <geometry>{shape}</geometry>"
-    name = as_text(name, "name")
+    x, y, z = (f"{moment:.6g}" for moment in moments)
     lines = (
         '<?xml version="1.0"?>',
         f'<robot name="{name}">',
@@ -62,11 +64,6 @@ def primitive_urdf(name: str, kind: Primitive, size: Sequence[float], mass: floa
     return "\n".join(lines) + "\n"
 
 
-def resting_height(kind: Primitive, size: Sequence[float]) -> float:
-    """Return how high the centre is when it stands on the table [m]."""
-    return round(0.5 * size[-1], 6)
-
-
 def _shape(kind: Primitive, size: Sequence[float]) -> str:
     if kind == "box":
         return f'<box size="{size[0]:g} {size[1]:g} {size[2]:g}"/>'
@@ -75,7 +72,7 @@ def _shape(kind: Primitive, size: Sequence[float]) -> str:
     return f'<sphere radius="{size[0] / 2.0:g}"/>'
 
 
-def _moments(kind: Primitive, size: Sequence[float], mass: float) -> tuple[float, float, float]:
+def _moments(kind: Primitive, size: Sequence[float], mass: float) -> Vector3:
     """Moments of inertia about the centre [kg m^2]."""
     if kind == "box":
         x, y, z = (side * side for side in size)
@@ -86,8 +83,3 @@ def _moments(kind: Primitive, size: Sequence[float], mass: float) -> tuple[float
         return across, across, mass * radius**2 / 2.0
     moment = 0.4 * mass * (size[0] / 2.0) ** 2
     return moment, moment, moment
-
-
-def _text(number: float) -> str:
-    """Return a number with six digits that count."""
-    return f"{number:.6g}" if math.isfinite(number) else "0"
