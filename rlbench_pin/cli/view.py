@@ -8,8 +8,8 @@ from pathlib import Path
 from rlbench_pin.checking.pages.demo_sheet import demo_sheet
 from rlbench_pin.cli.arguments import view as arguments
 from rlbench_pin.cli.arguments.view import Page
-from rlbench_pin.cli.process.pages import check_port, live_module, serve
 from rlbench_pin.cli.process.files import check_file, write_whole
+from rlbench_pin.cli.process.pages import check_port, live_module, serve
 from rlbench_pin.cli.process.words import check_at_least
 from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.tasks import find_task, own_tasks

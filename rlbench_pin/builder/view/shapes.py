@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
-
 from collections.abc import Callable
+from typing import TypeAlias
 
 import numpy as np
 from viser import BoxHandle, CylinderHandle, FrameHandle, IcosphereHandle, SceneApi
