@@ -43,14 +43,14 @@ class SceneView:
         self._curves: tuple[PlannedPath, ...] = ()
         self._model = RobotModel(robot_description(DEFAULT_ROBOT))
         self._q: FloatArray = self._model.home
-        self._follows = ""
+        self._follows, self._is_playing = "", False
         self.hands, self.is_dragging = "all", False
         self.faults: Mapping[str, str] = {}
 
     def show(self, spec: SceneSpec) -> None:
         """Draw a scene at rest; the arm stays where a dragged hand has taken it."""
         with self._lock:
-            self._spec, self._places = spec, places_at_rest(spec)
+            self._spec, self._places, self._is_playing = spec, places_at_rest(spec), False
             self.faults = self.figures.show(spec)
             self.figures.mark(())
             if self._follows == "":
@@ -67,7 +67,7 @@ class SceneView:
             self._show_hands()
             self._show_paths(paths)
             if not self.is_dragging:
-                self._gizmo.show(self._places.of(selected))
+                self._gizmo.show(None if self._is_playing else self._places.of(selected))
 
     def move(self, given: Mapping[str, FloatArray]) -> None:
         """Show things at world poses (7,) that they are just being given, with what hangs on them; the gizmo stays."""
@@ -83,9 +83,13 @@ class SceneView:
             return self._model.tip_pose(self._q)
 
     def played(self, frame: Frame) -> None:
-        """Take note that the arm is shown at an instant of a recording."""
+        """Take note that an instant of a recording is shown: hands at waypoints and gizmo would hide it."""
         with self._lock:
             self._q, self._follows = np.array(frame.arm), ""
+            if not self._is_playing:
+                self._is_playing = True
+                self._show_hands()
+                self._gizmo.show(None)
 
     def follow(self, q: FloatArray) -> None:
         """Show the arm at joint positions (n,) [rad] to which it has followed the selected hand."""
@@ -102,11 +106,11 @@ class SceneView:
             w.name for w in self._spec.waypoint if self.hands == "all" or (self.hands == "selected" and w.name == self._selected)
         }
         for name in self.figures.ghosts:
-            if name not in shown:
+            if name not in shown or self._is_playing:
                 self.figures.remove_ghost(name)
         for waypoint in self._spec.waypoint:
             pose, verdict = self._places.of(waypoint.name), self._verdicts.get(waypoint.name)
-            if waypoint.name in shown and pose is not None:
+            if waypoint.name in shown and pose is not None and not self._is_playing:
                 color = WHITE if verdict is None else _COLORS[verdict.standing]
                 self.figures.ghost(waypoint.name, pose, color)
 

@@ -30,6 +30,7 @@ def test_a_task_from_nothing(sit: Sit, tmp_path: Path) -> None:
     _try(desk)
     _judge(desk)
     page = desk.page
+    page.tab("Scene")
     page.press("Save")
     until(lambda: not document.unsaved, "saved")
     page.tab("Judge")
