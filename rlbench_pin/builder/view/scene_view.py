@@ -19,6 +19,7 @@ from rlbench_pin.spatial import FloatArray
 
 PATH = (30, 90, 200)
 GREEN, AMBER, RED, WHITE = (60, 180, 75), (255, 170, 0), (220, 50, 47), (170, 180, 190)
+_NOTHING = SceneSpec(format=2)
 _COLORS = {"free": GREEN, "collides": AMBER, "unreachable": RED}
 HANDS = ("all", "selected", "none")
 """At which waypoints the hand is shown."""
@@ -63,7 +64,7 @@ class SceneView:
             if self._follows not in ("", selected):
                 self._follows = ""
                 self._put_arm(self._model.home)
-            self._shapes.show(self._spec, self._places, selected)
+            self._shapes.show(_NOTHING if self._is_playing else self._spec, self._places, selected)
             self._show_hands()
             self._show_paths(paths)
             if not self.is_dragging:
@@ -83,11 +84,12 @@ class SceneView:
             return self._model.tip_pose(self._q)
 
     def played(self, frame: Frame) -> None:
-        """Take note that an instant of a recording is shown: hands at waypoints and gizmo would hide it."""
+        """Take note that an instant of a recording is shown: shapes and hands stand elsewhere then, and would hide it."""
         with self._lock:
             self._q, self._follows = np.array(frame.arm), ""
             if not self._is_playing:
                 self._is_playing = True
+                self._shapes.show(_NOTHING, self._places, "")
                 self._show_hands()
                 self._gizmo.show(None)
 
