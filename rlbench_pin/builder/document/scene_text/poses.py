@@ -18,6 +18,8 @@ Numbers = list[float]
 _SAME_TURN = 2e-6
 _LOCKED = 1e-6
 """Cosine of the pitch below which roll and yaw turn about the same axis."""
+_NO_TURN = 1e-5
+"""Angles up to this are none [rad]."""
 _QUATERNION_DIGITS = 7
 
 
@@ -57,7 +59,7 @@ def roll_pitch_yaw(pose: Sequence[float], near: Sequence[float] | None = None) -
 
     Args:
         pose: The pose.
-        near: Angles to which the answer should be close, of the two that there are; None for the smallest.
+        near: Angles to which the answer should be close, of the two that there are; None for the smallest. More zeros come first.
     """
     turn = pose_to_matrix(pose)[:3, :3]
     cosine = math.hypot(float(turn[0, 0]), float(turn[1, 0]))
@@ -68,10 +70,11 @@ def roll_pitch_yaw(pose: Sequence[float], near: Sequence[float] | None = None) -
     other = (_wrapped(roll + math.pi), _wrapped(math.pi - pitch), _wrapped(yaw + math.pi))
     target = (0.0, 0.0, 0.0) if near is None else tuple(near)
 
-    def distance(angles: Sequence[float]) -> float:
-        return sum(abs(_wrapped(a - b)) for a, b in zip(angles, target, strict=True))
+    def effort(angles: Sequence[float]) -> tuple[int, float]:
+        distance = sum(abs(_wrapped(a - b)) for a, b in zip(angles, target, strict=True))
+        return sum(abs(angle) > _NO_TURN for angle in angles), round(distance, 6)
 
-    return min(((roll, pitch, yaw), other), key=lambda angles: round(distance(angles), 6))
+    return min(((roll, pitch, yaw), other), key=effort)
 
 
 def _turned(position: Numbers, goal: FloatArray, rpy: Sequence[float] | None, has_rpy: bool) -> tuple[Numbers, Numbers | None]:
