@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rlbench_pin.front_door import front_door
 from rlbench_pin.scene.model_files import resolve_asset
-from rlbench_pin.scene.reader import raw_scene, read_scene, read_scene_text, scene_from_raw
+from rlbench_pin.scene.reader import read_scene, read_scene_text
 from rlbench_pin.scene.snapshot import BodySnapshot, Shape, WorldSnapshot
 from rlbench_pin.scene.spec import (
     BodySpec,
@@ -34,11 +34,9 @@ __all__ = [
     "Shape",
     "WaypointSpec",
     "WorldSnapshot",
-    "raw_scene",
     "read_scene",
     "read_scene_text",
     "resolve_asset",
-    "scene_from_raw",
     "write_scene",
 ]
 

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import rlbench_pin
+from rlbench_pin.builder.contracts import Problem
 from rlbench_pin.errors import InfeasibleControl, MissingExtra, NoIkSolution, RlbenchPinError, StorageError, WaypointError
 from rlbench_pin.processes import WorkerDeath
 from rlbench_pin.recording.config import WorkItem
@@ -47,6 +48,8 @@ VALUES: dict[str, object] = {
     "list[Path]": [Path("a.toml"), Path("b.toml")],
     "Sequence[WorkerDeath]": [DEATH],
     "FaultKind": "crashed",
+    "Collection[Path]": (Path("a.toml"), Path("b.py")),
+    "Problem | None": Problem("task", 7, "It does not end."),
 }
 
 

@@ -102,6 +102,8 @@ def special_samples(folder: Path, task: TaskEnvironment, numbers: Iterator[int],
     extra, kind = ExtraCamera(pose=np.array([0.0, 0, 1, 0, 0, 0, 1])), type(task.task)
     special: dict[str, object] = {
         "read_scene.path": library / "reach_target.toml",
+        "read_scene_text.path": library / "reach_target.toml",
+        "read_scene_text.text": (library / "reach_target.toml").read_text(encoding="utf-8"),
         "resolve_asset.source": library / "reach_target.toml",
         "gym_id.mode": "state",
         "VideoWriter.path": film,

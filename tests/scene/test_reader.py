@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from rlbench_pin.errors import AssetInvalid, AssetNotFound, SceneFileError
-from rlbench_pin.scene import SceneSpec, raw_scene, read_scene, read_scene_text, resolve_asset, scene_from_raw
+from rlbench_pin.scene import SceneSpec, read_scene, read_scene_text, resolve_asset
+from rlbench_pin.scene.reader import raw_scene, scene_from_raw
 from rlbench_pin.tasks import LIBRARY
 
 CUBE = 'asset = "objects/cube/cube.urdf"'

@@ -13,7 +13,8 @@ from rlbench_pin.builder.document.python_text.source import PythonSyntaxError, S
 from rlbench_pin.builder.document.scene_text.scene_text import SceneText
 from rlbench_pin.builder.document.storage import Pair
 from rlbench_pin.errors import InvalidValue, RlbenchPinError, SceneFileError
-from rlbench_pin.scene import SceneSpec, scene_from_raw
+from rlbench_pin.scene import SceneSpec
+from rlbench_pin.scene.reader import scene_from_raw
 from rlbench_pin.values import as_text
 
 

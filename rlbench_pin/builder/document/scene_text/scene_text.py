@@ -11,7 +11,7 @@ from typing import Any
 from rlbench_pin.builder.document.errors import EditRefused
 from rlbench_pin.builder.document.scene_text.layout import Section, layout_of
 from rlbench_pin.errors import UnknownName
-from rlbench_pin.scene import raw_scene
+from rlbench_pin.scene.reader import raw_scene
 from rlbench_pin.scene.short_forms import ShortFormError, write_out
 
 TABLES = ("body", "joint", "frame", "region", "sensor", "waypoint", "departure")
