@@ -11,6 +11,8 @@ from viser import MeshHandle, ViserServer
 
 from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.builder.view import Window
+from rlbench_pin.builder.view.parts.primitives import primitive_urdf
+from rlbench_pin.builder.view.widgets import Button, Fold
 from tests.builder.view.conftest import Show, settle
 from tests.builder.view.stand_ins import StageStandIn
 
@@ -168,3 +170,23 @@ def test_moving_a_body_is_quick(copied: Copied, show: Show) -> None:
     assert frame.position[1] == pytest.approx(0.05)
     window._dragging.drag(pose, "end")
     settle(window)
+
+
+def test_urdf_files_beside_the_task_can_be_added(copied: Copied, show: Show) -> None:
+    """Those of the folder and of folders in it; one that is none is told, and the scene stays."""
+    document = copied("pick_and_lift")
+    (document.folder / "own").mkdir()
+    (document.folder / "own" / "brick.urdf").write_text(primitive_urdf("brick", "box", (0.1, 0.05, 0.04), 0.2, (1.0, 0.0, 0.0)))
+    (document.folder / "broken.urdf").write_text("<robot")
+    window = show(document, StageStandIn())
+    fold = next(item for item in window._adding.items() if isinstance(item, Fold) and item.label == "Own URDF")
+    presses = {item.label: item.on_press for item in fold.items if isinstance(item, Button)}
+    assert set(presses) == {"Add broken.urdf", "Add own/brick.urdf"}
+    before = document.text
+    window.session.post(presses["Add broken.urdf"])
+    settle(window)
+    assert document.text == before
+    window.session.post(presses["Add own/brick.urdf"])
+    settle(window)
+    assert 'asset = "./own/brick.urdf"' in document.scene_text
+    assert window.session.places.of(window.session.selected)[2] == pytest.approx(0.752 + 0.02, abs=1e-6)  # type: ignore[index]

@@ -20,6 +20,7 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import COLORS
 
 _SHOWN = 6
+_MOST_FILES = 40
 
 
 class Adding:
@@ -43,6 +44,7 @@ class Adding:
             Fold("Objects", self._catalogue_items()),
             Fold("Box, cylinder, sphere", self._primitive_items(), is_open=False),
             Fold("Own mesh", self._mesh_items(), is_open=False),
+            Fold("Own URDF", self._urdf_items(), is_open=False),
             Fold(
                 "Frame, region, sensor",
                 [
@@ -169,6 +171,16 @@ class Adding:
         for file, content in made.files.items():
             folder.write(f"{stem}/{file}", content)
         self._add_body(f"./{stem}/{made.urdf}", {"name": stem})
+
+    def _urdf_items(self) -> list[Item]:
+        """Return the URDF files beside the task; meshes that they name come with them."""
+        folder = self._session.document.folder
+        files = sorted(file.relative_to(folder).as_posix() for pattern in ("*.urdf", "*/*.urdf") for file in folder.glob(pattern))
+        where = f"URDF files in the folder of the task, with the meshes that they name. {len(files)} there."
+        return [Note(where), *(Button(f"Add {file}", self._adder_of(file)) for file in files[:_MOST_FILES])]
+
+    def _adder_of(self, file: str) -> Callable[[], None]:
+        return lambda: self._add_body(f"./{file}", {})
 
     def _folder(self) -> Folder:
         self._session.document.folder.mkdir(parents=True, exist_ok=True)
