@@ -43,10 +43,11 @@ class Easel:
     Args:
         viser: The page.
         client: The browser's tab.
+        figures: What is drawn.
     """
 
-    def __init__(self, viser: ViserServer, client: ClientHandle) -> None:
-        self._viser, self._client, self._figures = viser, client, Figures(viser.scene)
+    def __init__(self, viser: ViserServer, client: ClientHandle, figures: Figures) -> None:
+        self._viser, self._client, self._figures = viser, client, figures
         for part in ("/room", "/arm"):
             viser.scene.add_frame(part, show_axes=False, visible=False)
 
@@ -66,12 +67,13 @@ class Easel:
 def easel(browser_programs: tuple[str, str]) -> Iterator[Easel]:
     """One browser for all tasks."""
     with LocalServer() as server:
+        figures = Figures(server.viser.scene)
         browser = start_browser(*browser_programs)
         try:
             Page(browser, server.viser, PICTURES).open(server.address)
             client = until(lambda: next(iter(server.viser.get_clients().values()), None), "a client")
             assert client is not None
-            yield Easel(server.viser, client)
+            yield Easel(server.viser, client, figures)
         finally:
             browser.quit()
 
