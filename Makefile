@@ -55,7 +55,9 @@ test-browser: $(STAMP)
 	@if ! command -v chromedriver > /dev/null && command -v apt-get > /dev/null && [ "$$(id -u)" = 0 ]; then \
 		apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium chromium-driver > /dev/null \
 		|| echo "Chromium could not be installed; the tests are skipped."; fi
-	$(BIN)/pytest -m "browser and not slow" -rs tests/builder/browser
+	$(BIN)/pytest -m "browser and not slow" -rs tests/builder/browser \
+		|| { echo "What failed is tried once more: a browser without a graphics card may be late."; \
+		$(BIN)/pytest -m "browser and not slow" --last-failed tests/builder/browser; }
 
 lock:
 	rm -rf .venv-lock && $(PYTHON) -m venv .venv-lock
