@@ -27,7 +27,7 @@ from tests.builder.browser.page import Page, start_browser, until
 
 SIDE = 320
 DIFFERING = 0.05
-"""Share of pixels that one of the two alone sees, borders of a pixel apart: below 0.02 but for the thin strings of a net, 0.042."""
+"""Share of pixels that one of the two alone sees, borders of a pixel apart: below 0.02, of the strings of a net 0.042."""
 BORDER = np.ones((3, 3), dtype=bool)
 BACK = 2.8
 """Turn of the first joint that brings the arm out of sight [rad]."""
