@@ -58,7 +58,7 @@ class Build(arguments.Build):
             return TaskDocument.open(self.task_file)
         check_folder(self.out)
         name = self.name or _free_name(self.out)
-        for folder in (self.out, LIBRARY if name in library_names() else self.out):
+        for folder in (self.out, *([LIBRARY] * (name in library_names()))):
             if any(_file(folder, name, end).exists() for end in _ENDS):
                 return TaskDocument.open(_file(folder, name, ".py"))
         return TaskDocument.new(self.out, name)

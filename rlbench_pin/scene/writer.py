@@ -33,7 +33,7 @@ from rlbench_pin.scene.spec import (
 from rlbench_pin.values import as_path, as_record
 
 HEADER = "lengths [m], angles [rad], pose [x, y, z] or [x, y, z, yaw] or [x, y, z, qx, qy, qz, qw], or [x, y, z] and rpy"
-_TABLES: Mapping[str, type[Spec]] = {
+TABLES: Mapping[str, type[Spec]] = {
     "body": BodySpec,
     "joint": JointSpec,
     "frame": FrameSpec,
@@ -42,7 +42,8 @@ _TABLES: Mapping[str, type[Spec]] = {
     "waypoint": WaypointSpec,
     "departure": DepartureSpec,
 }
-_TABLE_OF = {model: table for table, model in _TABLES.items()}
+"""Table -> what its entries are."""
+_TABLE_OF = {model: table for table, model in TABLES.items()}
 _POSES = frozenset({"pose", "points"})
 _DIGITS = 9
 _HEADING = re.compile(r"^(?!#)(.+)\n(\[{1,2}[a-z_]+\]{1,2} *(?:#.*)?)$", re.MULTILINE)
@@ -70,7 +71,7 @@ def write_scene(spec: SceneSpec, path: Path | str) -> None:
         raise InvalidValue("path", str(path), "has to name a file")
     document = _document(path) if path.is_file() else _new_document()
     _write_placement(document, spec.placement)
-    for table, model in _TABLES.items():
+    for table, model in TABLES.items():
         _write_table(document, table, model, getattr(spec, table))
     _replace(path, _HEADING.sub(r"\1\n\n\2", tomlkit.dumps(document)))
 

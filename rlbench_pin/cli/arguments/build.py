@@ -23,7 +23,7 @@ class Build:
     task_file: MaybePath = None
     """Instead of a name: one of the two files of a task."""
     out: Path = Path()
-    """Folder of the task. Nothing outside of it is written."""
+    """Folder of the task; one of the library stays in its own. Nothing outside of it is written."""
     port: int = 0
     """Port of 127.0.0.1 to serve the page at; 0 takes one that is free."""
     browser: bool = True

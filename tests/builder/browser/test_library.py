@@ -26,8 +26,10 @@ from tests.builder.browser.conftest import PICTURES
 from tests.builder.browser.page import Page, start_browser, until
 
 SIDE = 320
-DIFFERING = 0.05
-"""Share of pixels that one of the two alone sees, borders of a pixel apart: below 0.02, of the strings of a net 0.042."""
+DIFFERING = 0.02
+"""Share of pixels that one of the two alone sees, borders of a pixel apart."""
+STRINGS = {"hockey": 0.05}
+"""Where a net of strings thinner than a pixel is seen: another share."""
 BORDER = np.ones((3, 3), dtype=bool)
 BACK = 2.8
 """Turn of the first joint that brings the arm out of sight [rad]."""
@@ -97,7 +99,7 @@ def differing(easel: Easel, task: str) -> float:
     theirs = easel.silhouette(spec, camera)
     wrong = (ours & ~binary_dilation(theirs, BORDER)) | (theirs & ~binary_dilation(ours, BORDER))
     share = float(wrong.sum() / max(1, (ours | theirs).sum()))
-    if share >= DIFFERING:
+    if share >= STRINGS.get(task, DIFFERING):
         PICTURES.mkdir(parents=True, exist_ok=True)
         shown = np.stack([ours, theirs, ours & theirs], axis=-1).astype(np.uint8) * 255
         Image.fromarray(shown).save(PICTURES / f"silhouettes_{task}.png")
@@ -107,11 +109,11 @@ def differing(easel: Easel, task: str) -> float:
 @pytest.mark.parametrize("task", SOME)
 def test_the_scene_is_the_simulated_one(easel: Easel, task: str) -> None:
     """Red where the simulation alone sees something, green where the browser alone does, in the picture that is kept."""
-    assert differing(easel, task) < DIFFERING
+    assert differing(easel, task) < STRINGS.get(task, DIFFERING)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("task", sorted(set(library_names()) - set(SOME)))
 def test_every_scene_is_the_simulated_one(easel: Easel, task: str) -> None:
     """All others."""
-    assert differing(easel, task) < DIFFERING
+    assert differing(easel, task) < STRINGS.get(task, DIFFERING)

@@ -10,31 +10,11 @@ from rlbench_pin.builder.document.scene_text.scene_text import PLACEMENT
 from rlbench_pin.builder.document.scene_text.values import is_same, plain
 from rlbench_pin.errors import RlbenchPinError, UnknownName
 from rlbench_pin.scene.short_forms import ShortFormError, TablePlacement, write_out
-from rlbench_pin.scene.spec import (
-    ArcSpec,
-    BodySpec,
-    DepartureSpec,
-    FrameSpec,
-    JointSpec,
-    PlacementSpec,
-    RegionSpec,
-    SensorSpec,
-    Spec,
-    SpringSpec,
-    WaypointSpec,
-)
+from rlbench_pin.scene.spec import ArcSpec, PlacementSpec, Spec, SpringSpec
+from rlbench_pin.scene.writer import TABLES
 from rlbench_pin.values import as_several
 
-RECORDS: Mapping[str, type[Spec]] = {
-    PLACEMENT: PlacementSpec,
-    "body": BodySpec,
-    "joint": JointSpec,
-    "frame": FrameSpec,
-    "region": RegionSpec,
-    "sensor": SensorSpec,
-    "waypoint": WaypointSpec,
-    "departure": DepartureSpec,
-}
+RECORDS: Mapping[str, type[Spec]] = {PLACEMENT: PlacementSpec, **TABLES}
 """Table -> what its entries are."""
 _INNER: Mapping[str, type[Spec]] = {"arc": ArcSpec, "spring": SpringSpec}
 
