@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from rlbench_pin.checking import Item, Part, TaskReport, Trial, TrialJournal, explain_failure, run_trials, summarise
+from rlbench_pin.checking import Item, TaskReport, Trial, TrialJournal, explain_failure, run_trials, summarise
 from rlbench_pin.checking.pages.page import page
 from rlbench_pin.checking.pages.pictures import draw_pictures
 from rlbench_pin.checking.pages.table import table
+from rlbench_pin.checking.plan import CheckPlan
 from rlbench_pin.cli.arguments import check as arguments
 from rlbench_pin.cli.list_tasks import ALL, named_tasks
 from rlbench_pin.cli.process.files import check_file, check_folder, storing, write_json, write_whole
@@ -21,9 +23,6 @@ from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.tasks import find_task, task_reference
 
 FORMAT = 2
-REPEATS = 4
-"""Seeds whose reset and demonstration are done twice."""
-_SEEDS_PER_ITEM: dict[Part, int] = {"demos": 5, "unseen": 5, "repeat": 2, "idle": 10, "random": 5, "reach": 50, "key_frames": 5}
 
 
 class Check(arguments.Check):
@@ -78,19 +77,9 @@ class Check(arguments.Check):
         return TrialJournal(None if self.out is None else self.out / "trials.jsonl", list(wanted.values()))
 
     def _items(self, tasks: Iterable[str]) -> Iterator[Item]:
-        amounts: dict[Part, int] = {"demos": self.episodes, "unseen": self.unseen, "key_frames": self.key_frames}
-        if self.contract:
-            amounts |= {"repeat": min(REPEATS, self.contract_seeds), "idle": self.contract_seeds, "random": self.contract_seeds}
-            amounts |= {"reach": self.placements}
+        plan = CheckPlan(**{field.name: getattr(self, field.name) for field in fields(CheckPlan)})
         for task in tasks:
-            if self.contract:
-                yield Item(task, "words", (0,), self.variations)
-            for part, amount in amounts.items():
-                first = self.unseen_seed if part == "unseen" else self.seed
-                seeds, replays = tuple(range(first, first + amount)), 0 if part == "unseen" else self.replays
-                for i in range(0, amount, _SEEDS_PER_ITEM[part]):
-                    chosen = seeds[i : i + _SEEDS_PER_ITEM[part]]
-                    yield Item(task, part, chosen, self.variations, self.max_attempts, first, replays)
+            yield from plan.items(task)
 
     def _content(self, reports: Sequence[TaskReport]) -> dict[str, Any]:
         settings = (

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from rlbench_pin.checking.pages.demo_sheet import demo_sheet
 from rlbench_pin.cli.arguments import view as arguments
-from rlbench_pin.cli.arguments.view import Page
 from rlbench_pin.cli.process.files import check_file, write_whole
 from rlbench_pin.cli.process.pages import check_port, live_module, serve
 from rlbench_pin.cli.process.words import check_at_least
@@ -46,6 +45,3 @@ class View(arguments.View):
             own = own_tasks(self.task_file)
             return serve(opened.of_dataset(Path(self.task), own, self.trust_task_files, port), self.page.browser)
         return serve(opened.of_task(find_task(self.task), self.seed, self.variation, port), self.page.browser)
-
-
-__all__ = ["Page", "View"]

@@ -6,19 +6,8 @@ from dataclasses import dataclass, field
 
 import tyro
 
+from rlbench_pin.cli.process.pages import PageOptions
 from rlbench_pin.cli.process.words import Files, MaybePath, Viewed
-
-
-@dataclass(frozen=True)
-class Page:
-    """A page on this machine."""
-
-    live: bool = False
-    """Show it in a browser, in 3D and over time, until Ctrl-C."""
-    port: int = 0
-    """Where the page is served on 127.0.0.1; 0 takes a free port."""
-    browser: bool = True
-    """Open the page, where there is a browser."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +26,7 @@ class View:
     """PNG or JPEG to write; `out/view/<task>.png` by default."""
     size: int = 256
     """Side of each picture [px]."""
-    page: tyro.conf.OmitArgPrefixes[Page] = field(default_factory=Page)
+    page: tyro.conf.OmitArgPrefixes[PageOptions] = field(default_factory=PageOptions)
     """A page instead of a picture."""
     task_file: Files = ()
     """With a dataset, your own files of tasks that are not installed; they are used instead of those that it keeps."""

@@ -8,7 +8,7 @@ import sys
 from contextlib import closing
 
 from rlbench_pin.cli.arguments.evaluation import evaluate as arguments
-from rlbench_pin.cli.arguments.evaluation.evaluate import Comparison, Watching
+from rlbench_pin.cli.arguments.evaluation.evaluate import Comparison
 from rlbench_pin.cli.evaluation.bar import EvaluationBar
 from rlbench_pin.cli.evaluation.controllers import ControllerComparison
 from rlbench_pin.cli.evaluation.failure_films import film_failures
@@ -53,7 +53,7 @@ class Evaluate(arguments.Evaluate):
         check_at_least(self, workers=0, films=0)
         config = self.config()
         check_file(self.out)
-        engine, page = self._engine(), watched(self.watching, self.policy)
+        engine, page = self._engine(), watched(self.page, self.policy)
         with page as make, stopping_gently() as stop, closing(EvaluationBar(self.policy)) as bar:
             try:
                 results = evaluate(
@@ -72,7 +72,7 @@ class Evaluate(arguments.Evaluate):
         return 0
 
     def _engine(self) -> Engine:
-        if not self.watching.live:
+        if not self.page.live:
             return make_engine(self.engine, self.workers)
         if self.workers > 1 or self.engine != "processes":
             raise TaskEnvironmentError("--live shows the episodes that one process plays. Leave out --workers and --engine.")
@@ -128,4 +128,4 @@ def _line(task: str, width: int, episodes: tuple[EpisodeRecord, ...]) -> str:
     )
 
 
-__all__ = ["Comparison", "Evaluate", "Watching", "summary"]
+__all__ = ["Comparison", "Evaluate", "summary"]

@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 
-from rlbench_pin.cli.arguments.evaluation.evaluate import Watching
-from rlbench_pin.cli.process.pages import announce, check_port, live_module
+from rlbench_pin.cli.process.pages import PageOptions, announce, check_port, live_module
 from rlbench_pin.evaluation.run import EpisodeRunner, EvaluationConfig
 
 MakeRunner = Callable[[EvaluationConfig], EpisodeRunner]
@@ -15,18 +14,18 @@ MakeRunner = Callable[[EvaluationConfig], EpisodeRunner]
 
 
 @contextmanager
-def watched(watching: Watching, title: str) -> Iterator[MakeRunner]:
+def watched(wanted: PageOptions, title: str) -> Iterator[MakeRunner]:
     """Yield what makes the runners of an evaluation; where a page is wanted, it is there for the duration of the block.
 
     Args:
-        watching: What the user asked for.
+        wanted: What the user asked for.
         title: What the page is called.
     """
-    check_port(watching)
-    if not watching.live:
+    check_port(wanted)
+    if not wanted.live:
         yield EpisodeRunner
         return
     module = live_module()
-    with module.LiveView.of_evaluation(title, watching.port) as page:
-        announce(page.address, watching.browser)
+    with module.LiveView.of_evaluation(title, wanted.port) as page:
+        announce(page.address, wanted.browser)
         yield partial(module.LiveRunner, view=page.view)

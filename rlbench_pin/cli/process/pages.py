@@ -7,6 +7,7 @@ import os
 import sys
 import threading
 import webbrowser
+from dataclasses import dataclass
 from typing import Any
 
 from rlbench_pin.cli.process.words import check_at_least
@@ -14,6 +15,18 @@ from rlbench_pin.errors import TaskEnvironmentError
 
 _DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
 _LARGEST_PORT = 65535
+
+
+@dataclass(frozen=True)
+class PageOptions:
+    """What a command takes that can serve a page."""
+
+    live: bool = False
+    """Show it in a browser, in 3D and over time, until Ctrl-C."""
+    port: int = 0
+    """Where the page is served on 127.0.0.1; 0 takes a free port."""
+    browser: bool = True
+    """Open the page, where there is a browser."""
 
 
 def live_module() -> Any:

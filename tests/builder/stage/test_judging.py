@@ -7,6 +7,7 @@ import pytest
 from rlbench_pin.builder.stage.inside.judging import items_of, judgements
 from rlbench_pin.checking import TaskReport, Trial, summarise
 from rlbench_pin.checking.judge import Rest
+from rlbench_pin.checking.plan import CheckPlan
 from rlbench_pin.checking.reach import Reach
 from rlbench_pin.checking.records import (
     DemoTrial,
@@ -19,7 +20,6 @@ from rlbench_pin.checking.records import (
     SolvedDemo,
     WordsTrial,
 )
-from rlbench_pin.cli.arguments.check import Check
 
 _WHO = {"task": "pick", "seed": 3, "variation": 1}
 _GOOD = SolvedDemo(frames=9, simulated=1.0, replayed=True, lasts=True)
@@ -113,23 +113,18 @@ def test_what_is_not_done_is_not_judged() -> None:
 
 
 def test_the_work_is_that_of_check() -> None:
-    """Same seeds, variations and tries as the command has by default."""
-    default = Check()
-    seeds: dict[str, list[int]] = {}
-    for item in items_of("pick", default.episodes):
-        seeds.setdefault(item.part, []).extend(item.seeds)
-        assert (item.max_variations, item.max_attempts, item.replays) == (
-            default.variations,
-            default.max_attempts,
-            default.replays,
-        )
-    assert {part: len(own) for part, own in seeds.items()} == {
-        "words": 1,
-        "idle": default.contract_seeds,
-        "demos": default.episodes,
-        "reach": default.placements,
-        "repeat": 4,
-        "random": default.contract_seeds,
-        "key_frames": default.key_frames,
-    }
-    assert all(own == list(range(len(own))) for own in seeds.values())
+    """Every trial that the command makes by default is made, and no other; only the order differs."""
+    command = {(item.part, seed) for item in CheckPlan().items("pick") for seed in item.seeds}
+    items = items_of("pick", CheckPlan.episodes)
+    panel = [(item.part, seed) for item in items for seed in item.seeds]
+    assert len(panel) == len(set(panel))
+    assert set(panel) == command
+    assert {
+        (item.max_variations, item.max_attempts, item.first_seed, item.replays) for item in items if item.part != "words"
+    } == {(CheckPlan.variations, CheckPlan.max_attempts, CheckPlan.seed, CheckPlan.replays)}
+
+
+def test_few_demonstrations_have_few_key_frames() -> None:
+    """Key frames are those of demonstrations that were asked for."""
+    parts = [item.part for item in items_of("pick", 3)]
+    assert (parts.count("demos"), parts.count("key_frames"), parts.count("idle")) == (3, 3, CheckPlan.contract_seeds)

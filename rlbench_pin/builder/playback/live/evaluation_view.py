@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from viser import GuiEvent, ViserServer
 
 from rlbench_pin.builder.contracts import Failure, Frame, Leg, Recording
+from rlbench_pin.builder.pictures import camera_pictures
 from rlbench_pin.builder.playback.live.feed import Feed
 from rlbench_pin.builder.playback.live.page import LivePage
-from rlbench_pin.builder.playback.pictures import camera_pictures
 from rlbench_pin.builder.playback.recorder import FrameRecorder
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.evaluation.results.records import EpisodeRecord

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench_pin.builder.playback.pictures import camera_pictures
+from rlbench_pin.builder.pictures import camera_pictures
 from rlbench_pin.environment.runtime import Runtime
 
 

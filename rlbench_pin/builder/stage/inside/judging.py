@@ -9,15 +9,13 @@ from pathlib import Path
 from rlbench_pin.builder.contracts import Judgement
 from rlbench_pin.checking import Item, Part, TaskReport, Trial, summarise
 from rlbench_pin.checking.judge import MAX_DRIFT, MAX_PENETRATION, poor_instructions, shared_instructions
+from rlbench_pin.checking.plan import CheckPlan
 from rlbench_pin.checking.records import DemoTrial, IdleTrial, ReachTrial, SolvedDemo
 from rlbench_pin.checking.report import FIRST_TRY_FLOOR, KEY_FRAMES_FLOOR, REPLAY_FLOOR
 from rlbench_pin.checking.trials import work
 from rlbench_pin.rates import Rate
 from rlbench_pin.tasks import find_task
 
-VARIATIONS, REPLAYS, TRIES = 20, 50, 10
-"""Variations at most, demonstrations that are replayed, and tries for each, as `rlbench-pin check` has them."""
-_AMOUNTS: dict[Part, int] = {"idle": 5, "repeat": 4, "random": 5, "key_frames": 10, "reach": 100}
 _ORDER: tuple[Part, ...] = ("words", "idle", "demos", "reach", "repeat", "random", "key_frames")
 _AT_ONCE: dict[Part, int] = {"reach": 25}
 """Seeds of an item, where not 1."""
@@ -44,14 +42,8 @@ def items_of(task: str, episodes: int) -> list[Item]:
         task: Path of the task file.
         episodes: How many demonstrations.
     """
-    amounts = {"words": 1, "demos": episodes, **_AMOUNTS, "key_frames": min(episodes, _AMOUNTS["key_frames"])}
-    items = []
-    for part in _ORDER:
-        step = _AT_ONCE.get(part, 1)
-        for first in range(0, amounts[part], step):
-            seeds = tuple(range(first, min(first + step, amounts[part])))
-            items.append(Item(task, part, seeds, VARIATIONS, TRIES, 0, REPLAYS))
-    return items
+    plan = CheckPlan(episodes=episodes, key_frames=min(episodes, CheckPlan.key_frames))
+    return [item for part in _ORDER for item in plan.items(task, _AT_ONCE.get(part, 1)) if item.part == part]
 
 
 def judge(

@@ -16,13 +16,13 @@ from rlbench_pin.builder.contracts import (
     Recording,
     WaypointVerdict,
 )
+from rlbench_pin.builder.pictures import camera_pictures
 from rlbench_pin.builder.playback.conditions import success_texts
 from rlbench_pin.builder.playback.failures import failure_of
 from rlbench_pin.builder.playback.recorder import FrameRecorder, OnFrame, record_demonstration
 from rlbench_pin.builder.stage.faults import NothingOpen
 from rlbench_pin.builder.stage.inside.following import Follower
 from rlbench_pin.builder.stage.inside.paths import planned_paths
-from rlbench_pin.builder.stage.inside.pictures import camera_pictures
 from rlbench_pin.builder.stage.inside.posing import move_to_frame, move_to_scene, only_moves
 from rlbench_pin.builder.stage.inside.pulse import Pulse
 from rlbench_pin.builder.stage.inside.reachability import verdicts

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import tyro
 
+from rlbench_pin.cli.process.pages import PageOptions
 from rlbench_pin.cli.process.words import Controllers, EngineName, MaybeInt, MaybePath, RobotName, TaskNames
 
 TASKS = (
@@ -31,18 +32,6 @@ class Comparison:
     """Controllers to compare; all when none is given."""
     json: MaybePath = None
     """File to write the comparison to."""
-
-
-@dataclass(frozen=True)
-class Watching:
-    """The episodes in a page of this machine, as they are played."""
-
-    live: bool = False
-    """Show them in a browser, in 3D and over time; this process plays them, one after the other. Results are the same."""
-    port: int = 0
-    """Where the page is served on 127.0.0.1; 0 takes a free port."""
-    browser: bool = True
-    """Open the page, where there is a browser."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +79,7 @@ class Evaluate:
     """Go on with an evaluation that did not end."""
     films: int = 0
     """Films of the first failures of each task, so many, played again after the evaluation, in a folder beside the results."""
-    watching: tyro.conf.OmitArgPrefixes[Watching] = field(default_factory=Watching)
-    """Episodes in a page as they are played."""
+    page: tyro.conf.OmitArgPrefixes[PageOptions] = field(default_factory=PageOptions)
+    """Episodes as they are played, by this process, one after the other; the results are the same."""
     comparison: tyro.conf.OmitArgPrefixes[Comparison] = field(default_factory=Comparison)
     """Controllers instead of a policy."""
