@@ -148,11 +148,13 @@ class Player:
         self._changed(lambda timeline: timeline.seek(index))
 
     def close(self) -> None:
-        """Take the controls out of the page and stop."""
-        self._closed = True
-        self._wake.set()
-        self._controls.remove_keys()
-        self._folder.remove()
+        """Take the controls out of the page and stop; what comes later is not shown any more."""
+        with self._lock:
+            if not self._closed:
+                self._closed = True
+                self._wake.set()
+                self._controls.remove_keys()
+                self._folder.remove()
 
     # Inside ----------------------------------------------------------------------------------------------------------
 
@@ -170,11 +172,14 @@ class Player:
     def _refresh(self) -> None:
         """Draw all that depends on the recording as a whole."""
         with self._lock:
-            self._failure.show(self._recording.failure)
-            self._joints.draw(self._frames)
+            if not self._closed:
+                self._failure.show(self._recording.failure)
+                self._joints.draw(self._frames)
             self._show()
 
     def _show(self) -> None:
+        if self._closed:
+            return
         timeline, self._drawn = self.timeline, time.monotonic()
         self._wake.set()
         self._controls.show(timeline)

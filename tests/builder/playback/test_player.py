@@ -124,3 +124,16 @@ def test_an_empty_recording_is_shown_as_such(player: Player, notes: Notes) -> No
     player.seek(3)
     assert player.timeline.index == 0
     assert notes.moved == {}
+
+
+def test_what_comes_after_the_end_is_not_shown(player: Player, notes: Notes) -> None:
+    """A stretch that is still being computed may go on for a while: nothing is drawn into a page that has been left."""
+    whole = recording()
+    player.load(whole, play=True)
+    player.close()
+    before = notes.moved
+    player.begin(whole.conditions, whole.instruction, follow=True)
+    player.add(whole.frames[5])
+    player.finish(whole)
+    assert notes.moved == before
+    assert len(player.recording.frames) == 10
