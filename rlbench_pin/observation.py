@@ -11,7 +11,7 @@ import numpy as np
 
 from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.front_door import front_door
-from rlbench_pin.values import as_names, as_record, as_several, as_text, as_whole
+from rlbench_pin.values import as_names, as_record, as_several, as_text, as_whole, is_whole
 
 Array = np.ndarray
 RandomState = tuple[Any, ...]
@@ -156,7 +156,7 @@ class Demo(Sequence[Observation]):
     @property
     def seed(self) -> int | None:
         """`random_seed` where it is a whole number; None where it is a state, or missing."""
-        return int(self.random_seed) if isinstance(self.random_seed, int | np.integer) else None
+        return int(self.random_seed) if is_whole(self.random_seed) else None
 
     def restore_state(self) -> None:
         """Set numpy's global generator from `random_seed`: a whole number seeds it, a state is set.

@@ -40,6 +40,7 @@ from rlbench_pin.values.single import (
     as_several,
     as_text,
     as_whole,
+    is_whole,
     items_of,
 )
 
@@ -74,6 +75,7 @@ __all__ = [
     "as_whole",
     "check_settings",
     "counted",
+    "is_whole",
     "items_of",
     "one_of",
     "record_of",

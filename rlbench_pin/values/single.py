@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection, Iterable, Sequence
 from os import PathLike, fsencode, fspath
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeGuard, TypeVar
 
 import numpy as np
 
@@ -64,6 +64,11 @@ def as_number(
     return number
 
 
+def is_whole(value: object) -> TypeGuard[int | np.integer[Any]]:
+    """Whether a value is a whole number of Python or numpy; True, 1.0, "1" and a stretch of time are none."""
+    return isinstance(value, int | np.integer) and not isinstance(value, _NO_NUMBERS)
+
+
 def as_whole(
     value: object, what: str, error: type[InvalidValue] = InvalidValue, *, least: int | None = None, most: int | None = None
 ) -> int:
@@ -79,8 +84,8 @@ def as_whole(
     Raises:
         InvalidValue: It is no whole number, or outside the range.
     """
-    whole = isinstance(value, int | np.integer) and not isinstance(value, _NO_NUMBERS)
-    number = int(value) if whole else 0  # type: ignore[call-overload]
+    whole = is_whole(value)
+    number = int(value) if is_whole(value) else 0
     if not whole or (least is not None and number < least) or (most is not None and number > most):
         low, high = -math.inf if least is None else least, math.inf if most is None else most
         raise error(what, value, f"has to be a whole number{_range_text(low, high)}")

@@ -13,7 +13,7 @@ import numpy as np
 
 from rlbench_pin.assets import asset_path
 from rlbench_pin.errors import CameraError, InvalidValue, TaskEnvironmentError, shown
-from rlbench_pin.values import FLAG, NOT_NEGATIVE, Rule, Settings, as_interval, as_names, as_path, ruled
+from rlbench_pin.values import FLAG, NOT_NEGATIVE, Rule, Settings, as_interval, as_names, as_path, is_whole, ruled
 
 _PICTURES = (".png", ".jpg", ".jpeg")
 
@@ -193,5 +193,5 @@ def check_randomization(every: RandomizeEvery | None, frequency: int, visual: ob
         raise RandomizationMisused(f"dynamics_randomization_config must be a DynamicsRandomizationConfig, not {shown(dynamics)}.")
     if every is not None and not isinstance(every, RandomizeEvery):
         raise RandomizationMisused(f"randomize_every is a RandomizeEvery such as RandomizeEvery.EPISODE, not {shown(every)}.")
-    if isinstance(frequency, bool) or not isinstance(frequency, int | np.integer) or frequency < 1:
+    if not is_whole(frequency) or frequency < 1:
         raise RandomizationMisused(f"frequency counts events and is at least 1, not {shown(frequency)}.")

@@ -189,8 +189,9 @@ def test_mistakes_are_refused(tmp_path):
         environment(RandomizeEvery.EPISODE)
     with pytest.raises(ValueError):
         environment(None, VisualRandomizationConfig())
-    with pytest.raises(ValueError):
-        environment(RandomizeEvery.EPISODE, VisualRandomizationConfig(), frequency=0)
+    for frequency in (0, True, 2.0, "2", np.timedelta64(2, "s")):
+        with pytest.raises(ValueError, match="frequency"):
+            environment(RandomizeEvery.EPISODE, VisualRandomizationConfig(), frequency=frequency)
     with pytest.raises(ValueError):
         DynamicsRandomizationConfig(mass=(2.0, 1.0))
 
