@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from string import Template
 
 from rlbench_pin.cli.arguments import new as arguments
 from rlbench_pin.cli.process.files import storing, write_whole
 from rlbench_pin.errors import StorageError, TaskEnvironmentError
-from rlbench_pin.scene.kinds import NAME_PATTERN
 from rlbench_pin.tasks import camel_case, task_names
+from rlbench_pin.tasks.task_file import name_fault
 
 TASK = Template('''\
 """$title. (One sentence: what is to be done.)"""
@@ -90,8 +89,8 @@ class New(arguments.New):
 
     def run(self) -> int:
         """Write both files, never over existing ones, and print what to do next."""
-        if not re.match(NAME_PATTERN, self.name):
-            raise TaskEnvironmentError(f"'{self.name}' is no task name. Use small letters, digits and underscores.")
+        if fault := name_fault(self.name):
+            raise TaskEnvironmentError(f"'{self.name}': {fault}")
         if self.name in task_names():
             raise TaskEnvironmentError(f"A task '{self.name}' exists already. `rlbench-pin list` shows all; choose another name.")
         fill = {"name": self.name, "cls": camel_case(self.name), "title": self.name.replace("_", " ").capitalize()}

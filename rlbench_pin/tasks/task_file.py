@@ -7,12 +7,14 @@ import sys
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from hashlib import sha256
+from keyword import iskeyword
 from os import PathLike
 from pathlib import Path
 from types import ModuleType
 
 from rlbench_pin.errors import AssetInvalid, AssetNotFound, InvalidValue, TaskError
 from rlbench_pin.front_door import class_name
+from rlbench_pin.scene.kinds import NAME_PATTERN
 from rlbench_pin.scene.model_files import resolve_asset
 from rlbench_pin.scene.reader import read_scene
 from rlbench_pin.tasks.task import Task, snake_case
@@ -53,6 +55,17 @@ def load_task_file(path: str | PathLike[str]) -> type[Task]:
 def camel_case(name: str) -> str:
     """Turn `reach_target` into `ReachTarget`."""
     return class_name(as_text(name, "name"))
+
+
+def name_fault(name: str) -> str:
+    """Return why a new task cannot be called so, with what to do; "" where it can."""
+    if not re.fullmatch(NAME_PATTERN, name):
+        return "it is no name of a task. Use small letters, digits and underscores, a letter first."
+    if iskeyword(name) or iskeyword(camel_case(name)):
+        return "it is a word of Python's own. Choose another name."
+    if camel_case(name) in sys.modules["rlbench_pin.tasks"].__all__:
+        return f"its class would hide rlbench_pin.tasks.{camel_case(name)}, which task files import. Choose another name."
+    return ""
 
 
 def class_in(module: ModuleType, name: str) -> type[Task]:

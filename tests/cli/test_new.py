@@ -71,7 +71,17 @@ def _write_files(language: str, folder: Path) -> None:
         (folder / name).write_text(text, encoding="utf-8")
 
 
-@pytest.mark.parametrize(("name", "says"), [("Touch It", "no task name"), ("reach_target", "exists already")])
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("Touch It", "no name of a task"),
+        ("touch\n", "no name of a task"),
+        ("reach_target", "exists already"),
+        ("import", "Python's own"),
+        ("true", "Python's own"),
+        ("spawn_boundary", "would hide rlbench_pin.tasks.SpawnBoundary"),
+    ],
+)
 def test_bad_names_are_refused(name: str, says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Misuse is exit code 2, and nothing is written."""
     assert main(["new", name, "--out", str(tmp_path)]) == 2

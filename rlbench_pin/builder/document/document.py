@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from re import fullmatch
 from typing import Any
 
 from rlbench_pin.builder.contracts import Problem, TaskText
@@ -18,7 +17,7 @@ from rlbench_pin.builder.document.reading import Reading, decoded, encoded, ends
 from rlbench_pin.builder.document.scene_text.scene_text import SceneText
 from rlbench_pin.builder.document.storage import Pair, on_disk, read_pair, recover, write_pair
 from rlbench_pin.scene import SceneSpec
-from rlbench_pin.scene.kinds import NAME_PATTERN
+from rlbench_pin.tasks.task_file import name_fault
 from rlbench_pin.values import as_path, as_text
 
 
@@ -75,8 +74,8 @@ class TaskDocument:
             TaskFilesError: The name is none, or a file of that name is there, perhaps from a save that was killed.
         """
         pair = Pair(as_path(folder, "folder").resolve(), as_text(name, "name"))
-        if not fullmatch(NAME_PATTERN, name):
-            raise TaskFilesError(name, "it is no name of a task.", "Use small letters, digits and underscores, a letter first.")
+        if fault := name_fault(name):
+            raise TaskFilesError(name, fault)
         recover(pair)
         for file in pair.files:
             if file.exists():

@@ -210,3 +210,6 @@ def test_what_is_no_task_is_not_opened(tmp_path: Path) -> None:
         TaskDocument.new(tmp_path, "thing")
     with pytest.raises(TaskFilesError, match="no name"):
         TaskDocument.new(tmp_path, "../thing")
+    for name in ("none", "lambda", "task"):
+        with pytest.raises(TaskFilesError, match="another name"):
+            TaskDocument.new(tmp_path, name)
