@@ -14,11 +14,18 @@ from viser import ViserServer
 
 from rlbench_pin.builder.server.door import LOCAL_NAMES, Door
 from rlbench_pin.builder.server.errors import ServerError
-from rlbench_pin.builder.server.guard import GuardedLoops
+from rlbench_pin.builder.server.guard import BURST, GuardedLoops, Peer
+from rlbench_pin.builder.server.notices import Notices
+from rlbench_pin.builder.server.transfers import Transfers
+from rlbench_pin.builder.server.uploads import LARGEST_UPLOAD
 from rlbench_pin.values import as_text, as_whole
 
 LOCAL = "127.0.0.1"
 """Where it listens, unless told otherwise."""
+_FLOOD = (
+    f"It sent more than it said, or more than {BURST // 2**20} MB beside its uploads; nothing of that was kept. "
+    f"A file may have {LARGEST_UPLOAD // 2**20} MB. Load the page again if it does not come back by itself."
+)
 _STARTING = threading.Lock()
 
 
@@ -32,10 +39,11 @@ class LocalServer:
 
     Attributes:
         viser: The page.
+        notices: Messages in it.
         token: What the address begins with.
 
     Raises:
-        ServerError: The port is in use.
+        ServerError: The port is in use, or viser is of an unknown version.
     """
 
     def __init__(self, port: int = 0, host: str = LOCAL, title: str = "Task builder") -> None:
@@ -45,12 +53,19 @@ class LocalServer:
         names = dict.fromkeys((*LOCAL_NAMES, self._host))
         with _guarded(GuardedLoops(Door(self.token, tuple(names)), self._count_flood)):
             self.viser = ViserServer(self._host, wanted, title, verbose=False)
+        self.notices = Notices(self.viser)
+        try:
+            Transfers(self.viser, self.notices)
+        except ServerError:
+            self.stop()
+            raise
         if wanted not in (0, self.port):
             self.stop()
             raise ServerError(f"Port {wanted} is in use. Give another, or 0 for any that is free.")
 
-    def _count_flood(self) -> None:
+    def _count_flood(self, peer: Peer) -> None:
         self._floods += 1
+        self.notices.tell("A tab was cut off", _FLOOD, bad=True, keep=True)
 
     @property
     def port(self) -> int:

@@ -146,7 +146,7 @@ def test_who_sends_without_end_is_cut_off() -> None:
                 await writer.drain()
         server.close()
 
-    loop = GuardedLoop(Door(TOKEN), lambda: floods.append(None))
+    loop = GuardedLoop(Door(TOKEN), lambda peer: floods.append(None))
     loop.run_until_complete(flood(loop))
     loop.close()
     assert len(floods) == 1

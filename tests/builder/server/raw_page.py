@@ -1,0 +1,164 @@
+"""A page without a browser: a websocket that says what a tab of viser says, and more than it may."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import viser
+import websockets.exceptions
+import websockets.sync.client
+import zstandard
+
+PART = 512 * 1024
+"""Bytes of one part of an upload, as the page cuts it."""
+_SERVER = """
+import sys
+from rlbench_pin.builder.server import LocalServer
+with LocalServer() as server:
+    button = server.viser.gui.add_upload_button("Upload")
+    button.on_upload(lambda event: print("took", event.target.value.name, len(event.target.value.content), flush=True))
+    print(server.port, server.token, button._impl.uuid, flush=True)
+    sys.stdin.read()
+"""
+_CAMERA = {
+    "type": "ViewerCameraMessage", "wxyz": (1, 0, 0, 0), "position": (0, 0, 1), "fov": 1.0, "near": 0.1, "far": 10.0,
+    "image_height": 9, "image_width": 9, "look_at": (0, 0, 0), "up_direction": (0, 0, 1),
+}  # fmt: skip
+
+
+class RawPage:
+    """One tab.
+
+    Args:
+        address: Port and token of the server.
+        button: The upload button.
+    """
+
+    def __init__(self, address: tuple[int, str], button: str) -> None:
+        port, token = address
+        self._button, self._heard = button, list[dict[str, Any]]()
+        self._socket = websockets.sync.client.connect(
+            f"ws://127.0.0.1:{port}/{token}", subprotocols=[f"viser-v{viser.__version__}"], max_size=None  # type: ignore[list-item]
+        )  # fmt: skip
+        self._reader = threading.Thread(target=self._listen, daemon=True)
+        self._reader.start()
+        self.say(_CAMERA)
+
+    def _listen(self) -> None:
+        with contextlib.suppress(websockets.exceptions.ConnectionClosed):
+            for raw in self._socket:
+                assert isinstance(raw, bytes)
+                size = int.from_bytes(raw[8:16], "little")
+                inner = zstandard.ZstdDecompressor().decompress(raw[16 : 16 + size])
+                self._heard.extend(msgspec.msgpack.decode(inner)["messages"])
+
+    def say(self, message: dict[str, Any]) -> None:
+        """Send one message."""
+        self._socket.send(msgspec.msgpack.encode(message))
+
+    def begin(self, transfer: str, size: Any, parts: Any, name: Any = "big.obj") -> None:
+        """Declare an upload."""
+        self.say({
+            "type": "FileTransferStartUpload", "source_component_uuid": self._button, "transfer_uuid": transfer,
+            "filename": name, "mime_type": "", "part_count": parts, "size_bytes": size,
+        })  # fmt: skip
+
+    def part(self, transfer: str, index: int, content: Any) -> None:
+        """Send a part."""
+        self.say({
+            "type": "FileTransferPart", "source_component_uuid": self._button, "transfer_uuid": transfer,
+            "part_index": index, "content": content,
+        })  # fmt: skip
+
+    def upload(self, transfer: str, size: int, *, declared: int | None = None, name: str = "big.obj") -> bool:
+        """Send a file of zeros part by part; False when the connection was cut on the way."""
+        count = -(-size // PART)
+        try:
+            self.begin(transfer, size if declared is None else declared, count, name)
+            for index in range(count):
+                self.part(transfer, index, bytes(min(PART, size - index * PART)))
+            self._socket.ping().wait(60.0)
+        except websockets.exceptions.ConnectionClosed:
+            return False
+        return True
+
+    def told(self, words: str, timeout: float = 20.0) -> str:
+        """Return the message in the page that has some words, or fail."""
+        end = time.monotonic() + timeout
+        while time.monotonic() < end:
+            for message in tuple(self._heard):
+                if message["type"] == "NotificationShowMessage" and re.search(words, str(message["props"])):
+                    return str(message["props"]["body"])
+            time.sleep(0.02)
+        raise AssertionError(f"no message with '{words}' among {[m['type'] for m in self._heard][-20:]}")
+
+    def heard(self, kind: str) -> list[dict[str, Any]]:
+        """Return what came of one kind."""
+        return [message for message in tuple(self._heard) if message["type"] == kind]
+
+    def is_open(self) -> bool:
+        """Whether the connection stands."""
+        try:
+            return self._socket.ping().wait(20.0)
+        except websockets.exceptions.ConnectionClosed:
+            return False
+
+    def has_ended(self, timeout: float = 20.0) -> bool:
+        """Whether the server ends the connection in time."""
+        self._reader.join(timeout)
+        return not self._reader.is_alive()
+
+    def close(self) -> None:
+        """Leave."""
+        self._socket.close()
+
+
+class ServerProcess:
+    """A page with an upload button in a process of its own, whose memory can be read."""
+
+    def __init__(self) -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", _SERVER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )  # fmt: skip
+        assert self.process.stdout is not None
+        port, token, self.button = self.process.stdout.readline().split()
+        self.address = (int(port), token)
+
+    def page(self) -> RawPage:
+        """Open a tab."""
+        return RawPage(self.address, self.button)
+
+    def peak(self) -> int:
+        """Return the most memory that it has had [bytes]."""
+        found = re.search(r"VmHWM:\s+(\d+) kB", Path(f"/proc/{self.process.pid}/status").read_text())
+        assert found is not None
+        return 1024 * int(found[1])
+
+    def took(self) -> str:
+        """Return the next line about a file that was taken."""
+        assert self.process.stdout is not None
+        return self.process.stdout.readline().strip()
+
+    def end(self) -> None:
+        """Stop it."""
+        self.process.kill()
+        self.process.communicate()
+
+
+@contextlib.contextmanager
+def server_process() -> Iterator[ServerProcess]:
+    """Run a server as long as the block."""
+    server = ServerProcess()
+    try:
+        yield server
+    finally:
+        server.end()
