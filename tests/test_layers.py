@@ -47,7 +47,7 @@ HOMES: dict[str, tuple[str, ...]] = {
     "tomllib": ("scene",),
     "tomlkit": ("scene", "builder"),
     "pydantic": ("scene",),
-    "xml": ("urdf",),
+    "xml": ("urdf", "builder"),
     "yaml": ("planning",),
     "qpsolvers": ("control",),
     "scipy": ("planning", "control", "checking", "evaluation"),

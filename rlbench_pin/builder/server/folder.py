@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import os
+import shutil
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from rlbench_pin.builder.server.errors import OutsideFolder
+from rlbench_pin.errors import StorageError
 from rlbench_pin.values import as_path
 
 
@@ -48,6 +51,29 @@ class Folder:
             raise OutsideFolder(name[:80], "has letters that no file name has, or too many of them")
         if any(part.startswith(".") for part in parts if part != "."):
             raise OutsideFolder(name, "is hidden")
+
+    def write_all(self, name: str, files: Mapping[str, bytes]) -> Path:
+        """Write a new folder with files in it: all of them, or none.
+
+        Raises:
+            OutsideFolder: It or a file of it lies elsewhere.
+            StorageError: It cannot be written, or something of that name is there.
+        """
+        wanted = self.path(name)
+        try:
+            temporary = Path(tempfile.mkdtemp(prefix=f".{wanted.name}.", dir=self.root))
+            try:
+                inside = Folder(temporary)
+                for file, content in files.items():
+                    inside.write(file, content)
+                temporary.chmod(0o755)
+                temporary.rename(wanted)
+            except BaseException:
+                shutil.rmtree(temporary, ignore_errors=True)
+                raise
+        except OSError as error:
+            raise StorageError(wanted, error) from error
+        return wanted
 
     def write(self, name: str, data: bytes) -> Path:
         """Write a file inside the folder: whole, or not at all.

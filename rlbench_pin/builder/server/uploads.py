@@ -15,8 +15,6 @@ LARGEST_UPLOAD = 64 * 1024 * 1024
 """A file at most [bytes]."""
 MOST_TRIANGLES = 200_000
 """Of a mesh."""
-KINDS = (".obj", ".stl", ".urdf")
-"""Endings of what is taken."""
 _STEM = re.compile(r"[^a-z0-9_]+")
 
 
@@ -88,5 +86,7 @@ def _check_lines(name: str, ending: str, data: bytes) -> None:
             raise UploadRefused(name, "a line has more than 100000 letters")
     else:
         faces = int.from_bytes(data[80:84], "little") if not data.lstrip().startswith(b"solid") else data.count(b"endfacet")
+        if b"facet" not in data[:1000] and (here := (len(data) - 84) // 50) < faces <= MOST_TRIANGLES:
+            raise UploadRefused(name, f"it says that it has {faces} triangles, and has {max(here, 0)}", "Export it again.")
     if faces > MOST_TRIANGLES:
         raise UploadRefused(name, f"it has {faces} faces, at most {MOST_TRIANGLES} are taken", "Reduce it first.")

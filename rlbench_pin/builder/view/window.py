@@ -170,6 +170,7 @@ class Window:
         """End all threads and the stage; the page itself stays with whoever made it."""
         self._closed.set()
         self.watch.stop()
+        self._adding.close()
         self.judging.close()
         self.player.close()
         self.session.stop()

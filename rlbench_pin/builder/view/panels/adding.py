@@ -1,26 +1,23 @@
-"""What can be added: assets of the catalogue, primitives, meshes of one's own, frames, regions, sensors and waypoints."""
+"""What can be added: assets of the catalogue, primitives, files of one's own, frames, regions, sensors and waypoints."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 from rlbench_pin.assets import asset_path
-from rlbench_pin.builder.server import Folder, read_mesh
+from rlbench_pin.builder.view.own.panel import OwnFiles
 from rlbench_pin.builder.view.parts.catalogue import Asset, catalogue, found, thumbnail
-from rlbench_pin.builder.view.parts.meshes import mesh_asset
 from rlbench_pin.builder.view.parts.primitives import PRIMITIVES, SIZES, primitive_urdf
 from rlbench_pin.builder.view.parts.standing import standing_pose
 from rlbench_pin.builder.view.posing import in_frame
 from rlbench_pin.builder.view.session import Session
-from rlbench_pin.builder.view.widgets import Button, Choice, Fold, Item, Line, Note, Number, Picture, Upload
-from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.builder.view.widgets import Button, Choice, Fold, Item, Line, Note, Number, Picture
 from rlbench_pin.scene import BodySpec
 from rlbench_pin.scene.spec import ROOT
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import COLORS
 
 _SHOWN = 6
-_MOST_FILES = 40
 
 
 class Adding:
@@ -35,7 +32,7 @@ class Adding:
         self._session, self._tip = session, tip
         self._words, self._page = "", 0
         self._kind, self._sizes, self._mass, self._color = PRIMITIVES[0], [0.05, 0.05, 0.05], 0.1, "red"
-        self._scale = 1.0
+        self._own = OwnFiles(session, self._add_body, self._look)
 
     def items(self) -> list[Item]:
         """Return all that can be added."""
@@ -43,8 +40,7 @@ class Adding:
             Fold("Waypoint", [Button("Add waypoint at the tip", self._add_waypoint)]),
             Fold("Objects", self._catalogue_items()),
             Fold("Box, cylinder, sphere", self._primitive_items(), is_open=False),
-            Fold("Own mesh", self._mesh_items(), is_open=False),
-            Fold("Own URDF", self._urdf_items(), is_open=False),
+            *self._own.items(),
             Fold(
                 "Frame, region, sensor",
                 [
@@ -55,6 +51,10 @@ class Adding:
                 is_open=False,
             ),
         ]
+
+    def close(self) -> None:
+        """End what is being made."""
+        self._own.close()
 
     def _add(self, table: str, values: dict[str, object], on_selected: bool) -> None:
         """Add a thing, perhaps hanging on what is selected."""
@@ -105,7 +105,7 @@ class Adding:
         pose = standing_pose(self._session.spec, body)
         self._session.add("body", {"asset": asset, "pose": (*pose, 0.0, 0.0, 0.0, 1.0), **extras})
 
-    # Own files -------------------------------------------------------------------------------------------------------
+    # Solids ----------------------------------------------------------------------------------------------------------
 
     def _primitive_items(self) -> list[Item]:
         words = SIZES[self._kind]
@@ -146,56 +146,14 @@ class Adding:
 
     def _add_primitive(self) -> None:
         sizes = self._sizes[: len(SIZES[self._kind])]
-        name = self._free_file(self._kind)
+        name = self._own.free_name(self._kind)
         text = primitive_urdf(name, self._kind, sizes, self._mass, self._rgb())
-        self._folder().write(f"{name}.urdf", text.encode())
+        self._own.folder().write(f"{name}.urdf", text.encode())
         self._add_body(f"./{name}.urdf", {"name": name})
 
-    def _mesh_items(self) -> list[Item]:
-        def rescale(value: float) -> None:
-            self._scale = value
-
-        return [
-            Note("An OBJ or STL file of at most 64 MB, taken apart into convex parts."),
-            Number("Scale, 0.001 for millimetres", self._scale, rescale, 0.001, 1e-6),
-            self._mass_item(),
-            self._color_item(),
-            Upload("Upload a mesh", self._add_mesh),
-        ]
-
-    def _add_mesh(self, name: str, data: bytes) -> None:
-        uploaded = read_mesh(name, data)
-        made = mesh_asset(uploaded, self._scale, self._mass, self._rgb())
-        folder = self._folder()
-        stem = self._free_file(uploaded.name)
-        for file, content in made.files.items():
-            folder.write(f"{stem}/{file}", content)
-        self._add_body(f"./{stem}/{made.urdf}", {"name": stem})
-
-    def _urdf_items(self) -> list[Item]:
-        """Return the URDF files beside the task; meshes that they name come with them."""
-        folder = self._session.document.folder
-        files = sorted(file.relative_to(folder).as_posix() for pattern in ("*.urdf", "*/*.urdf") for file in folder.glob(pattern))
-        where = f"URDF files in the folder of the task, with the meshes that they name. {len(files)} there."
-        return [Note(where), *(Button(f"Add {file}", self._adder_of(file)) for file in files[:_MOST_FILES])]
-
-    def _adder_of(self, file: str) -> Callable[[], None]:
-        return lambda: self._add_body(f"./{file}", {})
-
-    def _folder(self) -> Folder:
-        self._session.document.folder.mkdir(parents=True, exist_ok=True)
-        return Folder(self._session.document.folder)
-
-    def _free_file(self, stem: str) -> str:
-        """Return a name that neither a file beside the task nor a thing of the scene has."""
-        taken = {thing.name for thing in self._session.spec.posed()}
-        folder = self._session.document.folder
-        names = (stem if k == 0 else f"{stem}{k + 1}" for k in range(1000))
-        free = (n for n in names if n not in taken and not (folder / f"{n}.urdf").exists() and not (folder / n).exists())
-        name = next(free, None)
-        if name is None:
-            raise RlbenchPinError(f"There are a thousand files called '{stem}'. Remove some.")
-        return name
+    def _look(self) -> tuple[list[Item], float, tuple[float, ...]]:
+        """Return what sets mass and colour, and what they are."""
+        return [self._mass_item(), self._color_item()], self._mass, self._rgb()
 
 
 _BALL: dict[str, object] = {"shape": "sphere", "size": (0.06,)}
