@@ -43,7 +43,13 @@ class Build(arguments.Build):
             finally:
                 window.close()
                 if document.unsaved:
-                    print(f"Not saved: what was changed in '{document.name}' since it was last saved.")
+                    draft = window.drafts.file
+                    kept = (
+                        "and no draft of it is kept"
+                        if draft is None
+                        else f"kept as a draft, offered at the next opening: {draft}"
+                    )
+                    print(f"Not saved: what was changed in '{document.name}' since it was last saved; {kept}.")
         return 0
 
     def _document(self) -> TaskDocument:

@@ -15,6 +15,7 @@ from rlbench_pin.builder.document.behaviour import (
     condition_kinds,
 )
 from rlbench_pin.builder.document.document import TaskDocument
+from rlbench_pin.builder.document.drafts import Draft, DraftKeeper
 from rlbench_pin.builder.document.errors import ChangedOnDisk, DocumentError, EditRefused, HasDependants, TaskFilesError
 
 __all__ = [
@@ -24,6 +25,8 @@ __all__ = [
     "ConditionForm",
     "ConditionKind",
     "DocumentError",
+    "Draft",
+    "DraftKeeper",
     "EditRefused",
     "HasDependants",
     "Named",

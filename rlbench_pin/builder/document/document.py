@@ -38,7 +38,7 @@ class TaskDocument:
         self._reading = Reading(pair, texts)
         self._left: tuple[str, ...] = ()
         if unfinished is not None:
-            self._take("unfinished save", unfinished)
+            self.take("unfinished save", unfinished)
 
     @classmethod
     def open(cls, path: Path | str) -> TaskDocument:
@@ -95,6 +95,11 @@ class TaskDocument:
         return self._pair.folder
 
     @property
+    def texts(self) -> Texts:
+        """What `<task>.toml` and `<task>.py` say."""
+        return self._history.texts
+
+    @property
     def scene_text(self) -> str:
         """What `<task>.toml` says."""
         return self._history.texts[0]
@@ -145,6 +150,11 @@ class TaskDocument:
         return self._left
 
     @property
+    def saved(self) -> tuple[bytes | None, bytes | None]:
+        """What both files were when they were read or saved last; None for one that is not there."""
+        return self._saved
+
+    @property
     def unsaved(self) -> bool:
         """Whether the texts differ from what was read or saved last."""
         return self._encoded() != self._saved
@@ -178,8 +188,8 @@ class TaskDocument:
 
     def set_placement(self, key: str, value: Any, merge: str = "") -> None:
         """Change one key of `[placement]`; None is its default. A pose is given in the world, as in `spec`."""
-        edit = {key: value}
-        self._edit(f"change {key}", lambda scene, python: operations.placement_changed(scene, python, edit), merge)
+        edit = operations.placement_changed
+        self._edit(f"change {key}", lambda scene, python: edit(scene, python, {key: value}), merge)
 
     def duplicate(self, name: str) -> str:
         """Add a thing like another, with the joints of a body, at the same place; return its name."""
@@ -191,11 +201,8 @@ class TaskDocument:
         Raises:
             HasDependants: Something hangs on it, or the Python names it.
         """
-
-        def edit(scene: SceneText, python: str) -> Edited:
-            return operations.deleted(scene, python, name, with_dependants=with_dependants)
-
-        self._edit(f"delete {name}", edit)
+        edit = operations.deleted
+        self._edit(f"delete {name}", lambda scene, python: edit(scene, python, name, with_dependants=with_dependants))
 
     def insert_waypoint(self, index: int, values: Mapping[str, Any]) -> str:
         """Add a waypoint before the one of that number; those behind are renumbered wherever they are named."""
@@ -208,11 +215,11 @@ class TaskDocument:
 
     def set_scene_text(self, text: str, merge: str = "") -> None:
         """Put another text in the place of the scene, also one that is not valid."""
-        self._take("edit the scene as text", (typed(text, "scene text", self._saved[0]), self.python_text), merge)
+        self.take("edit the scene as text", (typed(text, "scene text", self._saved[0]), self.python_text), merge)
 
     def set_python_text(self, text: str, merge: str = "") -> None:
         """Put another text in the place of the Python, also one that is not valid."""
-        self._take("edit the Python as text", (self.scene_text, typed(text, "Python text", self._saved[1])), merge)
+        self.take("edit the Python as text", (self.scene_text, typed(text, "Python text", self._saved[1])), merge)
 
     def set_behaviour(self, field: str, value: Any, merge: str = "") -> None:
         """Change what a form shows of the Python, such as `instructions`; hand-written parts stay as they are.
@@ -221,7 +228,7 @@ class TaskDocument:
             EditRefused: The Python is not of a form that can be edited so.
         """
         text = self.behaviour.written(field, value)
-        self._take(f"change {field.replace('_', ' ')}", (self.scene_text, text), merge)
+        self.take(f"change {field.replace('_', ' ')}", (self.scene_text, text), merge)
 
     def undo(self) -> str:
         """Take the last edit back, and return its name; empty when there is none."""
@@ -243,8 +250,7 @@ class TaskDocument:
             ChangedOnDisk: Somebody has.
             StorageError: They cannot be written.
         """
-        changed = self.changed_on_disk()
-        if changed and not over:
+        if (changed := self.changed_on_disk()) and not over:
             raise ChangedOnDisk(changed)
         contents = self._encoded()
         write_pair(self._pair, contents)
@@ -252,8 +258,7 @@ class TaskDocument:
 
     def changed_on_disk(self) -> tuple[Path, ...]:
         """Return the files that somebody else has changed since they were read or saved; empty when there are none."""
-        now = on_disk(self._pair)
-        files = zip(self._pair.files, now, self._saved, strict=True)
+        files = zip(self._pair.files, on_disk(self._pair), self._saved, strict=True)
         return tuple(file for file, content, saved in files if content != saved)
 
     def reload(self) -> None:
@@ -263,9 +268,8 @@ class TaskDocument:
             TaskFilesError: A file is missing, too large, or no text.
         """
         contents = read_pair(self._pair)
-        texts = decoded(self._pair, contents)
+        self.take("reload", decoded(self._pair, contents))
         self._saved = contents
-        self._take("reload", texts)
 
     def _edit(self, name: str, edit: Callable[[SceneText, str], Edited], merge: str = "") -> Edited:
         """Make an edit by form, which may not break a valid scene."""
@@ -277,7 +281,8 @@ class TaskDocument:
         self._reading, self._left = reading, edited.left
         return edited
 
-    def _take(self, name: str, texts: Texts, merge: str = "") -> None:
+    def take(self, name: str, texts: Texts, merge: str = "") -> None:
+        """Put other texts in the place of both, as one edit of that name."""
         self._history.add(name, texts, merge)
         self._went(name)
 

@@ -94,6 +94,16 @@ def write_pair(pair: Pair, contents: tuple[bytes, bytes], listen: Listener = _no
         raise StorageError(pair.folder, error) from error
 
 
+def write_whole(path: Path, content: bytes) -> None:
+    """Replace one file, which others see as it was or as it is to be, and in no state between.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    _write_beside(path, content, _nobody)
+    _put_in_place(path, _nobody)
+
+
 def recover(pair: Pair) -> tuple[bytes, bytes] | None:
     """Finish a save that was killed.
 

@@ -48,6 +48,16 @@ class Document(Protocol):
         ...
 
     @property
+    def texts(self) -> tuple[str, str]:
+        """Both texts alone."""
+        ...
+
+    @property
+    def saved(self) -> tuple[bytes | None, bytes | None]:
+        """What both files say on disk; None for one that is not there."""
+        ...
+
+    @property
     def text(self) -> TaskText:
         """Both texts."""
         ...
@@ -129,6 +139,10 @@ class Document(Protocol):
 
     def set_behaviour(self, field: str, value: Any) -> None:
         """Change what a form edits of the Python."""
+        ...
+
+    def take(self, name: str, texts: tuple[str, str], merge: str = "") -> None:
+        """Put other texts in the place of both, as one edit."""
         ...
 
     def undo(self) -> str:

@@ -9,6 +9,7 @@ from viser import ViserServer
 from rlbench_pin.builder.contracts import Frame
 from rlbench_pin.builder.playback.player import Player
 from rlbench_pin.builder.view.contracts import Document, Stage
+from rlbench_pin.builder.view.drafts import Drafts
 from rlbench_pin.builder.view.dragging import Dragging
 from rlbench_pin.builder.view.gizmo import Phase
 from rlbench_pin.builder.view.panels.adding import Adding
@@ -41,6 +42,7 @@ class Window:
 
     Attributes:
         session: What is being edited.
+        drafts: What is kept of edits that are not saved.
         watch: Keeps the stage in step.
         view: The scene.
     """
@@ -48,6 +50,7 @@ class Window:
     def __init__(self, viser: ViserServer, document: Document, stage: Stage) -> None:
         self._viser = viser
         self.session = Session(document, self._notify)
+        self.drafts = Drafts(self.session)
         self.view = SceneView(viser.scene, self._pick, self._drag)
         self.watch = Watch(self.session, stage, self.view.follow)
         self._dragging = Dragging(self.session, self.view, self.watch)
@@ -147,7 +150,7 @@ class Window:
                 self.view.show(session.spec)
             self.view.point_out(session.selected, session.sight.verdicts, session.sight.paths)
         items: dict[str, list[Item]] = {
-            "header": header_items(session),
+            "header": [*self.drafts.items(), *header_items(session)],
             "tree": [*tree_items(session), self._hands_item()],
             "add": self._adding.items(),
             "Selected": property_items(session, self._dragging.snap_now),
@@ -174,3 +177,4 @@ class Window:
         self.judging.close()
         self.player.close()
         self.session.stop()
+        self.drafts.close()

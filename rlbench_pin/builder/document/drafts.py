@@ -1,0 +1,226 @@
+"""What was edited and not saved, in a hidden file beside the task, `.<task>.draft`: offered when the task is next opened."""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, Protocol
+
+from rlbench_pin.builder.document.history import Texts
+from rlbench_pin.builder.document.storage import LARGEST_FILE, write_whole
+
+WAIT = 1.0
+"""A draft is written so long after an edit [s]; edits meanwhile are in it."""
+MOST_DRAFTS = 3
+"""Of one task: that of now, and earlier ones about which nobody has decided."""
+_FORMAT = 1
+_LARGEST = 8 * MOST_DRAFTS * LARGEST_FILE
+
+
+@dataclass(frozen=True)
+class Draft:
+    """Two texts that were not saved."""
+
+    texts: Texts
+    """Of the scene and of the Python."""
+    saved: tuple[str, str]
+    """What the files said then, as digests; empty for one that was not there."""
+    written: str
+    """Date and time, as people read it."""
+
+
+class Draftable(Protocol):
+    """A task that is being edited."""
+
+    @property
+    def name(self) -> str:
+        """Name of the task."""
+        ...
+
+    @property
+    def folder(self) -> Path:
+        """Where its files lie."""
+        ...
+
+    @property
+    def texts(self) -> Texts:
+        """Both texts as they stand."""
+        ...
+
+    @property
+    def saved(self) -> tuple[bytes | None, bytes | None]:
+        """What both files say on disk; None for one that is not there."""
+        ...
+
+    @property
+    def unsaved(self) -> bool:
+        """Whether the texts differ from that."""
+        ...
+
+    def take(self, name: str, texts: Texts, merge: str = "") -> None:
+        """Put other texts in the place of both, as one edit."""
+        ...
+
+
+class DraftKeeper:
+    """Keeps drafts of one task; to be called by one thread.
+
+    Args:
+        document: The task.
+        on_written: Called when a draft was written or could not be, in a thread of its own.
+        wait: How long after an edit a draft is written [s].
+
+    Attributes:
+        offered: Drafts of earlier, about which somebody has to decide; the latest first.
+        news: What people should know of the file, such as that it could not be written; empty when there is nothing.
+    """
+
+    def __init__(self, document: Draftable, on_written: Callable[[], None], wait: float = WAIT) -> None:
+        self._document, self._on_written, self._wait, self._first = document, on_written, wait, document.texts
+        self._file = document.folder / f".{document.name}.draft"
+        self._lock = threading.Lock()
+        self._timer: threading.Timer | None = None
+        self.news = ""
+        found = self._found()
+        self.offered = [draft for draft in found if draft.texts != document.texts]
+        self._wanted = self._written = tuple(found)
+        self._closed = False
+        self.keep()
+
+    @property
+    def file(self) -> Path:
+        """Where drafts are kept."""
+        return self._file
+
+    def is_of_now(self, draft: Draft) -> bool:
+        """Whether the files say what they said when a draft was written."""
+        return draft.saved == _digests(self._document.saved)
+
+    def take(self) -> None:
+        """Take up the latest draft that is offered, as one edit."""
+        draft = self.offered.pop(0)
+        self._document.take("take up the draft", draft.texts)
+        self.keep()
+
+    def drop(self) -> None:
+        """Throw the latest draft away that is offered."""
+        self.offered.pop(0)
+        self.keep()
+
+    def keep(self) -> None:
+        """Take note that something may have changed; a draft is written soon, or removed at once where all is saved."""
+        drafts = (*self._of_now(), *self.offered)[:MOST_DRAFTS]
+        with self._lock:
+            if _without_times(drafts) == _without_times(self._wanted) or self._closed:
+                return
+            self._wanted = drafts
+            if drafts and self._timer is None:
+                self._timer = threading.Timer(self._wait, self._write)
+                self._timer.daemon = True
+                self._timer.start()
+        if not drafts:
+            self._write()
+
+    def close(self) -> None:
+        """Write what is not written yet, and no more after that."""
+        self._write()
+        with self._lock:
+            self._closed = True
+
+    def _of_now(self) -> tuple[Draft, ...]:
+        """Return the draft of the texts as they stand; none where nothing would be lost."""
+        document = self._document
+        is_new = document.saved == (None, None)
+        if not document.unsaved or (is_new and document.texts == self._first):
+            return ()
+        return (Draft(document.texts, _digests(document.saved), time.strftime("%Y-%m-%d %H:%M:%S")),)
+
+    # The file ---------------------------------------------------------------------------------------------------------
+
+    def _write(self) -> None:
+        """Make the file say what it should; what cannot be written is told."""
+        with self._lock:
+            if self._timer is not None:
+                self._timer.cancel()
+                self._timer = None
+            if self._wanted == self._written or self._closed:
+                return
+            try:
+                if self._wanted:
+                    self._file.parent.mkdir(parents=True, exist_ok=True)
+                    write_whole(self._file, _content(self._document.name, self._wanted))
+                else:
+                    self._file.unlink(missing_ok=True)
+            except OSError as error:
+                self.news = (
+                    f"No draft is kept: '{self._file}' cannot be written ({error.strerror}). What is not saved can be lost."
+                )
+            else:
+                self._written, self.news = self._wanted, ""
+
+    def _found(self) -> list[Draft]:
+        """Return the drafts in the file; one that is none of ours is set aside."""
+        try:
+            if not self._file.is_symlink() and not self._file.exists():
+                return []
+            return _drafts(self._document.name, _read(self._file))
+        except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+            self._set_aside(str(error)[:120])
+            return []
+
+    def _set_aside(self, problem: str) -> None:
+        aside = self._file.with_name(f"{self._file.name}.broken")
+        try:
+            self._file.replace(aside)
+        except OSError as error:
+            self.news = f"There is a draft that cannot be read ({problem}), nor be set aside ({error.strerror}): '{self._file}'."
+        else:
+            self.news = f"A draft that cannot be read ({problem}) was set aside as '{aside}'."
+
+
+def _digests(contents: Sequence[bytes | None]) -> tuple[str, str]:
+    scene, python = ("" if content is None else sha256(content).hexdigest() for content in contents)
+    return scene, python
+
+
+def _without_times(drafts: Sequence[Draft]) -> list[object]:
+    return [(draft.texts, draft.saved) for draft in drafts]
+
+
+def _content(name: str, drafts: Sequence[Draft]) -> bytes:
+    said = [{"files": draft.texts, "saved": draft.saved, "written": draft.written} for draft in drafts]
+    return json.dumps({"format": _FORMAT, "task": name, "drafts": said}).encode()
+
+
+def _read(file: Path) -> bytes:
+    if file.is_symlink() or not file.is_file():
+        raise ValueError("it is no file")
+    with file.open("rb") as stream:
+        content = stream.read(_LARGEST + 1)
+    if len(content) > _LARGEST:
+        raise ValueError("it is too large")
+    return content
+
+
+def _drafts(name: str, content: bytes) -> list[Draft]:
+    """Return the drafts of a file; what is wrong with one that is none of ours is raised as it comes."""
+    said: Any = json.loads(content)
+    if said["format"] != _FORMAT or said["task"] != name or not isinstance(said["drafts"], list):
+        raise ValueError(f"it is no draft of '{name}'")
+    drafts = [Draft(_two(d["files"]), _two(d["saved"]), str(d["written"])[:40]) for d in said["drafts"][:MOST_DRAFTS]]
+    for text in (text for draft in drafts for text in draft.texts):
+        if len(text.encode()) > LARGEST_FILE:
+            raise ValueError("a text is too large")
+    return drafts
+
+
+def _two(words: Any) -> tuple[str, str]:
+    first, second = words
+    if not isinstance(first, str) or not isinstance(second, str) or not isinstance(words, list):
+        raise TypeError("two texts are wanted")
+    return first, second
