@@ -28,7 +28,7 @@ from rlbench_pin.spatial import FloatArray
 
 CAMERA, LOOK_AT = (1.05, -0.6, 1.5), (0.18, 0.0, 0.85)
 """Where one looks from at first [m], and at what."""
-_LEFT, _RIGHT = 270.0, 350.0
+_LEFT, _RIGHT, _WIDE = 270.0, 350.0, 720.0
 _EVERY = 1.0
 
 
@@ -55,7 +55,7 @@ class Window:
         self.watch = Watch(self.session, stage, self.view.follow)
         self._dragging = Dragging(self.session, self.view, self.watch)
         self._adding, self._spots = Adding(self.session, self.view.tip), ReachMarks(viser.scene)
-        self._drawn, self._is_playing, self._closed = -1, False, threading.Event()
+        self._drawn, self._is_playing, self._is_wide, self._closed = -1, False, False, threading.Event()
         viser.initial_camera.position, viser.initial_camera.look_at = CAMERA, LOOK_AT
         viser.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
         viser.gui.set_panel_label(f"{document.name} - task builder")
@@ -155,12 +155,17 @@ class Window:
             "add": self._adding.items(),
             "Selected": property_items(session, self._dragging.snap_now),
             "Behaviour": behaviour_items(session),
-            "Files": text_items(session),
+            "Files": text_items(session, self._widen),
             "Try": [*self.tryout.items(), Button("Back to the scene", self._back, disabled=not self._is_playing)],
             "Judge": self.judging.items(),
         }
         for name, panel in self._panels.items():
             panel.show(items[name])
+
+    def _widen(self) -> None:
+        """Give the panels on the right room for long lines, or take it back."""
+        self._is_wide = not self._is_wide
+        self._viser.gui.main_panel.set_width(_WIDE if self._is_wide else _RIGHT)
 
     def _hands_item(self) -> Choice:
         def choose(word: str) -> None:

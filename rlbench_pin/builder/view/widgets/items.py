@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -161,6 +161,30 @@ class Entry:
 
 
 @dataclass(frozen=True)
+class Code:
+    """A file to edit, tall and with numbers of its lines; it counts when it is applied."""
+
+    label: str
+    """Name of the file."""
+    value: str
+    """What it says."""
+    on_commit: Callable[[str], None]
+    """Called with the text that somebody has typed."""
+    marked: tuple[int, ...] = ()
+    """Lines, from 1, in which something is wrong."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """Buttons beside one another."""
+
+    label: str
+    """What they are about."""
+    presses: Mapping[str, Callable[[], None]]
+    """What stands on each, and what it does."""
+
+
+@dataclass(frozen=True)
 class Progress:
     """How much is done."""
 
@@ -202,13 +226,31 @@ class Fold:
     """Whether it is open at first."""
 
 
-Item = Note | Markup | Button | Check | Number | Slider | Vector | Choice | Line | Entry | Progress | Picture | Upload | Fold
+Item = (
+    Note
+    | Markup
+    | Button
+    | Row
+    | Check
+    | Number
+    | Slider
+    | Vector
+    | Choice
+    | Line
+    | Entry
+    | Code
+    | Progress
+    | Picture
+    | Upload
+    | Fold
+)
 """Whatever a panel has."""
 
 __all__ = [
     "Button",
     "Check",
     "Choice",
+    "Code",
     "Entry",
     "Fold",
     "Item",
@@ -218,6 +260,7 @@ __all__ = [
     "Number",
     "Picture",
     "Progress",
+    "Row",
     "Shade",
     "Slider",
     "Upload",

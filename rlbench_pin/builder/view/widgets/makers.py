@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 from viser import GuiApi, GuiEvent
 
+from rlbench_pin.builder.view.widgets.code import CodeField
 from rlbench_pin.builder.view.widgets.items import (
     Button,
     Check,
     Choice,
+    Code,
     Entry,
     Fold,
     Item,
@@ -22,6 +24,7 @@ from rlbench_pin.builder.view.widgets.items import (
     Number,
     Picture,
     Progress,
+    Row,
     Slider,
     Upload,
     Vector,
@@ -38,6 +41,7 @@ _FIXED: dict[type, tuple[str, ...]] = {
     Choice: ("label", "hint"),
     Line: ("label",),
     Entry: ("label", "button", "lines"),
+    Code: ("label",),
     Picture: ("label",),
     Upload: ("label", "hint"),
     Fold: ("label",),
@@ -48,6 +52,8 @@ _FIXED: dict[type, tuple[str, ...]] = {
 def shape(item: Item) -> tuple[object, ...]:
     """Return what an item cannot change without being made anew."""
     names = _FIXED.get(type(item), ())
+    if isinstance(item, Row):
+        return (Row, item.label, *item.presses)
     if isinstance(item, Button) and not item.key:
         names = ("label",)
     return (type(item), *(getattr(item, name) for name in names))
@@ -121,6 +127,8 @@ def _says(item: Item) -> object:
         return item.label, item.shade, item.disabled
     if isinstance(item, Picture):
         return id(item.pixels)
+    if isinstance(item, Code):
+        return item.value, item.marked
     name = "text" if isinstance(item, Note) else "html" if isinstance(item, Markup) else "value"
     return getattr(item, "share" if isinstance(item, Progress) else name, None)
 
@@ -228,6 +236,19 @@ def _entry(gui: GuiApi, item: Entry, widget: Widget) -> None:
     widget.bind(form.remove, show)
 
 
+def _code(gui: GuiApi, item: Code, widget: Widget) -> None:
+    field = CodeField(gui, item)
+    field.apply.on_click(widget.listen(lambda now, _: now.on_commit(field.typed), every=True))
+    field.discard.on_click(widget.listen(lambda now, _: field.take(now), every=True))
+    widget.bind(field.remove, field.show)  # type: ignore[arg-type]
+
+
+def _row(gui: GuiApi, item: Row, widget: Widget) -> None:
+    handle = gui.add_button_group(item.label, tuple(item.presses))
+    handle.on_click(widget.listen(lambda now, value: now.presses[value](), every=True))
+    widget.bind(handle.remove, None)
+
+
 def _progress(gui: GuiApi, item: Progress, widget: Widget) -> None:
     handle = gui.add_progress_bar(100.0 * item.share)
     widget.bind(handle.remove, lambda new: _assign(handle, "value", 100.0 * new.share))  # type: ignore[union-attr]
@@ -267,6 +288,8 @@ _MAKERS: dict[type, Callable[[GuiApi, Any, Widget], None]] = {
     Line: _line,
     Choice: _choice,
     Entry: _entry,
+    Code: _code,
+    Row: _row,
     Progress: _progress,
     Picture: _picture,
     Upload: _upload,

@@ -1,0 +1,71 @@
+"""Both files can be read and edited in the page: lines have numbers, problems their place, and nothing typed gets lost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from urllib.parse import unquote
+
+import pytest
+from viser import ViserServer
+
+from rlbench_pin.builder.contracts import Problem
+from rlbench_pin.builder.view.panels.texts import problem_html
+from rlbench_pin.builder.view.widgets import Code
+from rlbench_pin.builder.view.widgets.code import CodeField, numbered
+
+
+@pytest.fixture
+def viser() -> Iterator[ViserServer]:
+    """A page that nobody looks at."""
+    server = ViserServer("127.0.0.1", 0, verbose=False)
+    yield server
+    server.stop()
+
+
+def _code(value: str, marked: tuple[int, ...] = ()) -> Code:
+    return Code("a.toml", value, lambda text: None, marked)
+
+
+def test_lines_have_numbers_and_wrong_ones_are_red() -> None:
+    """As many as there are, and the wrong one in red."""
+    picture = unquote(numbered("code-0", 3, (2,)))
+    assert [f">{k}</text>" in picture for k in (1, 2, 3, 4)] == [True, True, True, False]
+    assert picture.count("#fdd8d3") == 1 and 'fill="#c0392b">2<' in picture
+
+
+def test_what_was_typed_outlives_another_edit(viser: ViserServer) -> None:
+    """A drag meanwhile changes the file, not what somebody is typing; applied or discarded, field and file agree again."""
+    field = CodeField(viser.gui, _code("one"))
+    field.show(_code("two"))
+    assert field.typed == "two" and not field.discard.visible
+    field._text.value = "two and more"
+    field.show(_code("three"))
+    assert field.typed == "two and more" and field.discard.visible
+    assert "changed while you typed" in field._note.content
+    field.take(_code("three"))
+    assert field.typed == "three" and not field.discard.visible
+    field._text.value = "four"
+    field.show(_code("four"))
+    field.show(_code("three"))  # undone
+    assert field.typed == "three"
+
+
+@pytest.mark.parametrize(
+    ("problem", "text"),
+    [
+        (Problem("scene", 2, "file: it is not valid TOML: expected (at line 2, column 3)."), "a = 1\nb =\nc = 3\n"),
+        (Problem("task", 2, "This is no Python: invalid syntax."), "a = 1\nb =\nc = 3\n"),
+    ],
+)
+def test_a_caret_stands_where_reading_ended(problem: Problem, text: str) -> None:
+    """Below the line, at its column."""
+    html = problem_html(text, problem)
+    rows = html.split("<div")
+    line = next(k for k, row in enumerate(rows) if "b =" in row)
+    assert rows[line + 1].endswith("^</div>") and "Line 2." in html
+    assert "^" not in problem_html(text, Problem("task", 1, "The scene has no body 'x'."))
+
+
+def test_problems_are_text_not_html() -> None:
+    """What others wrote is escaped."""
+    assert "<script>" not in problem_html("<script>\n", Problem("scene", 1, "<script>"))
