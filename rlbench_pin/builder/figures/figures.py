@@ -38,7 +38,7 @@ class Figures:
         self._robot = robot or robot_description(DEFAULT_ROBOT)
         self._urdf = read_urdf(self._robot.urdf)
         self._bodies: dict[str, tuple[_Drawn, ModelFigure]] = {}
-        self._ghosts: dict[str, tuple[Rgb, ModelFigure]] = {}
+        self._ghosts: dict[str, ModelFigure] = {}
         self._marked: set[str] = set()
         self._mark: Rgb = (230, 40, 40)
         self._draw_room()
@@ -49,10 +49,18 @@ class Figures:
         self._scene.set_up_direction("+z")
         self._scene.configure_environment_map(None)  # costs more than all the rest where there is no graphics card
         self._scene.add_light_ambient("/lights/ambient", intensity=1.3)
-        for part in ROOM:
-            is_table = part == ROOM[0]
-            glb = room_glb(asset_path(f"room/{part}.urdf"), lit=is_table)
-            self._scene.add_glb(f"/room/{part}", glb, cast_shadow=False, receive_shadow=is_table)
+        for part in ROOM[1:]:
+            self._draw_room_part(part, lit=False)
+        self.shadows(True)
+
+    def _draw_room_part(self, part: str, lit: bool) -> None:
+        glb = room_glb(asset_path(f"room/{part}.urdf"), lit=lit)
+        self._scene.add_glb(f"/room/{part}", glb, cast_shadow=False, receive_shadow=lit)
+
+    def shadows(self, cast: bool) -> None:
+        """Let things cast shadows on the table, or not; without a graphics card they take half of the time of a picture."""
+        self._scene.configure_default_lights(cast_shadow=cast)
+        self._draw_room_part(ROOM[0], lit=cast)
 
     # Bodies ----------------------------------------------------------------------------------------------------------
 
@@ -154,22 +162,22 @@ class Figures:
             opening: How far the fingers are open, 0 to 1.
         """
         tip = as_pose(pose, "pose of a ghost")
-        if name in self._ghosts and self._ghosts[name][0] != rgb:
-            self.remove_ghost(name)
         if name not in self._ghosts:
             hand = (self._robot.hand_link, *self._robot.finger_links)
             look = Look((*(share / 255 for share in rgb),), links=hand, opacity=_GHOST_OPACITY)
-            figure = ModelFigure(self._scene, f"/ghosts/{name}", self._robot.urdf, look, name, self._on_pick)
-            self._ghosts[name] = (rgb, figure)
+            self._ghosts[name] = ModelFigure(self._scene, f"/ghosts/{name}", self._robot.urdf, look, name, self._on_pick)
+        figure = self._ghosts[name]
         positions = dict.fromkeys(self._robot.gripper_joints, opening * self._robot.gripper_open)
         poses = link_poses(self._urdf, positions)
         base = compose(tip, inverse(poses[self._robot.tip_frame]))
-        self._ghosts[name][1].move({link: compose(base, poses[link]) for link in self._ghosts[name][1].links})
+        figure.move({link: compose(base, poses[link]) for link in figure.links})
+        for link in figure.links:
+            figure.paint(link, rgb)
 
     def remove_ghost(self, name: str) -> None:
         """Take a ghost away, if there is one of that name."""
         if (found := self._ghosts.pop(name, None)) is not None:
-            found[1].remove()
+            found.remove()
 
     @property
     def ghosts(self) -> tuple[str, ...]:

@@ -76,7 +76,7 @@ class ModelFigure:
                 surface.triangles,
                 color=rgb,
                 opacity=None if alpha >= 1.0 else alpha,
-                side="double" if alpha < 1.0 else "front",
+                side="double" if alpha < 1.0 and self._look.opacity == 1.0 else "front",
                 cast_shadow=alpha >= 1.0,
             )
             if self._on_pick is not None:

@@ -81,7 +81,7 @@ class Link:
             operation: What it is called in errors, and in the question.
             question: Plain data.
             limit: Longest time without any message [s].
-            on_note: Called for what arrives before the answer; what it raises ends the process.
+            on_note: Called for what arrives before the answer; what it raises stops the operation, and is raised here.
 
         Raises:
             StageFault: The process died or hung, and is ended; or it could not do it, and lives on.
@@ -90,14 +90,14 @@ class Link:
         """
         with self._guard:
             self._running, self._stopped, self._asked = operation, False, threading.Event()
-        answered = False
+        answered, raised = False, None
         try:
             self._make_ready(operation)
             self._send(operation, {"call": operation, **question}, limit)
             message = self._receive(operation, limit)
             while "note" in message:
-                if on_note is not None:
-                    on_note(message["note"], message["value"])
+                if on_note is not None and raised is None:
+                    raised = self._raised_by(on_note, message)
                 message = self._receive(operation, limit)
             answered = True
         finally:
@@ -106,7 +106,18 @@ class Link:
             if not answered:
                 self.end()
             self._asked.set()
+        if raised is not None:
+            raise raised
         return self._read(operation, message)
+
+    def _raised_by(self, on_note: OnNote, message: Mapping[str, Any]) -> Exception | None:
+        """Call back; when that raises, ask the process to end what it is at, and return the error."""
+        try:
+            on_note(message["note"], message["value"])
+        except Exception as error:
+            self._ask_to_stop()
+            return error
+        return None
 
     def stop(self) -> bool:
         """End what runs, from another thread; False when nothing does.
@@ -117,12 +128,17 @@ class Link:
             if not self._running:
                 return False
             self._stopped, asked = True, self._asked
-        if self._pid is not None:
-            with contextlib.suppress(OSError):
-                os.kill(self._pid, signal.SIGUSR2)
-            if asked.wait(_STOP_WAIT):
-                return True
+        if self._ask_to_stop() and asked.wait(_STOP_WAIT):
+            return True
         self._kill()
+        return True
+
+    def _ask_to_stop(self) -> bool:
+        """Ask the process to end what it is at; False where there is none."""
+        if self._pid is None:
+            return False
+        with contextlib.suppress(OSError):
+            os.kill(self._pid, signal.SIGUSR2)
         return True
 
     def end(self, patience: float = 0.0) -> str:

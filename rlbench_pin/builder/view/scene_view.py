@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from viser import SceneApi
@@ -13,7 +13,7 @@ from rlbench_pin.builder.figures import Figures, Places, places_at_rest
 from rlbench_pin.builder.view.gizmo import Gizmo, OnDrag
 from rlbench_pin.builder.view.shapes import Shapes
 from rlbench_pin.robot import DEFAULT_ROBOT, RobotModel, robot_description
-from rlbench_pin.scene import SceneSpec
+from rlbench_pin.scene import BodySpec, SceneSpec
 from rlbench_pin.scene.spec import ROOT
 from rlbench_pin.spatial import FloatArray
 
@@ -45,7 +45,8 @@ class SceneView:
         self._model = RobotModel(robot_description(DEFAULT_ROBOT))
         self._q: FloatArray = self._model.home
         self._follows, self._is_playing = "", False
-        self.hands, self.is_dragging = "all", False
+        self.hands, self.is_dragging, self.shadows = "all", False, False
+        self.figures.shadows(False)
         self.faults: Mapping[str, str] = {}
 
     def show(self, spec: SceneSpec) -> None:
@@ -56,6 +57,11 @@ class SceneView:
             self.figures.mark(())
             if self._follows == "":
                 self._put_arm(self._model.home)
+
+    def show_added(self, added: Sequence[BodySpec]) -> None:
+        """Draw also what an episode adds to the scene, until the scene is shown again."""
+        with self._lock:
+            self.figures.show(self._spec.model_copy(update={"body": (*self._spec.body, *added)}))
 
     def point_out(self, selected: str, verdicts: Mapping[str, WaypointVerdict], paths: tuple[PlannedPath, ...]) -> None:
         """Show what is selected, and what the stage says of the waypoints."""
@@ -77,6 +83,11 @@ class SceneView:
             self.figures.move(self._places.links)
             self._shapes.move(self._places)
             self._show_hands()
+
+    def cast_shadows(self, cast: bool) -> None:
+        """Draw shadows or not; without a graphics card they take half of the time of a picture."""
+        self.shadows = cast
+        self.figures.shadows(cast)
 
     def tip(self) -> FloatArray:
         """Return the pose (7,) of the tip of the arm that is shown."""

@@ -23,7 +23,7 @@ from rlbench_pin.builder.view.reach_marks import ReachMarks
 from rlbench_pin.builder.view.scene_view import HANDS, SceneView
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.watch import Watch
-from rlbench_pin.builder.view.widgets import Button, Choice, Item, Panel
+from rlbench_pin.builder.view.widgets import Button, Check, Choice, Item, Panel
 from rlbench_pin.spatial import FloatArray
 
 CAMERA, LOOK_AT = (1.05, -0.6, 1.5), (0.18, 0.0, 0.85)
@@ -88,7 +88,7 @@ class Window:
         with panels["Try"]:
             tries = gui.add_folder(None)
             self.player = Player(gui, self.view.figures, self._shown, self._viser.atomic)
-        self.tryout = Tryout(self.session, self.watch, self.player)
+        self.tryout = Tryout(self.session, self.watch, self.player, self.view.show_added)
         self.judging = Judging(self.session, self.watch, self.tryout.open_at, self._spots.show)
         return {name: Panel(gui, tries if name == "Try" else panel, post) for name, panel in panels.items()}
 
@@ -148,10 +148,11 @@ class Window:
             if session.document.step != self._drawn:
                 self._drawn, self._is_playing = session.document.step, False
                 self.view.show(session.spec)
+                self.tryout.shown(None)
             self.view.point_out(session.selected, session.sight.verdicts, session.sight.paths)
         items: dict[str, list[Item]] = {
             "header": [*self.drafts.items(), *header_items(session)],
-            "tree": [*tree_items(session), self._hands_item()],
+            "tree": [*tree_items(session), self._hands_item(), self._shadows_item()],
             "add": self._adding.items(),
             "Selected": property_items(session, self._dragging.snap_now),
             "Behaviour": behaviour_items(session),
@@ -173,6 +174,9 @@ class Window:
             self.session.changed()
 
         return Choice("Hands at waypoints", self.view.hands, HANDS, choose)
+
+    def _shadows_item(self) -> Check:
+        return Check("Shadows", self.view.shadows, self.view.cast_shadows, "Slow where there is no graphics card")
 
     def close(self) -> None:
         """End all threads and the stage; the page itself stays with whoever made it."""

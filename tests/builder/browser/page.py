@@ -67,10 +67,10 @@ class Page:
     def __init__(self, browser: webdriver.Chrome, viser: ViserServer, pictures: Path) -> None:
         self.browser, self._viser, self._pictures = browser, viser, pictures
 
-    def open(self, address: str) -> None:
-        """Open the page, and wait until it shows the scene."""
+    def open(self, address: str, room: bool = False) -> None:
+        """Open the page, and wait until it shows the scene, with the room or without."""
         self.browser.get(address)
-        self._show_room(False)
+        self._show_room(room)
         until(lambda: self._viser.get_clients(), "a client")
         until(lambda: self.browser.find_elements(By.TAG_NAME, "canvas"), "the scene")
 
@@ -168,7 +168,12 @@ class Page:
 
     # The scene -------------------------------------------------------------------------------------------------------
 
-    def _pixel(self, point: np.ndarray) -> tuple[float, float]:
+    def canvas_middle(self) -> np.ndarray:
+        """Return where the middle of the canvas is in the page (2,) [px]."""
+        box = self.browser.find_element(By.TAG_NAME, "canvas").rect
+        return np.array([box["x"] + box["width"] / 2, box["y"] + box["height"] / 2])
+
+    def pixel(self, point: np.ndarray) -> tuple[float, float]:
         """Return where a world point (3,) is seen, from the middle of the canvas [px]."""
         camera = next(iter(self._viser.get_clients().values())).camera
         w, x, y, z = camera.wxyz
@@ -203,13 +208,13 @@ class Page:
     def click_at(self, point: np.ndarray) -> None:
         """Click on a world point (3,)."""
         canvas = self.browser.find_element(By.TAG_NAME, "canvas")
-        x, y = self._pixel(point)
+        x, y = self.pixel(point)
         ActionChains(self.browser).move_to_element_with_offset(canvas, round(x), round(y)).pause(0.3).click().perform()
 
     def drag(self, start: np.ndarray, end: np.ndarray, steps: int = 4) -> None:
         """Take what is seen at a world point (3,), and let it go at another."""
         canvas = self.browser.find_element(By.TAG_NAME, "canvas")
-        a, b = np.array(self._pixel(start)), np.array(self._pixel(end))
+        a, b = np.array(self.pixel(start)), np.array(self.pixel(end))
         chain = ActionChains(self.browser, duration=100).move_to_element_with_offset(canvas, round(a[0]), round(a[1])).pause(1.0)
         chain = chain.click_and_hold().pause(0.5)
         for step in range(1, steps + 1):

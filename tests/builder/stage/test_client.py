@@ -123,8 +123,9 @@ def test_who_asks_meanwhile_is_refused(client: StageClient, saucepan: TaskText) 
 
 
 def test_a_callback_that_raises_ends_it(client: StageClient, saucepan: TaskText) -> None:
-    """Its error is passed on, and the next operation finds a stage that is open."""
+    """Its error is passed on, the process lives, and the next operation finds a stage that is open."""
     client.open(saucepan, run_task=True)
+    process = client.process_id
 
     def stop(frame: Frame) -> None:
         raise LookupError("enough")
@@ -132,6 +133,7 @@ def test_a_callback_that_raises_ends_it(client: StageClient, saucepan: TaskText)
     with pytest.raises(LookupError, match="enough"):
         client.demonstrate(0, on_frame=stop)
     assert client.reset(0).failure is None
+    assert client.process_id == process
 
 
 def _interrupted(client: StageClient, by: Callable[[], object]) -> BaseException | None:

@@ -55,6 +55,23 @@ def test_a_waypoint_out_of_reach_is_red(copied: Copied, opened: Opened, stage: S
         assert 10.0 < 100.0 * missing < 40.0
 
 
+def test_an_arm_that_touches_something_at_home_is_said(copied: Copied, opened: Opened, stage: StageWorld) -> None:
+    """By the first waypoint, whose hand gets there all the same; a reset is refused for the same reason."""
+    text = copied("take_lid_off_saucepan")
+    block = (
+        '\n[[body]]\nname = "block"\nasset = "objects/cube/cube.urdf"\nfixed = true\nparent = "world"\npose = [0.28, 0.05, 1.4]\n'
+    )
+    opened(replace(text, scene=text.scene + block))
+    first, *others = stage.reach()
+    assert (first.standing, _standings(tuple(others))) == ("collides", ["free", "free"])
+    assert "at home touches something already" in first.cause
+    assert first.failure is not None
+    assert any("block" in pair[1] for pair in first.failure.pairs)
+    refused = stage.reset(0, 0).failure
+    assert refused is not None
+    assert "arm at home touches block" in refused.cause
+
+
 def test_a_waypoint_inside_things_is_amber(copied: Copied, opened: Opened, stage: StageWorld) -> None:
     """With the pairs that touch, a link of the arm and a body, and where the arm would be; so it is with a layout of a reset."""
     text = copied("take_lid_off_saucepan")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from viser import GuiEvent, ViserServer
 
+from rlbench_pin.builder.contracts import Frame
 from rlbench_pin.builder.playback.live.feed import Feed
 from rlbench_pin.builder.playback.live.moments import Moments
 from rlbench_pin.builder.playback.live.page import LivePage
@@ -96,13 +97,18 @@ class DatasetView:
         name, number = self._task.value, int(self._number.value)
         path, sha256 = list(self._files[name].items())[number]
         head = f"{name}, {path.relative_to(self._root)}:"
-        self.page.say(head, "is being played again.")
-        with Inspector() as inspector:
-            demo = counted_demo(path, sha256, LOW_DIM, inspector=inspector)
-        task, moments = self._task_of(name)
-        feed = Feed(self.page, task.runtime, moments, self.worker.check)
-        recording = recording_of_demo(task, demo, feed.frame)
-        feed.finish(recording)
+        with self.page.computing(head) as progress:
+            with Inspector() as inspector:
+                demo = counted_demo(path, sha256, LOW_DIM, inspector=inspector)
+            task, moments = self._task_of(name)
+            feed = Feed(self.page, task.runtime, moments, self.worker.check)
+
+            def on_frame(frame: Frame) -> None:
+                feed.frame(frame)
+                progress(feed.frames / len(demo))
+
+            recording = recording_of_demo(task, demo, on_frame)
+            feed.finish(recording)
         self.page.say(head, recording.instruction, wrong=recording.failure is not None)
         self._look()
 

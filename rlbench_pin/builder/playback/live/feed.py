@@ -23,6 +23,7 @@ class Feed:
 
     Attributes:
         legs: How many legs have begun.
+        frames: How many frames there were.
     """
 
     def __init__(
@@ -34,7 +35,7 @@ class Feed:
         follow: bool = False,
     ) -> None:
         self._page, self._runtime, self._moments, self._check, self._follow = page, runtime, moments, check, follow
-        self._begun, self.legs = False, 0
+        self._begun, self.legs, self.frames = False, 0, 0
         if moments is not None:
             moments.clear()
 
@@ -45,6 +46,7 @@ class Feed:
             self._begin()
         if self._moments is not None:
             self._moments.keep()
+        self.frames += 1
         self._page.player.add(frame)
 
     def _begin(self) -> None:

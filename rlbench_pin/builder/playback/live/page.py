@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from html import escape
 
 import numpy as np
@@ -47,6 +48,7 @@ class LivePage:
         server.gui.main_panel.set_width(_RIGHT)
         self._figures = Figures(server.scene)
         self._words = server.gui.add_html("")
+        self._progress = server.gui.add_progress_bar(0.0, visible=False)
         build_controls()
         self.player = Player(server.gui, self._figures, self._shown, server.atomic)
         side = server.gui.add_panel()
@@ -84,6 +86,24 @@ class LivePage:
         """Say something above the controls; it takes the place of what was said before."""
         color = "#d93025" if wrong else "inherit"
         self._words.content = framed(f'<div class="words" style="color:{color}"><b>{escape(title)}</b> {escape(text)}</div>')
+
+    @contextmanager
+    def computing(self, title: str) -> Iterator[Callable[[float], None]]:
+        """Say for the duration of a block that something is being computed, and yield what shows how much is done, 0 to 1.
+
+        Args:
+            title: What it is.
+        """
+        self.say(title, "is being computed. It can be looked at meanwhile; pictures of the cameras follow.")
+        self._show_progress(0.0)
+        self._progress.visible = True
+        try:
+            yield self._show_progress
+        finally:
+            self._progress.visible = False
+
+    def _show_progress(self, share: float) -> None:
+        self._progress.value = round(100.0 * min(max(share, 0.0), 1.0))  # type: ignore[misc]
 
     def fail(self, error: Exception) -> None:
         """Say what went wrong."""

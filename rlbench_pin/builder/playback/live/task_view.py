@@ -50,7 +50,6 @@ class TaskView:
             moves = gui.add_button_group("Go to", ("before", "next", "random"))
             self._variation = gui.add_dropdown("Variation", (str(variation),), initial_value=str(variation))
             demonstrate = gui.add_button("Play the demonstration", icon=Icon.ROBOT)
-            self._progress = gui.add_progress_bar(0.0, visible=False)
         self._seed.on_update(self._chosen)
         self._variation.on_update(self._chosen)
         moves.on_click(lambda event: self._move(event.target.value))
@@ -104,16 +103,13 @@ class TaskView:
         feed = Feed(self.page, loaded.runtime, moments, self.worker.check)
         waypoints = max(len(loaded.task.get_waypoints()), 1)
 
-        def on_leg(leg: Leg) -> None:
-            feed.leg(leg)
-            self._progress.value = min(100.0 * feed.legs / waypoints, 99.0)  # type: ignore[misc]
+        with self.page.computing(self._head()) as progress:
 
-        self._progress.value, self._progress.visible = 0.0, True  # type: ignore[misc]
-        self.page.say(self._head(), "is being demonstrated.")
-        try:
+            def on_leg(leg: Leg) -> None:
+                feed.leg(leg)
+                progress(feed.legs / (waypoints + 1))
+
             recording = record_demonstration(loaded, *self.episode, feed.frame, on_leg)
-        finally:
-            self._progress.visible = False
         self._tell(recording)
         feed.finish(recording)
         self._look()

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rlbench_pin.builder.contracts import Failure, WaypointVerdict
+from rlbench_pin.builder.contracts import Failure, Standing, WaypointVerdict
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.turns import poses_of, runs
 from rlbench_pin.errors import GoalInCollision, NoIkSolution
@@ -82,6 +82,12 @@ class Reacher:
         for run in runs([w for w in self._runtime.task.get_waypoints() if not w.skip]):
             walk = self._best(run, walk)
         return tuple(walk.visits)
+
+    def pairs_at_home(self) -> tuple[tuple[str, str], ...]:
+        """Return what the arm at home, with its hand open, touches already: names of links."""
+        self.show(1.0)
+        self._planner.collision.clear()
+        return tuple(self._planner.collision.colliding_pairs(np.array(self._runtime.description.home)))
 
     def show(self, fingers: float) -> None:
         """Give the planner the world with the fingers at an opening fraction."""
@@ -190,9 +196,25 @@ class Reacher:
 
 
 def verdicts(runtime: Runtime) -> tuple[WaypointVerdict, ...]:
-    """Return the verdict on every waypoint, in order; those that this episode leaves out are free."""
-    found = {visit.waypoint.index: visit.verdict for visit in Reacher(runtime).visits()}
-    return tuple(found.get(w.index) or _left_out(w) for w in runtime.task.get_waypoints())
+    """Return the verdict on every waypoint, in order; those that this episode leaves out are free.
+
+    When the arm at home touches something already, no episode begins: the first waypoint says so.
+    """
+    reacher = Reacher(runtime)
+    found = {visit.waypoint.index: visit.verdict for visit in reacher.visits()}
+    said = tuple(found.get(w.index) or _left_out(w) for w in runtime.task.get_waypoints())
+    pairs = reacher.pairs_at_home() if said else ()
+    return (_blocked(said[0], pairs), *said[1:]) if pairs else said
+
+
+def _blocked(first: WaypointVerdict, pairs: tuple[tuple[str, str], ...]) -> WaypointVerdict:
+    """Return the verdict on the first waypoint, of an arm that touches something before it moves."""
+    touching = ", ".join(f"{one} with {other}" for one, other in pairs[:_SHOWN_PAIRS])
+    cause = f"The arm at home touches something already, so that no episode begins: {touching}. Move it away. {first.cause}"
+    nearest = None if first.failure is None else first.failure.nearest
+    failure = Failure(cause.strip(), first.waypoint, pairs, nearest)
+    standing: Standing = "collides" if first.standing == "free" else first.standing
+    return replace(first, standing=standing, cause=failure.cause, failure=failure)
 
 
 def _merit(walk: Walk) -> tuple[int, int]:

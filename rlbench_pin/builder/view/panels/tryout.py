@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -13,6 +13,7 @@ from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.watch import Watch
 from rlbench_pin.builder.view.widgets import Button, Check, Fold, Item, Note, Number, Picture
 from rlbench_pin.builder.view.widgets.signs import sign
+from rlbench_pin.scene import BodySpec
 
 _PICTURE = 160
 _LARGEST_SEED = 2**31 - 1
@@ -41,10 +42,11 @@ class Tryout:
         session: What is being edited.
         watch: Asks the stage.
         player: Shows recordings.
+        on_added: Called with what an episode adds to the scene, before it is shown.
     """
 
-    def __init__(self, session: Session, watch: Watch, player: Player) -> None:
-        self._session, self._watch, self._player = session, watch, player
+    def __init__(self, session: Session, watch: Watch, player: Player, on_added: Callable[[Sequence[BodySpec]], None]) -> None:
+        self._session, self._watch, self._player, self._on_added = session, watch, player, on_added
         self.seed, self.variation = 0, 0
         self._live = False
         self._frame: Frame | None = None
@@ -114,6 +116,11 @@ class Tryout:
         seed, variation = self.seed, self.variation
 
         def ask() -> None:
+            start = self._watch.stage.reset(seed, variation)
+            if start.failure is not None:
+                self._loaded(start)
+                return
+            self._on_added(start.added)
             self._player.begin(self._conditions(), follow=True)
             self._finished(self._watch.stage.demonstrate(seed, variation, self._player.add))
 
@@ -151,6 +158,7 @@ class Tryout:
         return () if opened is None else opened.conditions
 
     def _loaded(self, recording: Recording) -> None:
+        self._on_added(recording.added)
         self._player.load(recording)
         self._told(recording)
 
