@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -97,10 +97,13 @@ class Probe:
         self._notes: list[Note] = []
         browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": _SCRIPT})
 
-    def look_at(self) -> None:
-        """Have every picture read from now on."""
-        size = "[0, 0, builderProbe.gl.drawingBufferWidth, builderProbe.gl.drawingBufferHeight]"
-        self._browser.execute_script(f"builderProbe.box = {size}")
+    def look_at(self, middle: Sequence[float], half: int = 140) -> None:
+        """Have a square of every picture read from now on: its middle from that of the canvas, x to the right, y down [px]."""
+        script = """
+        const {drawingBufferWidth: w, drawingBufferHeight: h} = builderProbe.gl, [x, y, half] = arguments;
+        builderProbe.box = [Math.round(w / 2 + x - half), Math.round(h / 2 - y - half), 2 * half, 2 * half];
+        """
+        self._browser.execute_script(script, float(middle[0]), float(middle[1]), half)
 
     def watch_shade(self, label: str) -> None:
         """Note from now on when a button takes another colour."""

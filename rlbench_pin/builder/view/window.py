@@ -109,6 +109,7 @@ class Window:
     def _drag(self, pose: FloatArray, phase: Phase) -> None:
         self._is_playing = False
         self._dragging.drag(pose, phase)
+        self._viser.flush()  # otherwise it waits for more to send, as long as a picture of 60 a second
 
     def _shown(self, index: int, frame: Frame) -> None:
         """A recording is shown."""
@@ -150,6 +151,7 @@ class Window:
                 self.view.show(session.spec)
                 self.tryout.shown(None)
             self.view.point_out(session.selected, session.sight.verdicts, session.sight.paths)
+        self._viser.flush()
         items: dict[str, list[Item]] = {
             "header": [*self.drafts.items(), *header_items(session)],
             "tree": [*tree_items(session), self._hands_item(), self._shadows_item()],

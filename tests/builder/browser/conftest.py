@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from selenium.webdriver import Chrome
 
 from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.builder.server import LocalServer
@@ -36,6 +37,27 @@ def browser_programs() -> tuple[str, str]:
     return chromium, driver
 
 
+@pytest.fixture(scope="session")
+def shared_browser(browser_programs: tuple[str, str]) -> Iterator[Chrome]:
+    """One browser for all tests; see `browser`."""
+    made = start_browser(*browser_programs)
+    yield made
+    made.quit()
+
+
+@pytest.fixture
+def browser(shared_browser: Chrome) -> Iterator[Chrome]:
+    """The browser with one empty tab, and a console without old messages."""
+    first, *others = shared_browser.window_handles
+    for other in others:
+        shared_browser.switch_to.window(other)
+        shared_browser.close()
+    shared_browser.switch_to.window(first)
+    shared_browser.get("about:blank")
+    shared_browser.get_log("browser")
+    yield shared_browser
+
+
 class Desk:
     """A builder with a page in a browser.
 
@@ -43,10 +65,11 @@ class Desk:
         document: The task that is edited.
         page: Opens the page.
         window: What the page shows.
+        address: Where it is.
     """
 
-    def __init__(self, document: TaskDocument, page: Page, window: Window) -> None:
-        self.document, self.page, self.window = document, page, window
+    def __init__(self, document: TaskDocument, page: Page, window: Window, address: str) -> None:
+        self.document, self.page, self.window, self.address = document, page, window, address
         self.session = window.session
 
     def settle(self) -> None:
@@ -61,7 +84,7 @@ Sit = Callable[[TaskDocument], Desk]
 
 
 @pytest.fixture
-def sit(browser_programs: tuple[str, str], request: pytest.FixtureRequest) -> Iterator[Sit]:
+def sit(browser: Chrome, request: pytest.FixtureRequest) -> Iterator[Sit]:
     """Open a document in a browser; everything is closed afterwards."""
     ends: list[Callable[[], object]] = []
 
@@ -70,12 +93,11 @@ def sit(browser_programs: tuple[str, str], request: pytest.FixtureRequest) -> It
         ends.extend([server.stop, stage.close])
         window = Window(server.viser, document, stage)
         ends.append(window.close)
-        browser = start_browser(*browser_programs)
-        ends.append(browser.quit)
+        ends.append(lambda: browser.get("about:blank"))
         page = Page(browser, server.viser, PICTURES / request.node.name)
         ends.append(lambda: page.picture("last"))
         page.open(server.address)
-        return Desk(document, page, window)
+        return Desk(document, page, window, server.address)
 
     yield open_desk
     for end in reversed(ends):

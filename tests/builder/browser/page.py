@@ -145,6 +145,33 @@ class Page:
 
         until(write, f"field '{label}'")
 
+    def paste(self, label: str, text: str) -> None:
+        """Put a text into a field at once, in place of what is there."""
+        element = self.field(label)
+        self.browser.execute_script("arguments[0].focus(); arguments[0].select()", element)
+        self.browser.execute_cdp_cmd("Input.insertText", {"text": text})
+
+    def upload(self, file: Path, number: int = 0) -> None:
+        """Give a file to a button that takes one; the second or third of several."""
+        self.browser.find_elements(By.CSS_SELECTOR, "input[type='file']")[number].send_keys(str(file))
+
+    @property
+    def text(self) -> str:
+        """All that the page says."""
+        return self.browser.find_element(By.TAG_NAME, "body").text
+
+    def errors(self) -> list[str]:
+        """Return what the browser's console has as errors since the last time."""
+        return [entry["message"] for entry in self.browser.get_log("browser") if entry["level"] == "SEVERE"]
+
+    def new_tab(self, address: str) -> str:
+        """Open a second tab, and return its handle; it is the one that is looked at from now on."""
+        before = len(self._viser.get_clients())
+        self.browser.switch_to.new_window("tab")
+        self.browser.get(address)
+        until(lambda: len(self._viser.get_clients()) > before, "a second client")
+        return str(self.browser.current_window_handle)
+
     def choose(self, label: str, option: str) -> None:
         """Choose one of several."""
 
@@ -164,7 +191,7 @@ class Page:
 
     def shows(self, text: str, patience: float = PATIENCE) -> None:
         """Wait until the page says something."""
-        until(lambda: text in self.browser.find_element(By.TAG_NAME, "body").text, f"the text '{text}'", patience)
+        until(lambda: text in self.text, f"the text '{text}'", patience)
 
     # The scene -------------------------------------------------------------------------------------------------------
 

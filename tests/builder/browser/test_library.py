@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 from scipy.ndimage import binary_dilation
+from selenium.webdriver import Chrome
 from viser import ClientHandle, ViserServer
 
 from rlbench_pin.builder.figures import Figures
@@ -23,7 +24,7 @@ from rlbench_pin.spatial import compose
 from rlbench_pin.tasks import library_names
 from rlbench_pin.tasks.registry import LIBRARY
 from tests.builder.browser.conftest import PICTURES
-from tests.builder.browser.page import Page, start_browser, until
+from tests.builder.browser.page import Page, until
 
 SIDE = 320
 DIFFERING = 0.02
@@ -66,18 +67,14 @@ class Easel:
 
 
 @pytest.fixture(scope="module")
-def easel(browser_programs: tuple[str, str]) -> Iterator[Easel]:
+def easel(shared_browser: Chrome) -> Iterator[Easel]:
     """One browser for all tasks."""
     with LocalServer() as server:
         figures = Figures(server.viser.scene)
-        browser = start_browser(*browser_programs)
-        try:
-            Page(browser, server.viser, PICTURES).open(server.address)
-            client = until(lambda: next(iter(server.viser.get_clients().values()), None), "a client")
-            assert client is not None
-            yield Easel(server.viser, client, figures)
-        finally:
-            browser.quit()
+        Page(shared_browser, server.viser, PICTURES).open(server.address)
+        client = until(lambda: next(iter(server.viser.get_clients().values()), None), "a client")
+        assert client is not None
+        yield Easel(server.viser, client, figures)
 
 
 def simulated(spec: SceneSpec) -> tuple[CameraView, Mask]:

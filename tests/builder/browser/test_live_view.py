@@ -6,6 +6,7 @@ import contextlib
 from collections.abc import Iterator
 
 import pytest
+from selenium.webdriver import Chrome
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
@@ -13,7 +14,7 @@ from rlbench_pin.builder.playback.live import TaskView
 from rlbench_pin.builder.server import LocalServer
 from rlbench_pin.tasks import find_task
 from tests.builder.browser.conftest import PICTURES
-from tests.builder.browser.page import Page, start_browser, until
+from tests.builder.browser.page import Page, until
 
 
 @pytest.fixture
@@ -24,11 +25,9 @@ def server() -> Iterator[LocalServer]:
 
 
 @pytest.fixture
-def page(browser_programs: tuple[str, str], server: LocalServer) -> Iterator[Page]:
+def page(browser: Chrome, server: LocalServer) -> Page:
     """A browser."""
-    browser = start_browser(*browser_programs)
-    yield Page(browser, server.viser, PICTURES / "live_view")
-    browser.quit()
+    return Page(browser, server.viser, PICTURES / "live_view")
 
 
 def _instant(page: Page) -> str:

@@ -59,7 +59,7 @@ def test_an_arm_that_touches_something_at_home_is_said(copied: Copied, opened: O
     """By the first waypoint, whose hand gets there all the same; a reset is refused for the same reason."""
     text = copied("take_lid_off_saucepan")
     block = (
-        '\n[[body]]\nname = "block"\nasset = "objects/cube/cube.urdf"\nfixed = true\nparent = "world"\npose = [0.28, 0.05, 1.4]\n'
+        '\n[[body]]\nname = "block"\nasset = "objects/cube/cube.urdf"\nfixed = true\nparent = "world"\npose = [0.28, 0.0, 1.52]\n'
     )
     opened(replace(text, scene=text.scene + block))
     first, *others = stage.reach()

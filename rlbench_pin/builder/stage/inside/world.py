@@ -37,7 +37,7 @@ from rlbench_pin.environment.episode import EpisodeRandom, drawn_variations
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.environment.reset import lay_out
 from rlbench_pin.environment.runtime import Runtime
-from rlbench_pin.errors import BoundaryError, RlbenchPinError
+from rlbench_pin.errors import BoundaryError, ResetError, RlbenchPinError
 from rlbench_pin.scene.reader import read_scene
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks.task_file import load_task_file
@@ -157,6 +157,8 @@ class StageWorld:
         try:
             with environment.runtime.listening(Pulse(on_alive)):
                 environment.reset(seed=seed, variation=variation)
+        except ResetError as error:
+            failure = _with_evidence(self._failure(error, environment), environment.runtime)
         except RAISED as error:
             failure = self._failure(error, environment)
         self._episode, self._moved, self._began = (seed, variation), False, environment.world.time
@@ -278,3 +280,12 @@ class StageWorld:
         if self._environment is not None:
             self._environment.shutdown()
         self._environment = self._task = self._follower = None
+
+
+def _with_evidence(failure: Failure, runtime: Runtime) -> Failure:
+    """Add to a refused start what the first waypoint lacks that is not free in the scene at rest, which is shown then."""
+    try:
+        lacking = next((verdict.failure for verdict in verdicts(runtime) if verdict.failure is not None), None)
+    except RAISED:  # waypoints of the task's own
+        return failure
+    return failure if lacking is None else replace(lacking, cause=failure.cause, problem=failure.problem)
