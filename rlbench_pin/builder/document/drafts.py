@@ -128,6 +128,7 @@ class DraftKeeper:
 
     def close(self) -> None:
         """Write what is not written yet, and no more after that."""
+        self.keep()
         self._write()
         with self._lock:
             self._closed = True

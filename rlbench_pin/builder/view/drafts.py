@@ -48,7 +48,7 @@ class Drafts:
         names = (f"{document.name}.toml", f"{document.name}.py")
         counts = [_differing(*pair) for pair in zip(document.texts, draft.texts, strict=True)]
         lines = " and ".join(f"{count} lines of `{name}`" for count, name in zip(counts, names, strict=True) if count)
-        said = f"**A draft of {draft.written}** was not saved. It has {lines or 'nothing'} otherwise."
+        said = f"**A draft of {draft.written}** was not saved. It differs from the task in {lines or 'nothing'}."
         return said if self._keeper.is_of_now(draft) else f"{said} **The files have been changed since then.**"
 
     def _heard(self) -> None:

@@ -58,7 +58,7 @@ def test_a_killed_builder_leaves_its_edits(tmp_path: Path, show: Show) -> None:
     assert scene.read_bytes() == saved
     document = TaskDocument.open(scene)
     window = show(document, StageStandIn())
-    assert "was not saved. It has 1 lines of `pick_and_lift.toml` otherwise." in _says(window)
+    assert "was not saved. It differs from the task in 1 lines of `pick_and_lift.toml`." in _says(window)
     assert "changed since" not in _says(window)
     window.session.post(_presses(window)["Take up the draft"])
     settle(window)
@@ -78,7 +78,7 @@ def test_a_draft_of_an_older_state_says_so(copied: Copied, show: Show) -> None:
     window = show(document, StageStandIn())
     window.session.post(lambda: window.session.do(lambda d: d.set("block", "fixed", True)))
     settle(window)
-    window.close()
+    window.drafts.close()
     file = document.folder / "pick_and_lift.py"
     file.write_text(file.read_text() + "# newer\n")
     again = show(TaskDocument.open(file), StageStandIn())

@@ -13,6 +13,7 @@ from rlbench_pin.builder.server import UploadedMesh, UploadRefused
 from rlbench_pin.builder.view.own.meshes import mesh_asset
 from rlbench_pin.builder.view.parts.catalogue import catalogue, found, thumbnail
 from rlbench_pin.builder.view.parts.primitives import primitive_urdf
+from rlbench_pin.builder.view.parts.raster import painted
 from rlbench_pin.builder.view.parts.standing import standing_pose
 from rlbench_pin.errors import InvalidValue
 from rlbench_pin.scene import BodySpec, SceneSpec
@@ -79,6 +80,22 @@ def test_assets_are_found_by_their_words() -> None:
     picture = thumbnail(asset_path("objects/cup/cup.urdf"))
     assert picture.shape == (128, 128, 3)
     assert float(np.ptp(picture)) > 50.0
+
+
+def test_what_is_nearer_hides_what_is_behind() -> None:
+    """Pixel by pixel, in whatever order; of two in one plane, such as a label on a box, the later is seen."""
+    points = np.array([[[0, 0], [20, 0], [0, 20]], [[0, 0], [20, 0], [0, 20]]], float)
+    depths = np.array([[0.0, 1.0, 1.0], [1.0, 0.0, 1.0]])
+    shades = np.array([[255, 0, 0], [0, 0, 255]], np.uint8)
+    there, back = np.zeros((20, 20, 3), np.uint8), np.zeros((20, 20, 3), np.uint8)
+    painted(there, points, depths, shades)
+    painted(back, points[::-1], depths[::-1], shades[::-1])
+    np.testing.assert_array_equal(there, back)
+    assert there[1, 3].tolist() == [0, 0, 255]
+    assert there[1, 15].tolist() == [255, 0, 0]
+    assert there[18, 18].tolist() == [0, 0, 0]
+    painted(there, points, np.zeros((2, 3)), shades)
+    assert set(map(tuple, there.reshape(-1, 3).tolist())) == {(0, 0, 0), (0, 0, 255)}
 
 
 def test_a_new_body_stands_beside_what_is_there() -> None:

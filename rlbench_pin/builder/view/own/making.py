@@ -27,7 +27,7 @@ class Making:
     Args:
         order: What is to be made.
         data: Content of the file.
-        on_note: Called with what is being done.
+        on_note: Called with what is being done and since when, every second.
         on_end: Called once, with the asset or why there is none; both are called in a thread of their own.
         longest: What it may take [s].
     """
@@ -41,7 +41,7 @@ class Making:
         longest: float = LONGEST,
     ) -> None:
         self._order, self._on_note, self._on_end, self._longest = order, on_note, on_end, longest
-        self._ended = ""
+        self._ended, self._doing, self._over = "", f"Looking at '{order.name}'", threading.Event()
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  # closed when the process has ended
         self._process = subprocess.Popen(
             [sys.executable, "-m", _WORKSHOP], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors,
@@ -51,6 +51,7 @@ class Making:
         self._timer.daemon = True
         self._timer.start()
         threading.Thread(target=self._run, args=(data,), name="workshop", daemon=True).start()
+        threading.Thread(target=self._count, name="workshop clock", daemon=True).start()
 
     @property
     def name(self) -> str:
@@ -60,6 +61,13 @@ class Making:
     def stop(self) -> None:
         """End it."""
         self._end("it was stopped")
+
+    def _count(self) -> None:
+        """Tell every second how long it has taken."""
+        seconds = 0
+        while not self._over.wait(1.0):
+            seconds += 1
+            self._on_note(f"{self._doing}: {seconds} s of at most {self._longest:g} s")
 
     def _end(self, why: str) -> None:
         self._ended = self._ended or why
@@ -73,6 +81,7 @@ class Making:
         except (OSError, ValueError, KeyError) as error:
             found = self._broken(error)
         finally:
+            self._over.set()
             self._timer.cancel()
             self._process.kill()
             self._process.wait()
@@ -89,7 +98,8 @@ class Making:
             stdin.write(data)
         with stdout:
             while "note" in (said := json.loads(stdout.readline())):
-                self._on_note(str(said["note"]))
+                self._doing = str(said["note"])
+                self._on_note(self._doing)
             if "error" in said:
                 raise RlbenchPinError(str(said["error"]))
             return OwnAsset(str(said["urdf"]), {str(name): _exactly(stdout, int(size)) for name, size in said["files"]})

@@ -70,7 +70,7 @@ class OwnFiles:
             Number("Mass [kg], 0 as the file says", self._mass, weigh, 0.05, 0.0, 1000.0),
             Upload("Upload a URDF or ZIP", lambda name, data: self._begin(name, data, self._mass, (0.8, 0.8, 0.8))),
             *self._work_items(),
-            Note(f"{len(files)} URDF files are in the folder of the task."),
+            Note(f"URDF files in the folder of the task: {len(files)}"),
             *(Button(f"Add {file}", self._adder_of(file)) for file in files[:_MOST_FILES]),
         ]
 
@@ -100,14 +100,15 @@ class OwnFiles:
         self._making = Making(
             order,
             data,
-            on_note=lambda text: session.post(lambda: self._tell(text)),
+            on_note=lambda text: session.post(lambda: self._tell(text), "own file"),
             on_end=lambda found: session.post(lambda: self._take(name, found)),
         )
         session.changed()
 
     def _tell(self, text: str) -> None:
-        self._doing = text
-        self._session.changed()
+        if self._making is not None:
+            self._doing = text
+            self._session.changed()
 
     def _take(self, name: str, found: OwnAsset | RlbenchPinError) -> None:
         """Put an asset beside the task, and add it; or tell why there is none."""

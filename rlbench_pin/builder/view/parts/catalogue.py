@@ -9,10 +9,11 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw
+from PIL import Image
 
 from rlbench_pin.assets import ASSETS
 from rlbench_pin.builder.figures.chain import link_poses
+from rlbench_pin.builder.view.parts.raster import painted
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.robot.surfaces import shape_surface
 from rlbench_pin.spatial import FloatArray, pose_to_matrix
@@ -73,14 +74,14 @@ def _said(page: str) -> dict[str, str]:
 @lru_cache(maxsize=512)
 def thumbnail(urdf: Path) -> NDArray[np.uint8]:
     """Return a picture (128, 128, 3) of a model from the front; an empty one where it cannot be read."""
-    picture = Image.new("RGB", (SIZE * _FINE, SIZE * _FINE), _PAPER)
+    picture = np.full((SIZE * _FINE, SIZE * _FINE, 3), _PAPER, np.uint8)
     try:
         corners, colors = _triangles(urdf)
     except RlbenchPinError:
-        return np.asarray(picture.resize((SIZE, SIZE)))
+        return picture[:SIZE, :SIZE]
     if len(corners):
-        _paint(ImageDraw.Draw(picture), corners, colors)
-    return np.asarray(picture.resize((SIZE, SIZE), Image.Resampling.LANCZOS))
+        _paint(picture, corners, colors)
+    return np.asarray(Image.fromarray(picture).resize((SIZE, SIZE), Image.Resampling.LANCZOS))
 
 
 def _triangles(urdf: Path) -> tuple[FloatArray, FloatArray]:
@@ -98,22 +99,19 @@ def _triangles(urdf: Path) -> tuple[FloatArray, FloatArray]:
     return np.concatenate(corners), np.concatenate(colors)
 
 
-def _paint(draw: ImageDraw.ImageDraw, corners: FloatArray, colors: FloatArray) -> None:
-    """Paint triangles from far to near."""
+def _paint(picture: NDArray[np.uint8], corners: FloatArray, colors: FloatArray) -> None:
+    """Paint the triangles that face the viewer, as large as the picture."""
     toward = _SEEN_FROM / np.linalg.norm(_SEEN_FROM)
     right = np.cross((0.0, 0.0, 1.0), toward)
     right /= np.linalg.norm(right)
     up = np.cross(toward, right)
     flat = corners @ np.stack([right, -up]).T
     low, high = flat.min(axis=(0, 1)), flat.max(axis=(0, 1))
-    side = SIZE * _FINE
-    factor = 0.88 * side / max(float((high - low).max()), 1e-9)
-    flat = (flat - 0.5 * (low + high)) * factor + side / 2
+    factor = 0.88 * len(picture) / max(float((high - low).max()), 1e-9)
+    flat = (flat - 0.5 * (low + high)) * factor + len(picture) / 2
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     bright = 0.45 + 0.6 * np.clip(normals @ (_LIGHT / np.linalg.norm(_LIGHT)), 0.0, 1.0)
-    shades = np.clip(255 * colors * bright[:, None], 0, 255).astype(int)
+    shades = np.clip(255 * colors * bright[:, None], 0, 255).astype(np.uint8)
     facing = normals @ toward > 0.0
-    for index in np.argsort((corners @ toward).mean(axis=1)):
-        if facing[index]:
-            draw.polygon([tuple(point) for point in flat[index].tolist()], fill=tuple(shades[index].tolist()))
+    painted(picture, flat[facing], corners[facing] @ toward, shades[facing])
