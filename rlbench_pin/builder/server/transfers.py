@@ -19,6 +19,7 @@ from rlbench_pin.builder.server.errors import ServerError, UploadRefused
 from rlbench_pin.builder.server.guard import GuardedLoop
 from rlbench_pin.builder.server.notices import Notices
 from rlbench_pin.builder.server.uploads import LARGEST_UPLOAD, check_size
+from rlbench_pin.errors import install_hint
 
 MOST_UNFINISHED = 4
 """Uploads that are under way at the same time, of all tabs together."""
@@ -76,7 +77,7 @@ class Transfers:
             sockets.unregister_handler(_messages.FileTransferPart, self._take)
         except (AttributeError, AssertionError, ValueError) as error:
             problem = f"viser {viser.__version__} takes uploads in a way that the task builder does not know ({error})"
-            raise ServerError(f"{problem}. Install the version that it names: pip install 'rlbench-pin[builder]'.") from error
+            raise ServerError(f"{problem}. {install_hint('builder')} installs one that it knows.") from error
         self._clients = server.get_clients
         sockets.register_handler(_messages.FileTransferStartUpload, self._started)
         sockets.register_handler(_messages.FileTransferPart, self._came)
