@@ -5,6 +5,7 @@ Units are those of URDF: metres, radians, kilograms. No mesh is opened and no mo
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ET
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -124,10 +125,9 @@ class Urdf:
             AssetInvalid: There is none.
         """
         children = {joint.child for joint in self.joints}
-        for link in self.links:
-            if link.name not in children:
-                return link.name
-        raise AssetInvalid(self.path, "every link is a joint's child")
+        if set(self.link_names) <= children:
+            raise AssetInvalid(self.path, "every link is a joint's child")
+        return next(name for name in self.link_names if name not in children)
 
     @property
     def joint_limits(self) -> dict[str, tuple[float, float]]:
@@ -190,7 +190,7 @@ def _time_of(path: Path, needed_by: str) -> int:
 def _parse(path: Path) -> ET.Element:
     try:
         return ET.parse(path).getroot()
-    except ET.ParseError as error:
+    except (ET.ParseError, LookupError) as error:
         raise AssetInvalid(path, f"it is not valid XML ({error})") from error
 
 
@@ -220,7 +220,10 @@ def _file(path: Path, element: ET.Element) -> Path:
 
 
 def _numbers(element: ET.Element, key: str, default: str) -> tuple[float, ...]:
-    return tuple(float(word) for word in element.get(key, default).split())
+    numbers = tuple(float(word) for word in element.get(key, default).split())
+    if not all(math.isfinite(number) for number in numbers):
+        raise ValueError(f"'{key}' of a <{element.tag}> is no finite number: {element.get(key)}")
+    return numbers
 
 
 def _vector(element: ET.Element, key: str, default: str = "0 0 0") -> Vector:
@@ -257,7 +260,7 @@ def _size(shape: ET.Element) -> tuple[float, ...]:
         return _vector(shape, "size", "")
     if shape.tag == "mesh":
         return _vector(shape, "scale", "1 1 1")
-    radius, length = float(shape.get("radius", 0)), float(shape.get("length", 0))
+    (radius,), (length,) = _numbers(shape, "radius", "0"), _numbers(shape, "length", "0")
     return {"sphere": (radius,), "cylinder": (radius, length), "capsule": (radius, length)}.get(shape.tag, ())
 
 

@@ -104,3 +104,20 @@ def test_an_srdf_names_pairs_of_links(tmp_path: Path) -> None:
     file = tmp_path / "thing.srdf"
     file.write_text('<robot><disable_collisions link1="a" link2="b" reason="Never"/></robot>')
     assert disabled_pairs(file) == {frozenset(("b", "a"))}
+
+
+@pytest.mark.parametrize("said", ['<sphere radius="inf"/>', '<box size="1 nan 1"/>', '<cylinder radius="1" length="-inf"/>'])
+def test_numbers_are_finite(tmp_path: Path, said: str) -> None:
+    """No shape is endless, and none of no number."""
+    file = tmp_path / "thing.urdf"
+    file.write_text(f'<robot name="a"><link name="a"><visual><geometry>{said}</geometry></visual></link></robot>')
+    with pytest.raises(AssetInvalid, match="finite"):
+        read_urdf(file)
+
+
+def test_an_unknown_encoding_is_no_xml(tmp_path: Path) -> None:
+    """Whatever the parser calls that."""
+    file = tmp_path / "thing.urdf"
+    file.write_text('<?xml version="1.0" encoding="no-such"?><robot name="a"/>')
+    with pytest.raises(AssetInvalid, match="not valid XML"):
+        read_urdf(file)

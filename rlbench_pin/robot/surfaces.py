@@ -42,7 +42,9 @@ def shape_surface(shape: UrdfShape, scale: float = 1.0) -> Surface:
     if shape.mesh is not None:
         corners, triangles = mesh_surface(shape.mesh)
         return _moved(scale * np.array(shape.size) * corners, geometry.to_placement(shape.origin, scale)), triangles
-    build = {"box": coal.Box, "sphere": coal.Sphere, "cylinder": coal.Cylinder, "capsule": coal.Capsule}[shape.kind]
+    build = {"box": coal.Box, "sphere": coal.Sphere, "cylinder": coal.Cylinder, "capsule": coal.Capsule}.get(shape.kind)
+    if build is None:
+        raise AssetInvalid(Path(f"<{shape.kind}>"), "it is no box, sphere, cylinder, capsule or mesh")
     return part_surface((build(*(scale * number for number in shape.size)), geometry.to_placement(shape.origin, scale)))
 
 

@@ -80,19 +80,23 @@ class Folder:
 
         Raises:
             OutsideFolder: It lies elsewhere.
+            StorageError: It cannot be written.
         """
         file = self.path(name)
-        file.parent.mkdir(parents=True, exist_ok=True)
-        self.path(name)  # what was made on the way is inside, too
-        handle, temporary = tempfile.mkstemp(prefix=f".{file.name}.", dir=file.parent)
         try:
-            with os.fdopen(handle, "wb") as stream:
-                stream.write(data)
-                stream.flush()
-                os.fsync(stream.fileno())
-            Path(temporary).chmod(0o644)
-            os.replace(temporary, file)
-        except BaseException:
-            Path(temporary).unlink(missing_ok=True)
-            raise
+            file.parent.mkdir(parents=True, exist_ok=True)
+            self.path(name)  # what was made on the way is inside, too
+            handle, temporary = tempfile.mkstemp(prefix=f".{file.name}.", dir=file.parent)
+            try:
+                with os.fdopen(handle, "wb") as stream:
+                    stream.write(data)
+                    stream.flush()
+                    os.fsync(stream.fileno())
+                Path(temporary).chmod(0o644)
+                os.replace(temporary, file)
+            except BaseException:
+                Path(temporary).unlink(missing_ok=True)
+                raise
+        except OSError as error:
+            raise StorageError(file, error) from error
         return file

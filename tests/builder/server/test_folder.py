@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from rlbench_pin.builder.server import Folder, OutsideFolder
+from rlbench_pin.errors import StorageError
 
 
 @pytest.mark.parametrize(
@@ -53,3 +54,18 @@ def test_files_inside_are_written_whole(tmp_path: Path) -> None:
     file = Folder(tmp_path).write("meshes/handle.obj", b"v 0 0 0\n")
     assert file.read_bytes() == b"v 0 0 0\n"
     assert [path.name for path in file.parent.iterdir()] == ["handle.obj"]
+
+
+def test_what_cannot_be_written_is_an_error_of_its_own(tmp_path: Path) -> None:
+    """Nothing temporary stays, neither of a file nor of a folder."""
+    folder = Folder(tmp_path)
+    (tmp_path / "there").mkdir()
+    (tmp_path / "there" / "x").touch()
+    with pytest.raises(StorageError, match="there"):
+        folder.write("there", b"x")
+    with pytest.raises(StorageError, match="there"):
+        folder.write_all("there", {"a.obj": b"x"})
+    with pytest.raises(OutsideFolder):
+        folder.write_all("other", {"../a.obj": b"x"})
+    assert [path.name for path in tmp_path.iterdir()] == ["there"]
+    assert (folder.write_all("new", {"a.obj": b"x"}) / "a.obj").read_bytes() == b"x"

@@ -134,7 +134,7 @@ def test_another_viser_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """A version that names its parts otherwise is an error with the next step, not an upload without bounds."""
     server = ViserServer("127.0.0.1", 0, verbose=False)
     monkeypatch.delattr(type(server.gui), "_handle_file_transfer_start")
-    with pytest.raises(ServerError, match="viser .* pip install .* installs one that it knows"):
+    with pytest.raises(ServerError, match="viser .*pip install .* installs one that it knows"):
         Transfers(server, Notices(server))
     server.stop()
 

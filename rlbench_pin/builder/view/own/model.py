@@ -14,8 +14,8 @@ from rlbench_pin.builder.server import UploadRefused, read_mesh, upload_stem
 from rlbench_pin.builder.view.own.meshes import LARGEST, check_extent, convex_parts, obj_text
 from rlbench_pin.builder.view.own.solids import MOMENTS, Inertia, OwnAsset, inertia_of, written
 from rlbench_pin.builder.view.own.sources import Source
-from rlbench_pin.builder.view.own.tree import check_tree, clean_names, end_of
-from rlbench_pin.builder.view.own.xml_text import Numbers, parse_xml
+from rlbench_pin.builder.view.own.tree import checked_model, end_of
+from rlbench_pin.builder.view.own.xml_text import Numbers
 from rlbench_pin.values import as_number
 
 OnNote = Callable[[str], None]
@@ -45,12 +45,8 @@ def urdf_asset(name: str, data: bytes, source: Source, scale: float, mass: float
     """
     scale = as_number(scale, "scale", above=0.0, most=1e4)
     mass = None if mass is None else as_number(mass, "mass [kg]", above=0.0, most=HEAVIEST)
-    root = parse_xml(name, data)
-    if root.tag != "robot":
-        raise UploadRefused(name, f"its first element is <{root.tag}>, not <robot>", "It is no URDF file.")
+    root, link_names, joint_names = checked_model(name, data)
     links, joints = root.findall("link"), root.findall("joint")
-    link_names, joint_names = clean_names(name, links), clean_names(name, joints)
-    check_tree(name, link_names, joints)
     stem = upload_stem(name)
     builder = _Builder(name, source, scale, note, root)
     new = Element("robot", name=stem)

@@ -8,10 +8,12 @@ from collections.abc import Callable
 from rlbench_pin.builder.server import Folder, UploadRefused, upload_stem
 from rlbench_pin.builder.view.own.making import Making
 from rlbench_pin.builder.view.own.solids import OwnAsset
+from rlbench_pin.builder.view.own.tree import checked_model
 from rlbench_pin.builder.view.own.workshop import Order
+from rlbench_pin.builder.view.own.xml_text import LARGEST_TEXT
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.widgets import Button, Fold, Item, Note, Number, Upload
-from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.errors import RlbenchPinError, StorageError
 
 _MOST_FILES = 40
 AddBody = Callable[[str, dict[str, object]], None]
@@ -86,7 +88,12 @@ class OwnFiles:
         return Number("Scale, 0.001 for millimetres", self._scale, rescale, 0.001, 1e-6)
 
     def _adder_of(self, file: str) -> Callable[[], None]:
-        return lambda: self._add_body(f"./{file}", {})
+        def add() -> None:
+            with self.folder().path(file).open("rb") as stream:
+                checked_model(file, stream.read(LARGEST_TEXT + 1))
+            self._add_body(f"./{file}", {})
+
+        return add
 
     # What happens ----------------------------------------------------------------------------------------------------
 
@@ -124,8 +131,12 @@ class OwnFiles:
 
     def folder(self) -> Folder:
         """Return the folder of the task, which is made when it is not there."""
-        self._session.document.folder.mkdir(parents=True, exist_ok=True)
-        return Folder(self._session.document.folder)
+        folder = self._session.document.folder
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            return Folder(folder)
+        except OSError as error:
+            raise StorageError(folder, error) from error
 
     def free_name(self, stem: str) -> str:
         """Return a name that neither a file beside the task nor a thing of the scene has."""

@@ -7,11 +7,27 @@ from collections.abc import Mapping, Sequence
 from xml.etree.ElementTree import Element
 
 from rlbench_pin.builder.server import UploadRefused
+from rlbench_pin.builder.view.own.xml_text import parse_xml
 
 JOINTS = ("fixed", "revolute", "continuous", "prismatic")
 """Kinds of joints that are taken."""
 _MOST_LINKS = 200
 _OTHER = re.compile(r"[^A-Za-z0-9_]+")
+
+
+def checked_model(name: str, data: bytes) -> tuple[Element, dict[str, str], dict[str, str]]:
+    """Return the first element of a URDF file, and what its links and joints are called from now on.
+
+    Raises:
+        UploadRefused: It is no XML, or its joints do not connect its links to one tree.
+    """
+    root = parse_xml(name, data)
+    if root.tag != "robot":
+        raise UploadRefused(name, f"its first element is <{root.tag}>, not <robot>", "It is no URDF file.")
+    joints = root.findall("joint")
+    links, joint_names = clean_names(name, root.findall("link")), clean_names(name, joints)
+    check_tree(name, links, joints)
+    return root, links, joint_names
 
 
 def clean_names(urdf: str, elements: Sequence[Element]) -> dict[str, str]:

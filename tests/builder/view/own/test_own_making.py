@@ -3,26 +3,33 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
 
+import numpy as np
 import pytest
 import trimesh
 from viser import ViserServer
 
 from rlbench_pin.builder.document import TaskDocument
+from rlbench_pin.builder.stage import StageClient
 from rlbench_pin.builder.view import Window
 from rlbench_pin.builder.view.own.making import Making
 from rlbench_pin.builder.view.own.solids import OwnAsset
 from rlbench_pin.builder.view.own.workshop import Order
 from rlbench_pin.builder.view.panels.bodies import body_items
 from rlbench_pin.builder.view.widgets import Button, Fold, Item, Slider, Upload
+from rlbench_pin.cli.main import main
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.scene import read_scene
 from rlbench_pin.urdf import read_urdf
 from tests.builder.view.conftest import Show, settle
-from tests.builder.view.own.files import angle, cabinet, obj
+from tests.builder.view.own.files import angle, cabinet, make, obj, put
+from tests.builder.view.own.test_own_hostile import TEXTS
 from tests.builder.view.stand_ins import StageStandIn
 
 Copied = Callable[[str], TaskDocument]
@@ -175,3 +182,60 @@ def test_closing_ends_what_is_made(copied: Copied) -> None:
     window.close()
     server.stop()
     assert made._process.wait(10.0) != 0
+
+
+_BESIDE = ("billion laughs", "external entity", "deep", "other encoding", "two roots", "circle", "infinite", "no size", "missing")
+
+
+@pytest.mark.parametrize("kind", _BESIDE)
+def test_hostile_files_beside_the_task_are_told(copied: Copied, show: Show, told: list[str], kind: str) -> None:
+    """A URDF file that is there already is looked at, too, before it is added."""
+    document = copied("pick_and_lift")
+    (document.folder / "x.urdf").write_text(TEXTS[kind][0])
+    window, before = show(document, StageStandIn()), document.text
+    button = _item(window, "Add x.urdf")
+    assert isinstance(button, Button)
+    window.session.post(button.on_press)
+    settle(window)
+    assert document.text == before
+    assert "x.urdf" in told[-1]
+    assert "mistake" not in told[-1]
+
+
+# In the simulation ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.simulation
+def test_an_own_urdf_is_simulated_and_judged(tmp_path: Path) -> None:
+    """Its door falls shut or open with the joint, and a fresh process reads the pair."""
+    main(["new", "shelf", "--out", str(tmp_path)])
+    put(make("cabinet.zip", cabinet(), tmp_path), tmp_path / "cabinet")
+    document = TaskDocument.open(tmp_path / "shelf.toml")
+    keys = {"asset": "./cabinet/cabinet.urdf", "name": "cabinet", "pose": (-0.1, 0.25, 0.02, 0.0, 0.0, 0.0, 1.0), "fixed": True}
+    document.add("body", keys)
+    document.set("cabinet/hinge", "position", 1.0)
+    document.save()
+    with StageClient() as stage:
+        opened = stage.open(document.text, run_task=True)
+        assert opened.problems == ()
+        stage.reset(1)
+        frame = stage.simulate(0.3).frames[-1]
+    assert {"cabinet/case", "cabinet/door_1", "cabinet/drawer"} <= set(frame.poses)
+    turn = 2.0 * np.arctan2(frame.poses["cabinet/door_1"][5], frame.poses["cabinet/door_1"][6])
+    turn -= 2.0 * np.arctan2(frame.poses["cabinet/case"][5], frame.poses["cabinet/case"][6])
+    assert (turn + np.pi) % (2 * np.pi) - np.pi == pytest.approx(1.0, abs=0.1)
+    words = [
+        "check",
+        "--task-file",
+        str(document.folder / "shelf.py"),
+        "--episodes",
+        "1",
+        "--contract-seeds",
+        "1",
+        "--placements",
+        "2",
+    ]
+    program = f"import sys; from rlbench_pin.cli.main import main; sys.exit(main({words!r}))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=300)
+    assert "shelf" in done.stdout
+    assert "Traceback" not in done.stderr
