@@ -13,7 +13,7 @@ from rlbench_pin.builder.document.errors import ChangedOnDisk, TaskFilesError
 from rlbench_pin.builder.document.history import History, Texts
 from rlbench_pin.builder.document.new_task import texts_of_new_task
 from rlbench_pin.builder.document.operations import Edited
-from rlbench_pin.builder.document.reading import Reading, decoded, encoded, ends_lines_with_return, typed
+from rlbench_pin.builder.document.reading import Reading, decoded, encoded_pair, typed
 from rlbench_pin.builder.document.scene_text.scene_text import SceneText
 from rlbench_pin.builder.document.storage import Pair, on_disk, read_pair, recover, write_pair
 from rlbench_pin.scene import SceneSpec
@@ -157,7 +157,7 @@ class TaskDocument:
     @property
     def unsaved(self) -> bool:
         """Whether the texts differ from what was read or saved last."""
-        return self._encoded() != self._saved
+        return encoded_pair(self._history.texts, self._saved) != self._saved
 
     # Edits --------------------------------------------------------------------------------------------------------------
 
@@ -209,6 +209,15 @@ class TaskDocument:
         edit = operations.waypoint_inserted
         return self._edit("insert waypoint", lambda scene, python: edit(scene, python, index, values)).name
 
+    def move_waypoint(self, name: str, index: int) -> str:
+        """Visit a waypoint as the one of that number, and return its name then; all are renumbered wherever they are named."""
+        edit = operations.waypoint_moved
+        return self._edit(f"reorder {name}", lambda scene, python: edit(scene, python, name, index)).name
+
+    def attach(self, name: str, parent: str, pose: Any, merge: str = "") -> None:
+        """Hang a thing on another, at a pose in its frame that is written without rounding what counts."""
+        self._edit(f"parent of {name}", lambda scene, python: operations.attached(scene, python, name, parent, pose), merge)
+
     def rename(self, old: str, new: str) -> tuple[str, ...]:
         """Call a thing otherwise wherever it is named; return the lines of Python that name it in a way that was left."""
         return self._edit(f"rename {old}", lambda scene, python: operations.renamed(scene, python, old, new)).left
@@ -252,7 +261,7 @@ class TaskDocument:
         """
         if (changed := self.changed_on_disk()) and not over:
             raise ChangedOnDisk(changed)
-        contents = self._encoded()
+        contents = encoded_pair(self._history.texts, self._saved)
         write_pair(self._pair, contents)
         self._saved = contents
 
@@ -289,11 +298,3 @@ class TaskDocument:
     def _went(self, name: str) -> str:
         self._reading, self._left = Reading(self._pair, self._history.texts, self._reading), ()
         return name
-
-    def _encoded(self) -> tuple[bytes, bytes]:
-        """Return both files as they would be written."""
-        scene, python = (
-            encoded(text, with_return=ends_lines_with_return(saved))
-            for text, saved in zip(self._history.texts, self._saved, strict=True)
-        )
-        return scene, python

@@ -12,12 +12,13 @@ from rlbench_pin.builder.document.python_text import mentions
 from rlbench_pin.builder.document.python_text.source import PythonSyntaxError, Source
 from rlbench_pin.builder.document.scene_text import names as scene_names
 from rlbench_pin.builder.document.scene_text.arrays import detached, with_pose
-from rlbench_pin.builder.document.scene_text.edits import with_entry, with_keys, without_entry
+from rlbench_pin.builder.document.scene_text.edits import with_entry, with_entry_moved, with_keys, without_entry
+from rlbench_pin.builder.document.scene_text.poses import exact_pose_keys
 from rlbench_pin.builder.document.scene_text.records import written_keys
-from rlbench_pin.builder.document.scene_text.scene_text import PLACEMENT, TABLES, SceneText
+from rlbench_pin.builder.document.scene_text.scene_text import PLACEMENT, POSED, TABLES, SceneText
 from rlbench_pin.errors import InvalidValue
 from rlbench_pin.scene.short_forms import placement_for_file
-from rlbench_pin.scene.spec import PlacementSpec
+from rlbench_pin.scene.spec import ROOT, PlacementSpec
 from rlbench_pin.values import as_choice, as_text, as_whole
 
 
@@ -120,6 +121,43 @@ def waypoint_inserted(scene: SceneText, python: str, index: int, values: Mapping
     """Add a waypoint before the one of that number; those behind move up by one, wherever they are named."""
     keys = written_keys("waypoint", {k: v for k, v in values.items() if k != "name"}, {}, short_forms=scene.has_short_forms)
     return _inserted_as_written(scene, python, index, keys)
+
+
+def waypoint_moved(scene: SceneText, python: str, name: str, index: int) -> Edited:
+    """Have a waypoint visited as the one of that number; what is said of it moves there in the text, too."""
+    edit, points = f"reorder '{name}'", scene.of_table("waypoint")
+    if scene.find(name).table != "waypoint":
+        raise EditRefused(edit, "it is no waypoint.")
+    last = sum(len(entry.names) for entry in points) - 1
+    if as_whole(index, "index", least=0) > last:
+        raise InvalidValue("index", index, f"has to be 0 to {last}, a number of a waypoint")
+    old = _number(name)
+    if index == old:
+        return Edited((scene.text, python), name)
+    if lines := mentions.computed_waypoints(_source(python, edit)):
+        problem = f"the Python computes which waypoint it means, in line {', in line '.join(lines)}."
+        raise EditRefused(edit, problem, "Write names or numbers out there, or renumber both files in *Files*.")
+    first, end = min(old, index), max(old, index)
+    for k in range(first, end + 1):
+        scene = detached(scene, f"waypoint{k}")
+    goal = scene.find(f"waypoint{index}")
+    text = with_entry_moved(scene, scene.find(name), goal.section.start if index < old else goal.end)
+    by = 1 if index < old else -1
+    shift = {f"waypoint{k}": f"waypoint{k + by}" for k in range(first, end + 1) if k != old} | {name: f"waypoint{index}"}
+    moved, python, left = _renumbered(SceneText(text, scene.path), python, shift)
+    return Edited((moved.text, python), f"waypoint{index}", left)
+
+
+def attached(scene: SceneText, python: str, name: str, parent: str, pose: Any) -> Edited:
+    """Hang a thing on another, at a pose in its frame that is exact to 1e-9."""
+    scene = detached(scene, name)
+    entry = scene.find(name)
+    if entry.table not in POSED:
+        raise EditRefused(f"hang '{name}' on '{parent}'", "it has no pose.", "Choose a body, frame, region, sensor or waypoint.")
+    place = exact_pose_keys(pose, has_rpy=scene.has_short_forms)
+    keys = {"parent": None if as_text(parent, "parent") == ROOT else parent, **place}
+    said = {key: value for key, value in keys.items() if not (value is None and key not in entry.raw)}
+    return Edited((with_keys(scene, entry, said), python), name)
 
 
 def renamed(scene: SceneText, python: str, old: str, new: str) -> Edited:

@@ -115,3 +115,9 @@ def typed(text: str, what: str, saved: bytes | None) -> str:
 def ends_lines_with_return(content: bytes | None) -> bool:
     """Whether every line of a file ends with a carriage return and a line feed."""
     return content is not None and 0 < content.count(b"\n") == content.count(b"\r\n") == content.count(b"\r")
+
+
+def encoded_pair(texts: Texts, saved: tuple[bytes | None, bytes | None]) -> tuple[bytes, bytes]:
+    """Return both files as they would be written, their lines ended as they are on disk."""
+    ends = [ends_lines_with_return(content) for content in saved]
+    return encoded(texts[0], with_return=ends[0]), encoded(texts[1], with_return=ends[1])

@@ -125,6 +125,14 @@ class Document(Protocol):
         """Add a waypoint before another, and return its name."""
         ...
 
+    def move_waypoint(self, name: str, index: int) -> str:
+        """Visit a waypoint as the one of that number, and return its name then."""
+        ...
+
+    def attach(self, name: str, parent: str, pose: Any, merge: str = "") -> None:
+        """Hang a thing on another, at a pose in its frame that is written without rounding what counts."""
+        ...
+
     def rename(self, old: str, new: str) -> Sequence[str]:
         """Call a thing otherwise wherever it is named; lines of Python that name it in a way that was left."""
         ...

@@ -67,6 +67,14 @@ def _insert(document: TaskDocument, spec: SceneSpec, rng: np.random.Generator) -
     return document.insert_waypoint(int(rng.integers(len(spec.waypoint) + 1)), {"pose": _pose(rng)})
 
 
+def _reorder(document: TaskDocument, spec: SceneSpec, rng: np.random.Generator) -> object:
+    return document.move_waypoint(_one(spec.waypoint, rng), int(rng.integers(len(spec.waypoint) + 1)))
+
+
+def _attach(document: TaskDocument, spec: SceneSpec, rng: np.random.Generator) -> object:
+    return document.attach(_name(spec, rng), _name(spec, rng), _pose(rng))
+
+
 def _duplicate(document: TaskDocument, spec: SceneSpec, rng: np.random.Generator) -> object:
     return document.duplicate(_name(spec, rng))
 
@@ -105,8 +113,8 @@ def _succeed(document: TaskDocument, spec: SceneSpec, rng: np.random.Generator) 
 
 
 EDITS: tuple[Edit, ...] = (
-    _move, _drag, _reparent, _recolor, _change_waypoint, _add, _insert, _duplicate, _delete, _rename, _place, _type,
-    _type_python, _say, _succeed,
+    _move, _drag, _reparent, _recolor, _change_waypoint, _add, _insert, _reorder, _attach, _duplicate, _delete, _rename,
+    _place, _type, _type_python, _say, _succeed,
 )  # fmt: skip
 
 

@@ -75,6 +75,47 @@ def test_texts_that_make_names_of_waypoints_are_told(opened: Opener) -> None:
     assert [line.partition(": ")[2] for line in document.left] == ['return f"waypoint{i}"']
 
 
+@pytest.mark.parametrize(("old", "new"), [(0, 3), (3, 0), (1, 2), (2, 1), (2, 0)])
+def test_a_waypoint_moves_to_another_number(opened: Opener, old: int, new: int) -> None:
+    """In both files: names, parents, texts and numbers; what is said of it stands there in the file; undone to the byte."""
+    document = opened("place_cups")
+    before, texts = document.spec, (document.scene_text, document.python_text)
+    assert before is not None and len(before.waypoint) > 4
+    assert document.move_waypoint(f"waypoint{old}", new) == f"waypoint{new}"
+    order = [f"waypoint{k}" for k in range(len(before.waypoint))]
+    order.insert(new, order.pop(old))
+    called = {name: f"waypoint{k}" for k, name in enumerate(order)}
+    by_name = {waypoint.name: waypoint for waypoint in before.waypoint}
+    assert document.spec is not None
+    for now in document.spec.waypoint:
+        was = by_name[next(name for name, value in called.items() if value == now.name)]
+        assert (now.pose, now.gripper, now.path) == (was.pose, was.gripper, was.path)
+        assert now.parent == called.get(was.parent, was.parent)
+    assert [waypoint.name for waypoint in document.spec.waypoint] == [f"waypoint{k}" for k in range(len(order))]
+    assert f'self.world.frame("{called["waypoint1"]}").set_parent(f"mug' in document.python_text
+    assert f"ability_start({called['waypoint0'].removeprefix('waypoint')}, self._aim" in document.python_text
+    document.undo()
+    assert (document.scene_text, document.python_text) == texts
+    document.redo()
+    document.move_waypoint(f"waypoint{new}", old)
+    assert document.spec == before and (document.scene_text, document.python_text) == texts
+
+
+@pytest.mark.parametrize("line", ['f"waypoint{i}"', "self.get_waypoint(i)", "waypoint.index == 0", "self.get_waypoints()[-1]"])
+def test_waypoints_that_the_python_computes_are_not_reordered(opened: Opener, line: str) -> None:
+    """Nobody can say what it would mean afterwards; the line is named, and nothing has changed."""
+    document = opened("stack_blocks")
+    document.set_python_text(f"{document.python_text}\n\ndef which(self, i, waypoint):\n    return {line}\n")
+    texts = document.text
+    with pytest.raises(EditRefused, match="computes which waypoint") as refused:
+        document.move_waypoint("waypoint0", 1)
+    assert line in str(refused.value) and document.text == texts
+    with pytest.raises(RlbenchPinError, match="number of a waypoint"):
+        document.move_waypoint("waypoint0", 99)
+    with pytest.raises(EditRefused, match="no waypoint"):
+        document.move_waypoint(document.spec.body[0].name, 0)  # type: ignore[union-attr]
+
+
 def test_what_others_need_is_not_deleted_without_them(opened: Opener) -> None:
     """The error lists what hangs on it, its joints, and the lines of Python that name it."""
     document = opened("open_drawer")

@@ -57,6 +57,24 @@ def mentions(source: Source, name: str) -> tuple[str, ...]:
     return tuple(_shown(source, line) for line in sorted(lines | numbers | set(_patterns(source, name))))
 
 
+def computed_waypoints(source: Source) -> tuple[str, ...]:
+    """Return the lines that mean a waypoint by a number or a name that is not written out, and so cannot be renamed."""
+    found = set()
+    for node in ast.walk(source.tree):
+        if isinstance(node, ast.JoinedStr) and node.values and (text_of(node.values[0]) or "").startswith("waypoint"):
+            found.add(node.lineno)
+        if (place := _place_of_number(node)) is not None and _written_number(place) is None:
+            found.add(place.lineno)
+        if isinstance(node, ast.Compare) and any(_is_index(part) for part in (node.left, *node.comparators)):
+            found.add(node.lineno)
+    return tuple(_shown(source, line) for line in sorted(found))
+
+
+def _is_index(node: ast.expr) -> bool:
+    """Whether an expression is the number of a waypoint, such as `waypoint.index`."""
+    return isinstance(node, ast.Attribute) and node.attr == "index"
+
+
 def renamed(source: Source, names: Mapping[str, str]) -> tuple[str, tuple[str, ...]]:
     """Rename things in the Python, all at once.
 
@@ -116,13 +134,21 @@ def _begin(fixed: list[str | None]) -> str:
 def _numbers(source: Source) -> Iterator[tuple[ast.Constant, str]]:
     """Yield the numbers of waypoints that are written out, and which they are."""
     for node in ast.walk(source.tree):
-        place: ast.expr | None = None
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in _BY_NUMBER and node.args:
-            place = node.args[0]
-        if isinstance(node, ast.Subscript) and ast.unparse(node.value) == "self.get_waypoints()":
-            place = node.slice
-        if isinstance(place, ast.Constant) and type(place.value) is int:
-            yield place, f"waypoint{place.value}"
+        if (place := _place_of_number(node)) is not None and (number := _written_number(place)) is not None:
+            yield number, f"waypoint{number.value!r}"
+
+
+def _place_of_number(node: ast.AST) -> ast.expr | None:
+    """Return where the number of a waypoint stands; None where there is none."""
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in _BY_NUMBER and node.args:
+        return node.args[0]
+    if isinstance(node, ast.Subscript) and ast.unparse(node.value) == "self.get_waypoints()":
+        return node.slice
+    return None
+
+
+def _written_number(place: ast.expr) -> ast.Constant | None:
+    return place if isinstance(place, ast.Constant) and type(place.value) is int else None
 
 
 def _texts(nodes: Iterable[ast.expr]) -> list[str]:

@@ -68,6 +68,16 @@ def without_entry(scene: SceneText, entry: Entry) -> str:
     return replaced(scene.text, [_without_gap(scene.text, entry.section.start, entry.end)])
 
 
+def with_entry_moved(scene: SceneText, entry: Entry, at: int) -> str:
+    """Return the text with an entry, its comments with it, at another place: where one begins or behind the end of one."""
+    start, end = entry.section.start, entry.end
+    block = scene.text[start:end]
+    block = block if block.endswith("\n") else f"{block}\n"
+    if at > start:
+        return replaced(_inserted(scene.text, at, block), [_without_gap(scene.text, start, end)])
+    return _inserted(replaced(scene.text, [_without_gap(scene.text, start, end)]), at, block)
+
+
 def heading_of(table: str) -> str:
     """Return `[placement]`, `[[body]]`, ..."""
     return f"[{table}]" if table == PLACEMENT else f"[[{table}]]"

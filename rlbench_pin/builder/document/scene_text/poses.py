@@ -15,7 +15,7 @@ from rlbench_pin.scene.short_forms import ShortFormError, write_out
 from rlbench_pin.spatial import FloatArray, euler_to_quaternion, pose_to_matrix
 
 Numbers = list[float]
-_SAME_TURN = 2e-6
+_SAME_TURN, _EXACT_TURN = 2e-6, 1e-10
 _LOCKED = 1e-6
 """Cosine of the pitch below which roll and yaw turn about the same axis."""
 _NO_TURN = 1e-5
@@ -40,6 +40,30 @@ def pose_keys(new: Any, entry: Mapping[str, Any], *, has_rpy: bool) -> dict[str,
     left_out = has_rpy and pose == [0.0, 0.0, 0.0] and not is_same(entry.get("pose"), pose)
     wanted: dict[str, Numbers | None] = {"pose": None if left_out else pose, "rpy": rpy}
     return {key: value for key, value in wanted.items() if not is_same(value, entry.get(key), 1e-12)}
+
+
+def exact_pose_keys(new: Any, *, has_rpy: bool) -> dict[str, Numbers | None]:
+    """Return `pose` and `rpy` that say a pose to 1e-9, each number with as few digits as that takes.
+
+    Args:
+        new: `[x, y, z]`, with a yaw or a quaternion behind it.
+        has_rpy: Whether the file may say `rpy` there.
+    """
+    goal = np.array(FrameSpec(name="place", pose=new).pose)
+    position = [_shortest(value) for value in goal[:3]]
+    angles = [_shortest(angle) for angle in roll_pitch_yaw(goal.tolist())]
+    short: dict[str, Numbers | None] = {"pose": position if any(position) else None, "rpy": angles}
+    if not any(angles[:2]):
+        short = {"pose": [*position, *angles[2:]], "rpy": None} if angles[2] else {**short, "rpy": None}
+    said = _full({key: value for key, value in short.items() if value is not None})
+    if said is not None and _same_turn(said, goal, _EXACT_TURN) and (has_rpy or short["rpy"] is None):
+        return short
+    return {"pose": [*position, *(_shortest(value) for value in goal[3:])], "rpy": None}
+
+
+def _shortest(value: float) -> float:
+    """Round to the fewest digits that keep a number to 1e-11."""
+    return next((r for digits in range(12) if abs((r := round(float(value), digits)) - value) < 1e-11), float(value)) + 0.0
 
 
 def short_pose(new: Any, written: Sequence[float] | None = None) -> Numbers:
@@ -95,8 +119,8 @@ def _position(goal: FloatArray, before: FloatArray | None, written: Sequence[flo
     return [written[i] if kept[i] else rounded_length(goal[i]) for i in range(3)]
 
 
-def _same_turn(a: FloatArray, b: FloatArray) -> bool:
-    return bool(min(np.abs(a[3:] - b[3:]).max(), np.abs(a[3:] + b[3:]).max()) < _SAME_TURN)
+def _same_turn(a: FloatArray, b: FloatArray, near: float = _SAME_TURN) -> bool:
+    return bool(min(np.abs(a[3:] - b[3:]).max(), np.abs(a[3:] + b[3:]).max()) < near)
 
 
 def _full(entry: Mapping[str, Any]) -> FloatArray | None:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from rlbench_pin.builder.view.panels.bodies import body_items
 from rlbench_pin.builder.view.panels.placement import placement_items
 from rlbench_pin.builder.view.panels.volumes import region_items, sensor_items
-from rlbench_pin.builder.view.panels.waypoints import waypoint_items
+from rlbench_pin.builder.view.panels.waypoints import overview_item, waypoint_items
 from rlbench_pin.builder.view.posing import pose_of, position_of, turn_of
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.snapping import SNAPS
@@ -31,7 +31,8 @@ def property_items(session: Session, snap_now: Callable[[], None]) -> list[Item]
     if name == ROOT:
         return [Note("### root"), *placement_items(session)]
     if thing is None:
-        return [Note("Click on a thing in the scene or in the tree. A waypoint is coloured by whether the hand gets there.")]
+        hint = "Click on a thing in the scene or in the tree to change it. *Add* has what can be added."
+        return [Note(hint), overview_item(session)]
     items: list[Item] = [Note(f"### {name}"), *_name_items(session, name), *_place_items(session, thing, snap_now)]
     if isinstance(thing, BodySpec):
         items += body_items(session, thing)
@@ -40,7 +41,7 @@ def property_items(session: Session, snap_now: Callable[[], None]) -> list[Item]
     elif isinstance(thing, SensorSpec):
         items += sensor_items(session, thing)
     elif isinstance(thing, WaypointSpec):
-        items += waypoint_items(session, thing)
+        items += [*waypoint_items(session, thing), overview_item(session)]
     return items
 
 

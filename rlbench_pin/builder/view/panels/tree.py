@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from rlbench_pin.builder.view.panels.waypoints import SHADES
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.widgets import Button, Fold, Item, Note
 from rlbench_pin.builder.view.widgets.items import Shade
@@ -11,7 +12,6 @@ from rlbench_pin.scene import SceneSpec
 from rlbench_pin.scene.spec import ROOT, WORLD, PosedSpec
 
 _MARKS = {"BodySpec": "■", "FrameSpec": "✛", "RegionSpec": "▭", "SensorSpec": "◎", "WaypointSpec": "◆"}
-_STANDINGS: dict[str, Shade] = {"free": "green", "collides": "orange", "unreachable": "red"}
 
 
 def tree_items(session: Session) -> list[Item]:
@@ -47,7 +47,7 @@ def _below(parent: str, children: dict[str, list[PosedSpec]], depth: int, seen: 
 
 def _button(session: Session, name: str, label: str, depth: int) -> Button:
     verdict = session.sight.verdicts.get(name)
-    shade: Shade = "gray" if verdict is None else _STANDINGS[verdict.standing]
+    shade: Shade = "gray" if verdict is None else SHADES[verdict.standing]
     if name == session.selected:
         shade = "blue"
     indent = "\u2003" * depth

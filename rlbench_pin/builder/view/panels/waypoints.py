@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable
 
+from rlbench_pin.builder.view.panels.curves import QUARTER_TURN, curve_items
 from rlbench_pin.builder.view.session import Session
-from rlbench_pin.builder.view.widgets import Button, Check, Choice, Item, Markup, Note, Number, Vector
+from rlbench_pin.builder.view.widgets import Button, Check, Choice, Fold, Item, Markup, Note, Number, Row
+from rlbench_pin.builder.view.widgets.items import Shade
 from rlbench_pin.builder.view.widgets.signs import Sign, sign
 from rlbench_pin.scene import WaypointSpec
-from rlbench_pin.scene.spec import ArcSpec
 
 PATHS = ("plan", "straight", "curve")
 """How to get to a waypoint."""
 HAND = ("leave", "open", "close", "amount")
 """What the hand does there."""
+SHADES: dict[str, Shade] = {"free": "green", "collides": "orange", "unreachable": "red"}
+"""Colours of buttons for what the stage says of a waypoint."""
 _SIGNS: dict[str, Sign] = {"free": "good", "collides": "doubtful", "unreachable": "bad"}
-_QUARTER = 1.5708
 
 
 def waypoint_items(session: Session, waypoint: WaypointSpec) -> list[Item]:
@@ -34,8 +36,9 @@ def waypoint_items(session: Session, waypoint: WaypointSpec) -> list[Item]:
         opening = [Number("Opening, 0 shut to 1", amount, lambda value: change("gripper", round(value, 3)), 0.05, 0.0, 1.0)]
     return [
         _verdict(session, name),
+        *_order_items(session, waypoint),
         Choice("Path", waypoint.path, PATHS, lambda value: _set_path(session, waypoint, value), hint="How to get there"),
-        *_arc_items(session, waypoint),
+        *curve_items(session, waypoint),
         Check("Ignore collisions", waypoint.ignore_collisions, lambda value: change("ignore_collisions", value), "For contact"),
         Choice("Hand", word, HAND, hand, hint="After arriving"),
         *opening,
@@ -48,7 +51,6 @@ def waypoint_items(session: Session, waypoint: WaypointSpec) -> list[Item]:
             12.0,
             hint="The hand may arrive turned about its z by any multiple of one turn divided by this",
         ),
-        Button("Insert a waypoint before it", lambda: _insert(session, waypoint)),
     ]
 
 
@@ -62,39 +64,75 @@ def _verdict(session: Session, name: str) -> Markup:
 def _set_path(session: Session, waypoint: WaypointSpec, path: str) -> None:
     values: dict[str, object] = {"path": path}
     if path == "curve" and waypoint.arc is None and not waypoint.points:
-        values["arc"] = {"axis": (0.0, 0.0, 1.0), "angle": _QUARTER}
+        values["arc"] = QUARTER_TURN
     if path != "curve":
         values |= {"arc": None, "points": None}
     session.do(lambda document: document.set_several(waypoint.name, values))
 
 
-def _arc_items(session: Session, waypoint: WaypointSpec) -> list[Item]:
-    arc = waypoint.arc
-    if waypoint.path != "curve" or arc is None:
-        return [Note(f"A curve through {len(waypoint.points)} poses; edit them as text.")] if waypoint.points else []
+def overview_item(session: Session) -> Fold:
+    """Return all waypoints in the order of visits, each with what the hand does there, and why it does not get there."""
+    items: list[Item] = []
+    for waypoint in in_order(session):
+        verdict = session.sight.verdicts.get(waypoint.name)
+        shade: Shade = "gray" if verdict is None else SHADES[verdict.standing]
+        shade = "blue" if waypoint.name == session.selected else shade
+        items.append(Button(_summary(waypoint), _selector(session, waypoint.name), shade, key=f"visit {waypoint.name}"))
+        if verdict is not None and verdict.standing != "free":
+            items.append(sign(_SIGNS[verdict.standing], verdict.cause))
+    if not items:
+        items.append(Note("None yet. *Add* puts one where the tip is; they are visited in the order of their numbers."))
+    return Fold("Waypoints in the order of visits", items)
 
-    def change(new: ArcSpec) -> None:
-        value = new.model_dump(exclude_defaults=True)
-        session.do(lambda document: document.set(waypoint.name, "arc", value, merge=f"arc of {waypoint.name}"))
 
-    def turn(axis: tuple[float, float, float]) -> None:
-        if any(abs(v) > 1e-6 for v in axis):
-            change(arc.model_copy(update={"axis": tuple(round(v, 4) for v in axis)}))
+def in_order(session: Session) -> list[WaypointSpec]:
+    """Return the waypoints by their numbers."""
+    return sorted(session.spec.waypoint, key=lambda waypoint: _number(waypoint.name))
 
-    def sweep(degrees: float) -> None:
-        change(arc.model_copy(update={"angle": round(math.radians(degrees), 4)}))
 
-    return [
-        Vector(
-            "Axis of the sweep", (arc.axis[0], arc.axis[1], arc.axis[2]), turn, 0.1, "Through the origin of the waypoint's frame"
-        ),
-        Number("Sweep [deg]", round(math.degrees(arc.angle), 2), sweep, 5.0, -360.0, 360.0),
-        Check("Turn the hand with it", arc.twist, lambda value: change(arc.model_copy(update={"twist": value}))),
-    ]
+def _summary(waypoint: WaypointSpec) -> str:
+    amount = waypoint.gripper
+    hand = amount if isinstance(amount, str) else f"hand to {amount:g}" if amount is not None else ""
+    extras = (
+        waypoint.path if waypoint.path != "plan" else "",
+        "through contact" if waypoint.ignore_collisions else "",
+        hand,
+        f"symmetry {waypoint.symmetry}" if waypoint.symmetry > 1 else "",
+    )
+    said = ", ".join(word for word in extras if word)
+    return f"{_number(waypoint.name)} on {waypoint.parent}{f': {said}' if said else ''}"
+
+
+def _number(name: str) -> int:
+    digits = name.removeprefix("waypoint")
+    return int(digits) if digits.isdecimal() else 0
+
+
+def _selector(session: Session, name: str) -> Callable[[], None]:
+    return lambda: session.select(name)
+
+
+def _order_items(session: Session, waypoint: WaypointSpec) -> list[Item]:
+    """Return what changes the order of visits."""
+    name, names = waypoint.name, tuple(w.name for w in in_order(session))
+    number = names.index(name)
+
+    def go(index: int) -> None:
+        if 0 <= index < len(names) and index != number:
+            moved: list[str] = []
+            session.do(lambda document: moved.append(document.move_waypoint(name, index)))
+            session.select(moved[0] if moved else name)
+
+    presses = {
+        "Earlier": lambda: go(number - 1),
+        "Later": lambda: go(number + 1),
+        "Insert before": lambda: _insert(session, waypoint),
+    }
+    return [Choice("Visited as", name, names, lambda value: go(names.index(value)), "The others move up"), Row("Order", presses)]
 
 
 def _insert(session: Session, waypoint: WaypointSpec) -> None:
-    index = int(waypoint.name.removeprefix("waypoint"))
+    index = _number(waypoint.name)
     values = {"parent": waypoint.parent, "pose": waypoint.pose}
     made: list[str] = []
     session.do(lambda document: made.append(document.insert_waypoint(index, values)))
