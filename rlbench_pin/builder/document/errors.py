@@ -34,7 +34,9 @@ class HasDependants(EditRefused):
     def __init__(self, name: str, dependants: Sequence[str], mentions: Sequence[str]) -> None:
         self.name, self.dependants, self.mentions = name, tuple(dependants), tuple(mentions)
         needed = [*dependants, *(f"line {mention}" for mention in mentions)]
-        hint = "Delete it with what depends on it (lines of Python stay), or change these first."
+        hint = (
+            "Delete it with what depends on it (conditions, grasps and random places that name it go too), or change these first."
+        )
         super().__init__(f"delete '{name}'", f"it is needed by {', '.join(needed)}.", hint)
 
 

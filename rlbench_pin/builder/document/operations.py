@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from rlbench_pin.builder.document.behaviour.forgetting import without_names
 from rlbench_pin.builder.document.errors import EditRefused, HasDependants
 from rlbench_pin.builder.document.history import Texts
 from rlbench_pin.builder.document.python_text import mentions
@@ -96,7 +97,7 @@ def duplicated(scene: SceneText, python: str, name: str) -> Edited:
 
 
 def deleted(scene: SceneText, python: str, name: str, *, with_dependants: bool = False) -> Edited:
-    """Take a thing away, perhaps with all that hangs on it; waypoints behind one that goes are renumbered."""
+    """Take a thing away, perhaps with all that hangs on it and what forms say of them; waypoints behind one are renumbered."""
     scene.find(name)
     hanging = scene_names.dependants(scene, name)
     source = _source_or_none(python)
@@ -108,6 +109,8 @@ def deleted(scene: SceneText, python: str, name: str, *, with_dependants: bool =
     for other in sorted(doomed - {f"waypoint{k}" for k in points}):
         scene = detached(scene, other)
         scene = SceneText(without_entry(scene, scene.find(other)), scene.path)
+    python = without_names(python, doomed)
+    source = _source_or_none(python)
     left = [line for other in sorted(doomed) for line in mentions.mentions(source, other)] if source is not None else []
     for number in points:
         gone = SceneText(without_entry(scene, scene.find(f"waypoint{number}")), scene.path)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from rlbench_pin.builder.figures import places_at_rest
+from rlbench_pin.builder.view.dropping import DropMark, Targets, hangs_on
 from rlbench_pin.builder.view.gizmo import Phase
 from rlbench_pin.builder.view.posing import in_frame, tidy
 from rlbench_pin.builder.view.scene_view import SceneView
@@ -14,8 +15,8 @@ from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.snapping import body_triangles, height_below, on_grid, resting_on, whole_turn
 from rlbench_pin.builder.view.watch import Watch
 from rlbench_pin.scene import BodySpec, SceneSpec
-from rlbench_pin.scene.spec import ROOT, PosedSpec
-from rlbench_pin.spatial import IDENTITY, TABLE_HEIGHT, FloatArray, pose_to_matrix, rotation_distance
+from rlbench_pin.scene.spec import ROOT
+from rlbench_pin.spatial import IDENTITY, TABLE_HEIGHT, FloatArray, compose, inverse, pose_to_matrix, rotation_distance
 
 _EMPTY = np.zeros((0, 3))
 
@@ -30,6 +31,8 @@ class _Grabbed:
     """Its corners (n, 3) in its own frame."""
     others: FloatArray = field(default_factory=lambda: np.zeros((0, 3, 3)))
     """Triangles (m, 3, 3) of the other bodies in the world."""
+    targets: Targets | None = None
+    """What it can be dropped onto; None where that is not wanted."""
 
 
 class Dragging:
@@ -39,10 +42,11 @@ class Dragging:
         session: What is being edited.
         view: Where it is shown.
         watch: Has the arm follow a waypoint.
+        mark: Shows onto what it would be dropped.
     """
 
-    def __init__(self, session: Session, view: SceneView, watch: Watch) -> None:
-        self._session, self._view, self._watch = session, view, watch
+    def __init__(self, session: Session, view: SceneView, watch: Watch, mark: DropMark) -> None:
+        self._session, self._view, self._watch, self._mark = session, view, watch, mark
         self._grabbed: _Grabbed | None = None
         self._number = 0
 
@@ -51,7 +55,7 @@ class Dragging:
         session = self._session
         if phase == "start" or self._grabbed is None:
             self._number += 1
-            self._grabbed = self._grab(session.selected, pose)
+            self._grabbed = replace(self._grab(session.selected, pose), targets=self._targets())
         grabbed, number = self._grabbed, self._number
         snapped = self._snapped(grabbed, pose)
         is_over = phase == "end"
@@ -59,13 +63,37 @@ class Dragging:
         self._view.move({grabbed.name: snapped})
         if session.table_of(grabbed.name) == "waypoint" and not is_over:
             self._watch.follow(snapped, begin=phase == "start")
-        if phase == "update" or (is_over and not np.allclose(snapped, grabbed.start)):
+        target = self._target(grabbed, snapped)
+        if target and is_over:
+            session.post(lambda: self._drop(grabbed.name, target, snapped, number))
+        elif phase == "update" or (is_over and not np.allclose(snapped, grabbed.start)):
             if grabbed.name != ROOT or is_over:
                 session.post(lambda: self._commit(grabbed.name, snapped, number), "" if is_over else "drag")
         elif is_over:
             session.post(session.changed)
         if is_over:
             self._grabbed = None
+            self._mark.show("")
+
+    def _targets(self) -> Targets | None:
+        spec, name = self._session.spec, self._session.selected
+        wanted = self._session.drops_onto and name != ROOT
+        return Targets(spec, places_at_rest(spec).links, name) if wanted else None
+
+    def _target(self, grabbed: _Grabbed, pose: FloatArray) -> str:
+        """Return the body onto which a dragged thing would be dropped, and mark it; empty where there is none."""
+        if grabbed.targets is None or np.allclose(pose, grabbed.start):
+            return ""
+        name, thing = grabbed.targets.below(pose[:3]), self._session.thing(grabbed.name)
+        self._mark.show(name, grabbed.targets.box(name) if name else None)
+        return name if thing is not None and thing.parent != name else ""
+
+    def _drop(self, name: str, parent: str, pose: FloatArray, number: int) -> None:
+        """Hang a thing on a body, at a world pose (7,); one step with the drag."""
+        frame = self._session.places.of(parent)
+        if frame is not None:
+            local = compose(inverse(frame), pose)
+            self._session.do(lambda document: document.attach(name, parent, local, merge=f"drag {number}"))
 
     def snap_now(self) -> None:
         """Put what is selected where it would fall; in the thread of edits."""
@@ -84,7 +112,7 @@ class Dragging:
         if snap == "table":
             return _Grabbed(name, pose, points)
         links = places_at_rest(spec).links
-        others = [body_triangles(spec, body, links) for body in spec.body if not _hangs_on(spec, body, name)]
+        others = [body_triangles(spec, body, links) for body in spec.body if not hangs_on(spec, body, name)]
         return _Grabbed(name, pose, points, np.concatenate([np.zeros((0, 3, 3)), *others]))
 
     def _snapped(self, grabbed: _Grabbed, pose: FloatArray) -> FloatArray:
@@ -126,14 +154,3 @@ def own_points(spec: SceneSpec, body: BodySpec) -> FloatArray:
 
 def _joints(spec: SceneSpec, body: BodySpec) -> tuple:
     return tuple(joint for joint in spec.joint if joint.name.startswith(f"{body.name}/"))
-
-
-def _hangs_on(spec: SceneSpec, thing: PosedSpec, name: str) -> bool:
-    """Whether a thing is the one of that name, or moves with it."""
-    parents = {other.name: other.parent.partition("/")[0] for other in spec.posed()}
-    here = thing.name
-    for _ in range(len(parents) + 1):
-        if here == name:
-            return True
-        here = parents.get(here, "")
-    return False

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from rlbench_pin.builder.contracts import OpenedTask, PlannedPath, WaypointVerdict
-from rlbench_pin.builder.document import Behaviour
+from rlbench_pin.builder.document import Behaviour, HasDependants
 from rlbench_pin.builder.figures import Places, places_at_rest
 from rlbench_pin.builder.view.contracts import Document
 from rlbench_pin.builder.view.snapping import Snap
@@ -49,11 +49,15 @@ class Session:
         sight: What the stage has seen.
         selected: Name of the selected thing; `root` is the placement of the task, empty is nothing.
         snap: What things that are dragged fall onto.
+        drops_onto: Whether a thing that is dragged over a body hangs on it afterwards.
+        needed: Why a thing was not deleted, until somebody decides; None otherwise.
     """
 
     def __init__(self, document: Document, notify: Callable[[str, str, bool], None]) -> None:
         self.document, self.sight, self.selected = document, Sight(), ""
         self.snap: Snap = "grid"
+        self.drops_onto = False
+        self.needed: HasDependants | None = None
         self._behaviour: tuple[str, Behaviour] | None = None
         self._notify = notify
         self._listeners: list[Callable[[], None]] = []
@@ -101,6 +105,7 @@ class Session:
 
     def do(self, edit: Callable[[Document], object]) -> None:
         """Make an edit; to be called in the thread of edits. What is refused is told."""
+        self.needed = None
         try:
             edit(self.document)
         except RlbenchPinError as error:
@@ -115,6 +120,8 @@ class Session:
 
     def select(self, name: str) -> None:
         """Select a thing; a name that there is none of selects nothing."""
+        if self.needed is not None and self.needed.name != name:
+            self.needed = None
         self.selected = name if name == ROOT or self.thing(name) is not None else ""
         self.changed()
 

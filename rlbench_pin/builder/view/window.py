@@ -11,6 +11,7 @@ from rlbench_pin.builder.playback.player import Player
 from rlbench_pin.builder.view.contracts import Document, Stage
 from rlbench_pin.builder.view.drafts import Drafts
 from rlbench_pin.builder.view.dragging import Dragging
+from rlbench_pin.builder.view.dropping import DropMark
 from rlbench_pin.builder.view.gizmo import Phase
 from rlbench_pin.builder.view.panels.adding import Adding
 from rlbench_pin.builder.view.panels.behaviour import behaviour_items
@@ -53,7 +54,7 @@ class Window:
         self.drafts = Drafts(self.session)
         self.view = SceneView(viser.scene, self._pick, self._drag)
         self.watch = Watch(self.session, stage, self.view.follow)
-        self._dragging = Dragging(self.session, self.view, self.watch)
+        self._dragging = Dragging(self.session, self.view, self.watch, DropMark(viser.scene))
         self._adding, self._spots = Adding(self.session, self.view.tip), ReachMarks(viser.scene)
         self._drawn, self._is_playing, self._is_wide, self._closed = -1, False, False, threading.Event()
         viser.initial_camera.position, viser.initial_camera.look_at = CAMERA, LOOK_AT

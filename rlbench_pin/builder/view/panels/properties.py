@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from rlbench_pin.builder.document import HasDependants
 from rlbench_pin.builder.view.panels.bodies import body_items
 from rlbench_pin.builder.view.panels.placement import placement_items
 from rlbench_pin.builder.view.panels.volumes import region_items, sensor_items
@@ -11,12 +12,14 @@ from rlbench_pin.builder.view.panels.waypoints import overview_item, waypoint_it
 from rlbench_pin.builder.view.posing import pose_of, position_of, turn_of
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.snapping import SNAPS
-from rlbench_pin.builder.view.widgets import Button, Choice, Entry, Item, Note, Vector
+from rlbench_pin.builder.view.widgets import Button, Check, Choice, Entry, Item, Note, Vector
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.scene import BodySpec, RegionSpec, SceneSpec, SensorSpec, WaypointSpec, resolve_asset
 from rlbench_pin.scene.spec import ROOT, WORLD, PosedSpec
 from rlbench_pin.spatial import FloatArray, compose, inverse
 from rlbench_pin.urdf import read_urdf
+
+_DROP = "Let go over a body, a thing that is dragged hangs on it: the body in the yellow box. It stays where it was let go."
 
 
 def property_items(session: Session, snap_now: Callable[[], None]) -> list[Item]:
@@ -56,21 +59,54 @@ def _name_items(session: Session, name: str) -> list[Item]:
         if made:
             session.select(made[0])
 
-    def delete(everything: bool) -> Callable[[], None]:
-        return lambda: session.do(lambda document: document.delete(name, with_dependants=everything))
-
     items.append(Button("Duplicate", duplicate))
-    items.append(Button("Delete", delete(False), "red"))
-    dependants = [t.name for t in session.spec.posed() if t.parent.partition("/")[0] == name]
-    if dependants:
-        items.append(Button("Delete with what hangs on it", delete(True), "red", hint=", ".join(dependants)))
+    items.append(Button("Delete", lambda: _delete(session, name), "red"))
+    if session.needed is not None and session.needed.name == name:
+        items += _needed_items(session, session.needed)
     return items
 
 
+def _delete(session: Session, name: str) -> None:
+    """Delete a thing; where others need it, ask first."""
+    try:
+        session.document.delete(name)
+    except HasDependants as error:
+        session.needed = error
+    session.select(session.selected)
+
+
+def _needed_items(session: Session, needed: HasDependants) -> list[Item]:
+    """Return what would go with a thing, and the question whether it may."""
+    lines = [
+        f"Nothing was deleted yet. With `{needed.name}` would go:",
+        *(f"- `{name}`, which hangs on it" for name in needed.dependants),
+    ]
+    if needed.mentions:
+        lines.append(
+            "- conditions, grasps and random places that name it; other lines of Python stay and have to be changed by hand:"
+        )
+        lines += [f"    - `{line}`" for line in needed.mentions]
+
+    def delete() -> None:
+        session.do(lambda document: document.delete(needed.name, with_dependants=True))
+
+    def keep() -> None:
+        session.needed = None
+        session.changed()
+
+    return [Note("\n".join(lines)), Button("Delete with what hangs on it", delete, "red"), Button("Keep it", keep)]
+
+
 def _rename(session: Session, old: str, new: str) -> None:
-    session.do(lambda document: document.rename(old, new))
-    if session.thing(new) is not None:
-        session.select(new)
+    left: list[str] = []
+    step = session.document.step
+    session.do(lambda document: left.extend(document.rename(old, new)))
+    if session.document.step == step:
+        return
+    session.select(new)
+    if left:
+        lines = "\n".join(f"line {line}" for line in left)
+        session.tell("Renamed", f"The Python still says '{old}' in a way that was left:\n{lines}", bad=True)
 
 
 def _place_items(session: Session, thing: PosedSpec, snap_now: Callable[[], None]) -> list[Item]:
@@ -84,17 +120,21 @@ def _place_items(session: Session, thing: PosedSpec, snap_now: Callable[[], None
         frame, here = places.of(parent), places.of(name)
         if frame is None or here is None:
             return
-        local = compose(inverse(frame), here)
-        session.do(lambda document: document.set(name, "parent", parent))
-        put(pose_of(position_of(local), turn_of(local)))
+        session.do(lambda document: document.attach(name, parent, compose(inverse(frame), here)))
 
     return [
         Choice("Parent", thing.parent, parents_of(session.spec, thing), attach, hint="With what it moves; it stays where it is"),
+        Check("Drop onto", session.drops_onto, lambda value: _set_drop(session, value), hint=_DROP),
         Vector("x y z [m]", position_of(pose), lambda value: put(pose_of(value, turn_of(pose))), 0.01),
         Vector("roll pitch yaw [deg]", turn_of(pose), lambda value: put(pose_of(position_of(pose), value)), 15.0),
         Choice("Snap to", session.snap, tuple(SNAPS), lambda value: _set_snap(session, value)),
         Button("Snap now", snap_now),
     ]
+
+
+def _set_drop(session: Session, value: bool) -> None:
+    session.drops_onto = value
+    session.changed()
 
 
 def _set_snap(session: Session, value: str) -> None:
