@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from rlbench_pin.builder.contracts import Judgement, ReachSpot
+from rlbench_pin.builder.contracts import Judgement, ReachSpot, TaskText
+from rlbench_pin.builder.document import Behaviour
 from rlbench_pin.builder.view.panels.texts import problems_of
 from rlbench_pin.builder.view.panels.tryout import permission_items
 from rlbench_pin.builder.view.session import Session
@@ -16,6 +17,8 @@ from rlbench_pin.errors import RlbenchPinError
 
 _SIGNS: dict[bool | None, Sign] = {True: "good", False: "bad", None: "busy"}
 _SHOWN = 8
+_SENTENCES, _DEMONSTRATIONS = 3, 100
+"""What the library asks of a task."""
 
 
 class Judging:
@@ -39,15 +42,19 @@ class Judging:
         self._episodes, self._layouts = 10, 60
         self.lines: dict[str, Judgement] = {}
         self.work, self._share, self._fault = "", 0.0, ""
-        self._judged_step = -1
+        self._judged: tuple[TaskText, int] | None = None
         self._spots: list[ReachSpot] = []
         self._worker = Worker("judge", self._failed)
 
     @property
     def is_green(self) -> bool:
         """Whether the texts as they stand were judged, and kept everything."""
-        judged = self._judged_step == self._session.document.step
-        return judged and not self.work and bool(self.lines) and all(line.passed for line in self.lines.values())
+        return self._is_current and not self.work and bool(self.lines) and all(line.passed for line in self.lines.values())
+
+    @property
+    def _is_current(self) -> bool:
+        """Whether the lines are about the texts as they stand."""
+        return self._judged is not None and self._judged[0] == self._session.document.text
 
     def items(self) -> list[Item]:
         """Return its buttons and lines."""
@@ -61,10 +68,38 @@ class Judging:
         ]
         items += [sign("busy", self.work), Progress(self._share)] if self.work else []
         items += [sign("bad", self._fault)] if self._fault else []
+        items += self._map_items()
+        if self.lines and not self.work and not self._is_current:
+            why = "Stopped before the end." if self._judged is None else "The files have changed since."
+            items.append(sign("doubtful", f"{why} Judge again."))
         for line in self.lines.values():
             items += self._line_items(line)
+        if not (self.lines or self.work or self._fault):
+            items.append(
+                Note("*Judge* asks all that `rlbench-pin check` asks; 10 demonstrations show most mistakes in some minutes.")
+            )
         items.append(Fold("Ready to contribute", self._ready_items()))
         return items
+
+    def _map_items(self) -> list[Item]:
+        """Return what the colours of the map mean, and how many places have each."""
+        if not self._spots:
+            return []
+        away = sum(not spot.free for spot in self._spots)
+        reached = sum(spot.free and all(spot.reached) for spot in self._spots)
+        counts: tuple[tuple[Sign, int, str], ...] = (
+            ("good", reached, "the hand gets to all waypoints"),
+            ("bad", len(self._spots) - away - reached, "it does not get to one or more"),
+            ("unknown", away, "something touches the arm at home"),
+        )
+        legend: list[Item] = [Note(f"Each dot on the table is a place of the task's root, {len(self._spots)} in all:")]
+        legend += [sign(kind, text, str(count)) for kind, count, text in counts]
+        return [Fold("Map", [*legend, Button("Take the map away", self._clear_map, disabled=bool(self.work))])]
+
+    def _clear_map(self) -> None:
+        self._spots = []
+        self._on_spots(())
+        self._session.changed()
 
     def _line_items(self, line: Judgement) -> list[Item]:
         items: list[Item] = [sign(_SIGNS[line.passed], line.figure, line.name)]
@@ -72,21 +107,38 @@ class Judging:
             label = f"Open seed {seed}, variation {variation}"
             items.append(Button(label, lambda s=seed, v=variation: self._open_at(s, v), "orange", cause))  # type: ignore[misc]
             items.append(Note(cause))
+        if (more := len(line.failures) - _SHOWN) > 0:
+            items.append(Note(f"... and {more} more."))
         return items
 
     def _ready_items(self) -> list[Item]:
         document, behaviour = self._session.document, self._session.behaviour
         sentences = behaviour.instructions
+        own = sorted({body.asset for body in self._session.spec.body if body.asset.startswith("./")})
+        judged = self._judged[1] if self._judged is not None and self.is_green else 0
         wanted = (
-            (not problems_of(self._session), "No problem in either file"),
-            (bool(self._session.spec.waypoint), "Waypoints for a demonstration"),
-            (behaviour.success is None or len(behaviour.success) > 0, "A success condition"),
-            (sentences is None or all(len(group) >= 3 for group in sentences), "Three sentences or more"),
-            (bool(behaviour.title) and bool(behaviour.description), "Docstrings that say what varies and what counts"),
-            (self.is_green, "The validator is green for the files as they stand"),
-            (not document.unsaved, "Saved"),
+            (not problems_of(self._session), "No problem in either file", "see Files"),
+            (bool(self._session.spec.waypoint), "Waypoints for a demonstration", "see Add"),
+            (behaviour.success is None or len(behaviour.success) > 0, "A success condition", "see Behaviour"),
+            (
+                self.is_green if sentences is None else all(len(group) >= _SENTENCES for group in sentences),
+                "Three sentences or more for each variation",
+                "see Behaviour",
+            ),
+            (_are_telling(behaviour), "Docstrings that say what varies and what counts", "see Behaviour"),
+            (
+                not own,
+                "All objects are from the catalogue",
+                f"{', '.join(own)}: the package needs a builder and a licence for it",
+            ),
+            (self.is_green, "The validator is green for the files as they stand", "press Judge"),
+            (judged >= _DEMONSTRATIONS, f"{_DEMONSTRATIONS} demonstrations judged", f"{judged} of the files as they stand"),
+            (not document.unsaved, "Saved", "press Save"),
         )
-        return [sign("good" if done else "unknown", text) for done, text in wanted]
+        items: list[Item] = [
+            sign("good" if done else "unknown", text if done else f"{text} ({step})") for done, text, step in wanted
+        ]
+        return [*items, Note("Then by hand: a line in `CHANGELOG.md`, a test of the goal; see `CONTRIBUTING.md`.")]
 
     # What somebody asks for ------------------------------------------------------------------------------------------
 
@@ -95,12 +147,12 @@ class Judging:
 
     def judge(self) -> None:
         """Ask what `rlbench-pin check` asks."""
-        self.lines, self._fault = {}, ""
-        step, episodes = self._session.document.step, self._episodes
+        self.lines, self._fault, self._judged = {}, "", None
+        text, episodes = self._session.document.text, self._episodes
 
         def ask() -> None:
             lines = self._watch.stage.judge(episodes, self._add_line, self._progress)
-            self._session.post(lambda: self._take(step, lines))
+            self._session.post(lambda: self._take(text, episodes, lines))
 
         self._start(f"playing {episodes} demonstrations", ask)
 
@@ -142,8 +194,8 @@ class Judging:
     def _failed(self, error: Exception) -> None:
         self._session.post(lambda: self._end(f"{type(error).__name__}: {error}"))
 
-    def _take(self, step: int, lines: Sequence[Judgement]) -> None:
-        self.lines, self._judged_step = {line.name: line for line in lines}, step
+    def _take(self, text: TaskText, episodes: int, lines: Sequence[Judgement]) -> None:
+        self.lines, self._judged = {line.name: line for line in lines}, (text, episodes)
 
     def _add_line(self, line: Judgement) -> None:
         def add() -> None:
@@ -171,3 +223,8 @@ class Judging:
     def close(self) -> None:
         """End its thread."""
         self._worker.stop()
+
+
+def _are_telling(behaviour: Behaviour) -> bool:
+    """Whether the docstrings say something, and not the same twice, as those of a new task."""
+    return bool(behaviour.title) and bool(behaviour.description) and behaviour.title != behaviour.description

@@ -12,7 +12,7 @@ from rlbench_pin.builder.view.panels.waypoints import overview_item, waypoint_it
 from rlbench_pin.builder.view.posing import pose_of, position_of, turn_of
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.snapping import SNAPS
-from rlbench_pin.builder.view.widgets import Button, Check, Choice, Entry, Item, Note, Vector
+from rlbench_pin.builder.view.widgets import Button, Check, Choice, Entry, Item, Note, Row, Vector
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.scene import BodySpec, RegionSpec, SceneSpec, SensorSpec, WaypointSpec, resolve_asset
 from rlbench_pin.scene.spec import ROOT, WORLD, PosedSpec
@@ -59,8 +59,7 @@ def _name_items(session: Session, name: str) -> list[Item]:
         if made:
             session.select(made[0])
 
-    items.append(Button("Duplicate", duplicate))
-    items.append(Button("Delete", lambda: _delete(session, name), "red"))
+    items.append(Row(session.table_of(name).capitalize(), {"Duplicate": duplicate, "Delete": lambda: _delete(session, name)}))
     if session.needed is not None and session.needed.name == name:
         items += _needed_items(session, session.needed)
     return items

@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 from rlbench_pin.builder.contracts import Frame, Recording
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.watch import Watch
-from rlbench_pin.builder.view.widgets import Button, Check, Fold, Item, Note, Number, Picture
+from rlbench_pin.builder.view.widgets import Button, Check, Fold, Item, Note, Number, Picture, Row
 from rlbench_pin.builder.view.widgets.signs import sign
 from rlbench_pin.scene import BodySpec
 
 _PICTURE = 160
 _LARGEST_SEED = 2**31 - 1
+_SPANS = (0.05, 0.5, 2.0, 10.0)
+"""How long time may pass at once [s]; the first is one control tick."""
 
 
 class Player(Protocol):
@@ -63,12 +65,10 @@ class Tryout:
         items += [
             Number("Seed", self.seed, self._set_seed, 1.0, 0.0, _LARGEST_SEED),
             Number(f"Variation, 0 to {variations - 1}", self.variation, self._set_variation, 1.0, 0.0, variations - 1.0),
+            Row("Lay out", {"Seed before": self._before, "Next seed": self._next, "Random seed": self._random}),
             Button("Reset", self.reset, "blue", hint="Lay out the episode of this seed"),
-            Button("Next seed", lambda: self._go(self.seed + 1)),
-            Button("Seed before", lambda: self._go(max(0, self.seed - 1))),
-            Button("Random seed", lambda: self._go(int(self._rng.integers(0, _LARGEST_SEED)))),
-            Button("Simulate 2 s", lambda: self.simulate(2.0)),
             Button("Demonstration", self.demonstrate, "blue", disabled=not self._watch.run_task),
+            Row("Let time pass", {f"{span:g} s": self._passing(span) for span in _SPANS}),
             Button("Plan paths", self._watch.plan),
             Button("Stop", self.stop, "red", disabled=not sight.work),
         ]
@@ -88,6 +88,18 @@ class Tryout:
 
     def _set_variation(self, value: float) -> None:
         self.variation = int(value)
+
+    def _before(self) -> None:
+        self._go(max(0, self.seed - 1))
+
+    def _next(self) -> None:
+        self._go(min(self.seed + 1, _LARGEST_SEED))
+
+    def _random(self) -> None:
+        self._go(int(self._rng.integers(0, _LARGEST_SEED)))
+
+    def _passing(self, seconds: float) -> Callable[[], None]:
+        return lambda: self.simulate(seconds)
 
     def _go(self, seed: int) -> None:
         self.seed = seed
