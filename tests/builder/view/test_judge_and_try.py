@@ -104,7 +104,7 @@ def test_seeds_are_walked_through(copied: Copied, show: Show) -> None:
         settle(window)
         return stage.asked[-1]
 
-    assert [press("Next seed"), press("Next seed"), press("Seed before")] == ["reset 1 0", "reset 2 0", "reset 1 0"]
-    assert [press("Seed before"), press("Seed before")] == ["reset 0 0", "reset 0 0"]
-    assert press("Random seed") != "reset 0 0"
+    assert [press("Next"), press("Next"), press("Before")] == ["reset 1 0", "reset 2 0", "reset 1 0"]
+    assert [press("Before"), press("Before")] == ["reset 0 0", "reset 0 0"]
+    assert press("Random") != "reset 0 0"
     assert [press("0.05 s"), press("2 s")] == ["simulate 0.05", "simulate 2.0"]

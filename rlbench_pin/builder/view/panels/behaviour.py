@@ -92,7 +92,7 @@ def _graspable_items(session: Session, behaviour: Behaviour, put: Callable[[obje
     bodies = [body.name for body in session.spec.body if body.collides and (not body.fixed or body.name in names)]
     others = [name for name in names if name not in bodies]
     items: list[Item] = [Check(name, name in names, change(name)) for name in (*bodies, *others)]
-    return items or [Note("Nothing is here that moves.")]
+    return items or [Note("Nothing is here that moves: *Add* a body that is not fixed.")]
 
 
 def _condition_items(vocabulary: Vocabulary, conditions: Conditions | None, put: Callable[[Conditions], None]) -> list[Item]:

@@ -65,7 +65,7 @@ class Tryout:
         items += [
             Number("Seed", self.seed, self._set_seed, 1.0, 0.0, _LARGEST_SEED),
             Number(f"Variation, 0 to {variations - 1}", self.variation, self._set_variation, 1.0, 0.0, variations - 1.0),
-            Row("Lay out", {"Seed before": self._before, "Next seed": self._next, "Random seed": self._random}),
+            Row("Other seed", {"Before": self._before, "Next": self._next, "Random": self._random}),
             Button("Reset", self.reset, "blue", hint="Lay out the episode of this seed"),
             Button("Demonstration", self.demonstrate, "blue", disabled=not self._watch.run_task),
             Row("Let time pass", {f"{span:g} s": self._passing(span) for span in _SPANS}),
