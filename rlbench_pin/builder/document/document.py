@@ -206,13 +206,13 @@ class TaskDocument:
 
     def insert_waypoint(self, index: int, values: Mapping[str, Any]) -> str:
         """Add a waypoint before the one of that number; those behind are renumbered wherever they are named."""
-        edit = operations.waypoint_inserted
-        return self._edit("insert waypoint", lambda scene, python: edit(scene, python, index, values)).name
+        return self._edit(
+            "insert waypoint", lambda scene, python: operations.waypoint_inserted(scene, python, index, values)
+        ).name
 
     def move_waypoint(self, name: str, index: int) -> str:
         """Visit a waypoint as the one of that number, and return its name then; all are renumbered wherever they are named."""
-        edit = operations.waypoint_moved
-        return self._edit(f"reorder {name}", lambda scene, python: edit(scene, python, name, index)).name
+        return self._edit(f"reorder {name}", lambda scene, python: operations.waypoint_moved(scene, python, name, index)).name
 
     def attach(self, name: str, parent: str, pose: Any, merge: str = "") -> None:
         """Hang a thing on another, at a pose in its frame that is written without rounding what counts."""

@@ -51,6 +51,7 @@ class Session:
         snap: What things that are dragged fall onto.
         drops_onto: Whether a thing that is dragged over a body hangs on it afterwards.
         needed: Why a thing was not deleted, until somebody decides; None otherwise.
+        typed: Files in whose fields something is typed that is not applied.
     """
 
     def __init__(self, document: Document, notify: Callable[[str, str, bool], None]) -> None:
@@ -58,6 +59,7 @@ class Session:
         self.snap: Snap = "grid"
         self.drops_onto = False
         self.needed: HasDependants | None = None
+        self.typed: set[str] = set()
         self._behaviour: tuple[str, Behaviour] | None = None
         self._notify = notify
         self._listeners: list[Callable[[], None]] = []
@@ -132,6 +134,19 @@ class Session:
         if added:
             self.select(added[0])
         return added[0] if added else ""
+
+    def typing(self, file: str, is_typed: bool) -> None:
+        """Take note of whether something is typed in the field of a file that is not applied."""
+        (self.typed.add if is_typed else self.typed.discard)(file)
+        self.changed()
+
+    def save(self) -> None:
+        """Save both files, and say what is left out."""
+        self.do(lambda document: document.save())
+        if not self.document.unsaved:
+            self.tell("Saved", f"{self.document.folder / self.document.name}.toml and .py")
+        if self.typed:
+            self.tell("Not saved", f"What is typed in {' and '.join(sorted(self.typed))}: press Apply in Files first.", bad=True)
 
     def changed(self) -> None:
         """Tell all listeners."""

@@ -100,7 +100,7 @@ class Window:
         redo = gui.add_command("Redo", hotkey="Y", modifier="cmd/ctrl")
         redo.on_trigger(lambda _: session.post(lambda: session.do(lambda document: document.redo())))
         save = gui.add_command("Save", hotkey="S", modifier="cmd/ctrl")
-        save.on_trigger(lambda _: session.post(lambda: session.do(lambda document: document.save())))
+        save.on_trigger(lambda _: session.post(session.save))
 
     # What happens ----------------------------------------------------------------------------------------------------
 

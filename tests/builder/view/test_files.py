@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from urllib.parse import unquote
 
 import pytest
 from viser import ViserServer
 
 from rlbench_pin.builder.contracts import Problem
-from rlbench_pin.builder.view.panels.texts import problem_html
-from rlbench_pin.builder.view.widgets import Code
+from rlbench_pin.builder.document import TaskDocument
+from rlbench_pin.builder.view.panels.texts import problem_html, text_items
+from rlbench_pin.builder.view.panels.tree import header_items
+from rlbench_pin.builder.view.widgets import Code, Fold, Note
 from rlbench_pin.builder.view.widgets.code import CodeField, numbered
+from tests.builder.view.conftest import Show, settle
+from tests.builder.view.stand_ins import StageStandIn
 
 
 @pytest.fixture
@@ -23,7 +27,7 @@ def viser() -> Iterator[ViserServer]:
 
 
 def _code(value: str, marked: tuple[int, ...] = ()) -> Code:
-    return Code("a.toml", value, lambda text: None, marked)
+    return Code("a.toml", value, lambda text: None, lambda is_typed: None, marked)
 
 
 def test_lines_have_numbers_and_wrong_ones_are_red() -> None:
@@ -48,6 +52,24 @@ def test_what_was_typed_outlives_another_edit(viser: ViserServer) -> None:
     field.show(_code("four"))
     field.show(_code("three"))  # undone
     assert field.typed == "three"
+
+
+def test_saving_says_what_is_typed_and_not_applied(copied: Callable[[str], TaskDocument], show: Show) -> None:
+    """The file gets what was applied; the page says that more is typed, until it is applied or discarded."""
+    window, told = show(copied("pick_and_lift"), StageStandIn()), list[str]()
+    window.session._notify = lambda title, text, bad: told.append(f"{title}: {text}")
+    code = next(item.items[1] for item in text_items(window.session, lambda: None) if isinstance(item, Fold))
+    assert isinstance(code, Code)
+    code.on_typing(True)
+    window.session.post(window.session.save)
+    settle(window)
+    assert any(text.startswith("Not saved: What is typed in pick_and_lift.toml") for text in told)
+    assert any(isinstance(item, Note) and "not applied" in item.text for item in header_items(window.session))
+    code.on_typing(False)
+    told.clear()
+    window.session.post(window.session.save)
+    settle(window)
+    assert len(told) == 1 and told[0].startswith("Saved: ")
 
 
 @pytest.mark.parametrize(

@@ -40,10 +40,13 @@ def _file(session: Session, kind: FileKind, name: str, text: str) -> Fold:
     def commit(new: str) -> None:
         session.do(lambda document: document.set_scene_text(new) if kind == "scene" else document.set_python_text(new))
 
+    def typing(is_typed: bool) -> None:
+        session.post(lambda: session.typing(name, is_typed))
+
     problems = [problem for problem in problems_of(session) if problem.file == kind]
     shown = "".join(problem_html(text, problem) for problem in problems) or _NO_PROBLEM
     marked = tuple(problem.line for problem in problems if problem.line is not None)
-    return Fold(name, [Markup(shown), Code(name, text, commit, marked)])
+    return Fold(name, [Markup(shown), Code(name, text, commit, typing, marked)])
 
 
 def problems_of(session: Session) -> list[Problem]:

@@ -65,17 +65,13 @@ def header_items(session: Session) -> list[Item]:
         Note(title),
         Button(f"Undo: {undo}" if undo else "Undo", lambda: session.do(lambda d: d.undo()), disabled=not undo, key="undo"),
         Button(f"Redo: {redo}" if redo else "Redo", lambda: session.do(lambda d: d.redo()), disabled=not redo, key="redo"),
-        Button("Save", lambda: _save(session), "blue" if document.unsaved else "gray", key="save"),
+        Button("Save", session.save, "blue" if document.unsaved else "gray", key="save"),
     ]
+    if session.typed:
+        items.append(Note(f"Typed in {' and '.join(sorted(session.typed))}, not applied: see *Files*."))
     if problems := document.problems:
         lines = [
             f"- `{document.name}.{'toml' if p.file == 'scene' else 'py'}` line {p.line or '-'}: {p.message}" for p in problems
         ]
         items.append(Fold(f"Problems ({len(problems)})", [Note("\n".join(lines))]))
     return items
-
-
-def _save(session: Session) -> None:
-    session.do(lambda document: document.save())
-    if not session.document.unsaved:
-        session.tell("Saved", f"{session.document.folder / session.document.name}.toml and .py")

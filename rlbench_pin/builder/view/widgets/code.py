@@ -85,6 +85,7 @@ class CodeField:
         is_typed = self.typed != self._item.value
         if is_typed != self.discard.visible:
             self.discard.visible = self._note.visible = is_typed
+            self._item.on_typing(is_typed)
             self.apply.color = "blue" if is_typed else "gray"
         words = _TYPED if self._item.value == self._shown else _OVERTAKEN
         if is_typed and words not in self._note.content:
@@ -95,7 +96,7 @@ class CodeField:
         self._form.remove()
 
 
-_TYPED = "Typed, not applied yet: neither the scene nor Save knows of it."
+_TYPED = "Typed, not applied yet: the scene does not know of it, and Save leaves it out."
 _OVERTAKEN = (
     "The file was changed while you typed. Apply puts your text in its place (Undo brings it back); Discard shows the file."
 )

@@ -170,6 +170,8 @@ class Code:
     """What it says."""
     on_commit: Callable[[str], None]
     """Called with the text that somebody has typed."""
+    on_typing: Callable[[bool], None]
+    """Called with whether something is typed that is not applied, when that changes; from any thread."""
     marked: tuple[int, ...] = ()
     """Lines, from 1, in which something is wrong."""
 
