@@ -42,6 +42,7 @@ class SceneView:
         self._spec, self._places, self._selected = SceneSpec(format=2), Places({}, {}), ROOT
         self._verdicts: Mapping[str, WaypointVerdict] = {}
         self._curves: tuple[PlannedPath, ...] = ()
+        self._ghosts: set[str] = set()
         self._model = RobotModel(robot_description(DEFAULT_ROBOT))
         self._q: FloatArray = self._model.home
         self._follows, self._is_playing = "", False
@@ -118,14 +119,15 @@ class SceneView:
         shown = {
             w.name for w in self._spec.waypoint if self.hands == "all" or (self.hands == "selected" and w.name == self._selected)
         }
-        for name in self.figures.ghosts:
-            if name not in shown or self._is_playing:
-                self.figures.remove_ghost(name)
+        for name in self._ghosts - (set() if self._is_playing else shown):
+            self.figures.remove_ghost(name)  # those of a failure are not ours
+            self._ghosts.discard(name)
         for waypoint in self._spec.waypoint:
             pose, verdict = self._places.of(waypoint.name), self._verdicts.get(waypoint.name)
             if waypoint.name in shown and pose is not None and not self._is_playing:
                 color = WHITE if verdict is None else _COLORS[verdict.standing]
                 self.figures.ghost(waypoint.name, pose, color)
+                self._ghosts.add(waypoint.name)
 
     def _show_paths(self, paths: tuple[PlannedPath, ...]) -> None:
         if paths is self._curves:

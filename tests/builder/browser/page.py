@@ -17,7 +17,7 @@ from selenium.webdriver.remote.webelement import WebElement
 from viser import ViserServer
 
 Found = TypeVar("Found")
-PATIENCE = 120.0
+PATIENCE = 30.0
 """So long a thing may take to appear [s]: the browser draws without a graphics card."""
 _OPTIONS = (
     "--headless=new",

@@ -11,20 +11,19 @@ from tests.builder.browser.conftest import Desk, Sit
 from tests.builder.browser.page import until
 
 SCENE, PYTHON = "pick_and_lift.toml", "pick_and_lift.py"
+SOON = 20.0
 PLACE, ELSEWHERE = "pose = [0.0, 0.12, 0.0225]", "pose = [0.05, 0.12, 0.0225]"
 
 
 def _stands(desk: Desk, x: float) -> None:
     """Wait until the body stands there in the page's scene."""
-    node = desk.window.view.figures
-    assert node is not None
-    until(lambda: abs(desk.session.places.things["distractor0"][0] - 0.25 - x) < 1e-9, f"the body at {x}")
-    until(lambda: abs(_drawn_at(desk)[0] - 0.25 - x) < 1e-6, f"the body drawn at {x}")
+    until(lambda: abs(desk.session.places.things["distractor0"][0] - 0.25 - x) < 1e-9, f"the body at {x}", SOON)
+    until(lambda: abs(_drawn_at(desk)[0] - 0.25 - x) < 1e-6, f"the body drawn at {x}", SOON)
 
 
 def _drawn_at(desk: Desk) -> np.ndarray:
     """Return where the page's scene has the body."""
-    script = "return [...window.__viserSceneTree.getState()['/bodies/distractor0/0'].position]"
+    script = "return [...window.__viserMutable.nodePoseData['/bodies/distractor0/0'].position]"
     return np.array(desk.page.browser.execute_script(script))
 
 
@@ -55,8 +54,9 @@ def test_texts_are_edited_in_place(sit: Sit, copied: Callable[[str], TaskDocumen
     _apply(desk, PYTHON, before.python)
     until(lambda: "Problems" not in page.text, "no problems")
     while document.undoable:
-        page.press(f"Undo: {(label := document.undoable)}")
-        until(lambda label=label, step=document.step: document.step != step or document.undoable != label, "undone")  # type: ignore[misc]
+        step = document.step
+        page.press(f"Undo: {document.undoable}")
+        until(lambda step=step: document.step != step, "undone")  # type: ignore[misc]
     assert document.text == before
     assert page.errors() == []
 

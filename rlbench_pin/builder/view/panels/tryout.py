@@ -12,7 +12,7 @@ from rlbench_pin.builder.contracts import Frame, Recording
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.watch import Watch
 from rlbench_pin.builder.view.widgets import Button, Check, Fold, Item, Note, Number, Picture, Row
-from rlbench_pin.builder.view.widgets.signs import sign
+from rlbench_pin.builder.view.widgets.signs import NOTHING, sign
 from rlbench_pin.scene import BodySpec
 
 _PICTURE = 160
@@ -72,8 +72,8 @@ class Tryout:
             Button("Plan paths", self._watch.plan),
             Button("Stop", self.stop, "red", disabled=not sight.work),
         ]
-        items += [sign("busy", sight.work)] if sight.work else []
-        items += [sign("bad", sight.fault)] if sight.fault else []
+        items.append(sign("busy", sight.work) if sight.work else NOTHING)  # always there: what follows is not made anew
+        items.append(sign("bad", sight.fault) if sight.fault else NOTHING)
         items.append(Fold("Cameras", self._camera_items(), is_open=False))
         return items
 

@@ -11,6 +11,9 @@ Sign = Literal["good", "doubtful", "bad", "busy", "unknown"]
 """What the dot says."""
 _COLORS: dict[Sign, str] = {"good": "#2b9348", "doubtful": "#e08a00", "bad": "#d6302b", "busy": "#2a6fdb", "unknown": "#9aa0a6"}
 
+NOTHING = Markup("")
+"""Stands where a line may be, so that what follows keeps its place."""
+
 
 def sign(kind: Sign, text: str, strong: str = "") -> Markup:
     """Return a line with a dot.
