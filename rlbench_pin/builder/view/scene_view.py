@@ -10,6 +10,7 @@ from viser import SceneApi
 
 from rlbench_pin.builder.contracts import Frame, PlannedPath, WaypointVerdict
 from rlbench_pin.builder.figures import Figures, Places, places_at_rest
+from rlbench_pin.builder.playback.player import NEAREST
 from rlbench_pin.builder.view.gizmo import Gizmo, OnDrag
 from rlbench_pin.builder.view.shapes import Shapes
 from rlbench_pin.robot import DEFAULT_ROBOT, RobotModel, robot_description
@@ -56,6 +57,7 @@ class SceneView:
             self._spec, self._places, self._is_playing = spec, places_at_rest(spec), False
             self.faults = self.figures.show(spec)
             self.figures.mark(())
+            self.figures.remove_ghost(NEAREST)
             if self._follows == "":
                 self._put_arm(self._model.home)
 

@@ -13,9 +13,18 @@ from selenium.webdriver.common.keys import Keys
 from tests.builder.browser.conftest import Desk
 
 ODD = (
-    "", "0", "-1", "1e308", "-1e-308", "1e999", "NaN", "Infinity", "0.05", "12", "9" * 400, "a", "block", "root", "world", "waypoint0",
-    "block/base", "../../x", "'\"\\", "ä ö \u202e ß \U0001f916", "</textarea><script>alert(1)</script>", "[[body]]", "\t", "name = 1", "%s%n",
-)  # fmt: skip
+    *("", "0", "-1", "1e308", "-1e-308", "1e999", "NaN", "Infinity", "0.05", "12", "9" * 400, "a", "block", "root", "world"),
+    *(
+        "waypoint0",
+        "block/base",
+        "../../x",
+        "'\"\\",
+        "ä ö \u202e ß \U0001f916",
+        "</textarea><script>alert(1)</script>",
+        "[[body]]",
+    ),
+    *("\t", "name = 1", "%s%n"),
+)
 _FIND = """
 const seen = e => e.offsetParent !== null && !e.disabled && !e.closest('[data-disabled]') && e.type !== 'file';
 const found = [...document.querySelectorAll(arguments[0])].filter(seen)
