@@ -133,7 +133,7 @@ def test_a_task(serve: Serve, browser: Chrome) -> None:
     _says(browser, "reach_target, seed 0")
     button = until(lambda: browser.find_element(By.XPATH, "//button[normalize-space()='Play the demonstration']"), "the button")
     button.click()
-    _says(browser, "frame 2 of")
+    _says(browser, "to waypoint0")
     _ends_cleanly(served)
 
 
@@ -145,10 +145,8 @@ def test_a_dataset(serve: Serve, browser: Chrome, tmp_path: Path) -> None:
     served = serve("view", tmp_path / "data", "--live", "--no-browser")
     browser.get(served.address)
     _says(browser, "goal reached")
-    button = browser.find_element(By.XPATH, "//*[normalize-space(text())='step >']")
     for label in ("< leg", "step >"):
-        button = browser.find_element(By.XPATH, f"//*[normalize-space(text())='{label}']")
-        button.click()
+        browser.find_element(By.XPATH, f"//*[normalize-space(text())='{label}']").click()
     _says(browser, "frame 2 of")
     _ends_cleanly(served)
 

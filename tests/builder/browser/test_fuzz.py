@@ -18,6 +18,8 @@ from tests.builder.browser.wild_user import WildUser
 BURST = 12
 WORK = ("Judge", "Map of what", "Simulate", "Demonstration", "Plan paths")
 """Buttons that keep a machine busy for long; the long form presses them, too."""
+SAVE_AS = "showSaveFilePicker"
+"""What the page's own menu asks of a browser that has nobody to answer."""
 Copied = Callable[[str], TaskDocument]
 
 
@@ -30,7 +32,7 @@ def _check(desk: Desk, user: WildUser, caplog: pytest.LogCaptureFixture, capfd: 
     assert [record.getMessage() for record in caplog.records if record.levelno >= logging.ERROR] == [], story
     assert "Traceback" not in out + err, f"{out}{err}\n{story}"
     assert "A mistake of the builder" not in desk.page.text, story
-    assert desk.page.errors() == [], story
+    assert [error for error in desk.page.errors() if SAVE_AS not in error] == [], story
     document = desk.document
     if all(problem.file != "scene" for problem in document.problems):
         file = document.folder / "looked_at.toml"
