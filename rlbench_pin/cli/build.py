@@ -42,7 +42,7 @@ class Build(arguments.Build):
                 threading.Event().wait()
             finally:
                 window.close()
-                if document.unsaved:
+                if document.unsaved and document.step:
                     draft = window.drafts.file
                     kept = (
                         "and no draft of it is kept"

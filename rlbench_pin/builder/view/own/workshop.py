@@ -10,7 +10,8 @@ import json
 import os
 import resource
 import sys
-from collections.abc import Sequence
+import threading
+import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -82,9 +83,17 @@ def _limit(most: int) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def main(arguments: Sequence[str] = ()) -> None:
+def _end_with(owner: int) -> None:
+    """End this process soon after the one that started it, whatever it is at."""
+    while os.getppid() == owner:
+        time.sleep(0.5)
+    os._exit(1)
+
+
+def main() -> None:
     """Do one order."""
     _limit(MEMORY)
+    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what libraries print is no answer
 

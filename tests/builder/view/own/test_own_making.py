@@ -79,6 +79,33 @@ def test_what_is_refused_is_told() -> None:
     assert "'a.stl' is not taken" in str(refused)
 
 
+_OWNER = """
+import sys, time
+import numpy as np, trimesh
+from rlbench_pin.builder.view.own.making import Making
+from rlbench_pin.builder.view.own.meshes import obj_text
+from rlbench_pin.builder.view.own.workshop import Order
+rng = np.random.default_rng(0)
+soup = trimesh.Trimesh(rng.random((3000, 3)) * 0.2, rng.integers(0, 3000, (2000, 3)), process=False)
+order = Order("soup.obj", "/nowhere", 1.0, 1.0, (1.0, 0.0, 0.0))
+made = Making(order, obj_text(soup).encode(), lambda note: print(made._process.pid, note, flush=True), print)
+time.sleep(600)
+"""
+
+
+def test_no_process_outlives_a_killed_builder() -> None:
+    """A mesh that keeps the library busy for minutes ends with whoever asked."""
+    owner = subprocess.Popen([sys.executable, "-c", _OWNER], stdout=subprocess.PIPE, text=True)
+    assert owner.stdout is not None
+    pid = next(line.split()[0] for line in owner.stdout if "apart" in line)
+    owner.kill()
+    owner.communicate()
+    end = time.monotonic() + 20.0
+    while Path(f"/proc/{pid}").exists() and time.monotonic() < end:
+        time.sleep(0.1)
+    assert not Path(f"/proc/{pid}").exists()
+
+
 # In the page ----------------------------------------------------------------------------------------------------------
 
 
