@@ -44,11 +44,7 @@ class Build(arguments.Build):
                 window.close()
                 if document.unsaved and document.step:
                     draft = window.drafts.file
-                    kept = (
-                        "and no draft of it is kept"
-                        if draft is None
-                        else f"kept as a draft, offered at the next opening: {draft}"
-                    )
+                    kept = "no draft of it is kept" if draft is None else f"the next opening offers it, from {draft}"
                     print(f"Not saved: what was changed in '{document.name}' since it was last saved; {kept}.")
         return 0
 

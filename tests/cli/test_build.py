@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
+import time
 import urllib.error
 import urllib.request
 from pathlib import Path
@@ -12,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from rlbench_pin.cli.main import main
+from tests.builder.server.raw_page import RawPage
 
 SHOWN = 60.0
 
@@ -51,3 +53,31 @@ def test_the_page_is_served_until_it_is_interrupted(tmp_path: Path) -> None:
         assert process.wait(SHOWN) == 130
         assert "Traceback" not in process.stderr.read()
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.simulation
+def test_what_was_not_saved_is_offered_again(tmp_path: Path) -> None:
+    """After Ctrl-C, with a line that says where it is; a server that is killed afterwards has saved it."""
+    command = [sys.executable, "-m", "rlbench_pin.cli.main", "build", "fresh", "--out", str(tmp_path), "--no-browser"]
+    for label, ending in (("Add frame", signal.SIGINT), ("Take up the draft", signal.SIGKILL)):
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
+            assert process.stdout is not None
+            process.stdout.readline()
+            port, token = process.stdout.readline().split()[0].rstrip("/").rsplit(":", 1)[1].split("/")
+            try:
+                page = RawPage((int(port), token), "")
+                page.press(label)
+                time.sleep(2.0)
+                if ending == signal.SIGKILL:
+                    page.press("Save")
+                    page.told("Saved")
+                process.send_signal(ending)
+                process.wait(SHOWN)
+            finally:
+                process.kill()
+            said = process.stdout.read()
+        if ending == signal.SIGINT:
+            assert f"the next opening offers it, from {tmp_path / '.fresh.draft'}" in said
+            assert [file.name for file in tmp_path.iterdir()] == [".fresh.draft"]
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["fresh.py", "fresh.toml"]
+    assert "[[frame]]" in (tmp_path / "fresh.toml").read_text()

@@ -91,6 +91,17 @@ class RawPage:
             return False
         return True
 
+    def press(self, label: str, timeout: float = 60.0) -> None:
+        """Press the button that is called so, once it is there."""
+        end = time.monotonic() + timeout
+        while time.monotonic() < end:
+            found = [m["uuid"] for m in tuple(self._heard) if m.get("props", {}).get("label") == label]
+            if found:
+                self.say({"type": "GuiUpdateMessage", "uuid": found[-1], "updates": {"value": True}})
+                return
+            time.sleep(0.05)
+        raise AssertionError(f"no button '{label}'")
+
     def told(self, words: str, timeout: float = 20.0) -> str:
         """Return the message in the page that has some words, or fail."""
         end = time.monotonic() + timeout
