@@ -46,7 +46,7 @@ STEP, FARTHEST = 0.02, 6
 """How far a step drags it [m], and how many steps it is dragged before it is dragged back."""
 SENT = ("GuiUpdateMessage", "TransformControlsUpdateMessage")
 """What the page sends of an input."""
-WARM_UP, REPEATS = 2, 12
+WARM_UP, REPEATS = 3, 20
 
 
 @dataclass(frozen=True)
