@@ -206,9 +206,8 @@ class TaskDocument:
 
     def insert_waypoint(self, index: int, values: Mapping[str, Any]) -> str:
         """Add a waypoint before the one of that number; those behind are renumbered wherever they are named."""
-        return self._edit(
-            "insert waypoint", lambda scene, python: operations.waypoint_inserted(scene, python, index, values)
-        ).name
+        edit = operations.waypoint_inserted
+        return self._edit("insert waypoint", lambda scene, python: edit(scene, python, index, values)).name
 
     def move_waypoint(self, name: str, index: int) -> str:
         """Visit a waypoint as the one of that number, and return its name then; all are renumbered wherever they are named."""

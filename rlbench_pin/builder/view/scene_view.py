@@ -12,7 +12,7 @@ from rlbench_pin.builder.contracts import Frame, PlannedPath, WaypointVerdict
 from rlbench_pin.builder.figures import Figures, Places, places_at_rest
 from rlbench_pin.builder.playback.player import NEAREST
 from rlbench_pin.builder.view.gizmo import Gizmo, OnDrag
-from rlbench_pin.builder.view.shapes import Shapes
+from rlbench_pin.builder.view.shapes import CurvePoses, Shapes
 from rlbench_pin.robot import DEFAULT_ROBOT, RobotModel, robot_description
 from rlbench_pin.scene import BodySpec, SceneSpec
 from rlbench_pin.scene.spec import ROOT
@@ -40,6 +40,7 @@ class SceneView:
         self._scene = scene
         self.figures = Figures(scene, on_pick=lambda name: on_pick(name.partition("/")[0]))
         self._shapes, self._gizmo = Shapes(scene, on_pick), Gizmo(scene, on_drag)
+        self._curve = CurvePoses(scene)
         self._spec, self._places, self._selected = SceneSpec(format=2), Places({}, {}), ROOT
         self._verdicts: Mapping[str, WaypointVerdict] = {}
         self._curves: tuple[PlannedPath, ...] = ()
@@ -75,6 +76,7 @@ class SceneView:
                 self._put_arm(self._model.home)
             self._shapes.show(_NOTHING if self._is_playing else self._spec, self._places, selected)
             self._show_hands()
+            self._show_curve()
             self._show_paths(paths)
             if not self.is_dragging:
                 self._gizmo.show(None if self._is_playing else self._places.of(selected))
@@ -86,6 +88,7 @@ class SceneView:
             self.figures.move(self._places.links)
             self._shapes.move(self._places)
             self._show_hands()
+            self._show_curve()
 
     def cast_shadows(self, cast: bool) -> None:
         """Draw shadows or not; without a graphics card they take half of the time of a picture."""
@@ -105,6 +108,7 @@ class SceneView:
                 self._is_playing = True
                 self._shapes.show(_NOTHING, self._places, "")
                 self._show_hands()
+                self._show_curve()
                 self._gizmo.show(None)
 
     def follow(self, q: FloatArray) -> None:
@@ -130,6 +134,10 @@ class SceneView:
                 color = WHITE if verdict is None else _COLORS[verdict.standing]
                 self.figures.ghost(waypoint.name, pose, color)
                 self._ghosts.add(waypoint.name)
+
+    def _show_curve(self) -> None:
+        chosen = None if self._is_playing else next((w for w in self._spec.waypoint if w.name == self._selected), None)
+        self._curve.show(chosen, self._places.of(self._selected))
 
     def _show_paths(self, paths: tuple[PlannedPath, ...]) -> None:
         if paths is self._curves:

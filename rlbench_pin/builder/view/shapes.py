@@ -1,4 +1,4 @@
-"""What simulation does not show: regions, sensors and frames, as translucent shapes and small axes."""
+"""What simulation does not show: regions, sensors and frames, as translucent shapes and small axes; poses of curves."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
-from viser import BoxHandle, CylinderHandle, FrameHandle, IcosphereHandle, SceneApi
+from viser import BoxHandle, CylinderHandle, FrameHandle, IcosphereHandle, LineSegmentsHandle, SceneApi
 
 from rlbench_pin.builder.figures import Places
-from rlbench_pin.scene import FrameSpec, RegionSpec, SceneSpec, SensorSpec
-from rlbench_pin.spatial import FloatArray
+from rlbench_pin.scene import FrameSpec, RegionSpec, SceneSpec, SensorSpec, WaypointSpec
+from rlbench_pin.spatial import FloatArray, compose
 
 REGION, SENSOR, CHOSEN = (50, 110, 220), (150, 70, 200), (255, 200, 0)
 _THIN = 0.002
@@ -66,6 +66,37 @@ class Shapes:
             node = self._scene.add_box(path, rgb, edges, opacity=0.3, cast_shadow=False)
         node.on_click(lambda _: self._on_pick(thing.name))  # type: ignore[union-attr]
         return node
+
+
+class CurvePoses:
+    """Draws the poses that the curve to a waypoint passes, with lines between them.
+
+    Args:
+        scene: Where to draw.
+    """
+
+    def __init__(self, scene: SceneApi) -> None:
+        self._scene = scene
+        self._shown: list[FrameHandle | LineSegmentsHandle] = []
+
+    def show(self, waypoint: WaypointSpec | None, pose: FloatArray | None) -> None:
+        """Draw those of a waypoint at a world pose (7,); None, and one without a curve of poses, has none."""
+        for handle in self._shown:
+            handle.remove()
+        self._shown.clear()
+        if waypoint is None or pose is None:
+            return
+        poses = [compose(pose, np.array(point)) for point in waypoint.points]
+        for number, (x, y, z, *turn) in enumerate(poses):
+            wxyz = (turn[3], *turn[:3])
+            frame = self._scene.add_frame(
+                f"/curve/{number}", axes_length=0.025, axes_radius=0.0015, origin_color=CHOSEN, position=(x, y, z), wxyz=wxyz
+            )
+            self._shown.append(frame)
+        if len(poses) > 1:
+            points = np.array([p[:3] for p in poses], dtype=np.float32)
+            segments = np.stack([points[:-1], points[1:]], axis=1)
+            self._shown.append(self._scene.add_line_segments("/curve/lines", segments, CHOSEN, thickness=0.003))
 
 
 def _drawn(thing: _Unseen, chosen: bool) -> _Drawn:

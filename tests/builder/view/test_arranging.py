@@ -6,11 +6,13 @@ from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 import pytest
+from viser import FrameHandle
 
 from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.builder.view import Window
 from rlbench_pin.builder.view.panels.properties import property_items
 from rlbench_pin.builder.view.widgets import Button, Choice, Entry, Fold, Item, Note, Row
+from rlbench_pin.spatial import compose
 from tests.builder.view.conftest import Show, settle
 from tests.builder.view.stand_ins import StageStandIn
 
@@ -158,11 +160,17 @@ def test_a_curve_is_made_of_poses(copied: Copied, show: Show) -> None:
     window.session.post(row.presses["Earlier"])
     settle(window)
     assert heights() == [-0.05, 0.02, 0.0]
+    drawn = window._viser.scene.get_handle_by_name("/curve/1")
+    goal = window.session.places.of("waypoint2")
+    assert isinstance(drawn, FrameHandle) and goal is not None
+    assert np.allclose(drawn.position, compose(goal, np.array([0.0, 0.0, 0.02, 0.0, 0.0, 0.0, 1.0]))[:3], atol=1e-6)
     for count in (2, 1, 1):
         folds = [i for i in _selected(window, "waypoint2") if isinstance(i, Fold) and i.label.startswith("Pose")]
         window.session.post(next(i for i in folds[0].items if isinstance(i, Row)).presses["Remove"])
         settle(window)
         assert len(heights()) == count
+    _selected(window, "block")
+    assert window._viser.scene.get_handle_by_name("/curve/0") is None
 
 
 def test_deleting_what_others_need_is_asked_first(copied: Copied, show: Show) -> None:
