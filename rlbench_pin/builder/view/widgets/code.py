@@ -14,7 +14,6 @@ from rlbench_pin.builder.view.widgets.items import Code
 LINE = 17
 """Height of a line [px]."""
 _GUTTER = 40
-_MORE = 40
 _NUMBERS = itertools.count()
 _STYLE = """<style>
 form:has(.{name}) label {{ display: none }}
@@ -107,19 +106,17 @@ def numbered(name: str, lines: int, marked: Collection[int]) -> str:
 
     Args:
         name: Class by which the form is known; no other in the page has it.
-        lines: How many lines there are; rounded up, so that not each new line brings a new picture.
+        lines: How many lines there are.
         marked: Those that are shown red.
     """
-    count = -(-lines // _MORE) * _MORE
-    height = count * LINE
+    height = lines * LINE
     rows = [f'<rect width="{_GUTTER - 6}" height="{height}" fill="#f1f3f5"/>']
-    for line in range(1, count + 1):
+    for line in range(1, lines + 1):
         color = "#999"
         if line in marked:
             rows.append(f'<rect y="{(line - 1) * LINE}" width="3000" height="{LINE}" fill="#fdd8d3"/>')
             color = "#c0392b"
-        if line <= lines or line in marked:
-            rows.append(f'<text x="{_GUTTER - 10}" y="{line * LINE - 4}" fill="{color}">{line}</text>')
+        rows.append(f'<text x="{_GUTTER - 10}" y="{line * LINE - 4}" fill="{color}">{line}</text>')
     font = "font-family='monospace' font-size='11' text-anchor='end'"
     picture = f"<svg xmlns='http://www.w3.org/2000/svg' width='3000' height='{height}' {font}>{''.join(rows)}</svg>"
     return _STYLE.format(name=name, line=LINE, pad=_GUTTER, picture=f"data:image/svg+xml,{quote(picture)}")
