@@ -12,8 +12,9 @@ from rlbench_pin.builder.contracts import Problem
 from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.builder.view.panels.texts import problem_html, text_items
 from rlbench_pin.builder.view.panels.tree import header_items
-from rlbench_pin.builder.view.widgets import Code, Fold, Note
+from rlbench_pin.builder.view.widgets import Button, Code, Fold, Note
 from rlbench_pin.builder.view.widgets.code import CodeField, numbered
+from rlbench_pin.builder.view.widgets.makers import shape
 from tests.builder.view.conftest import Show, settle
 from tests.builder.view.stand_ins import StageStandIn
 
@@ -70,6 +71,19 @@ def test_saving_says_what_is_typed_and_not_applied(copied: Callable[[str], TaskD
     window.session.post(window.session.save)
     settle(window)
     assert len(told) == 1 and told[0].startswith("Saved: ")
+
+
+def test_fields_keep_their_places_when_a_file_changes_on_disk(copied: Callable[[str], TaskDocument], show: Show) -> None:
+    """The question comes behind them, so that what somebody is typing is not made anew."""
+    document = copied("pick_and_lift")
+    window = show(document, StageStandIn())
+    before = [shape(item) for item in text_items(window.session, lambda: None)]
+    window.session.post(lambda: window.session.do(lambda d: d.set("block", "fixed", True)))
+    settle(window)
+    (document.folder / "pick_and_lift.toml").write_text("# by an editor\n")
+    after = text_items(window.session, lambda: None)
+    assert [shape(item) for item in after[: len(before)]] == before
+    assert [item.label for item in after if isinstance(item, Button)][1:] == ["Take over what is on disk", "Save over it"]
 
 
 @pytest.mark.parametrize(

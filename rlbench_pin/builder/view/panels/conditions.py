@@ -22,10 +22,9 @@ def condition_items(vocabulary: Vocabulary, conditions: Conditions, put: Put) ->
         conditions: As they are.
         put: Called with changed ones.
     """
-    items: list[Item] = (
-        [] if conditions else [Note("None yet: choose one below. A condition is about things that the scene has.")]
-    )
-    items.append(_add_item(vocabulary, conditions, put))
+    items: list[Item] = [_add_item(vocabulary, conditions, put)]  # first, so that it stays open
+    if not conditions:
+        items.append(Note("None yet: open *Add condition*. A condition is about things that the scene has."))
     for number, form in enumerate(conditions):
         others = conditions[:number], conditions[number + 1 :]
         remove = Button("Remove", lambda o=others: put((*o[0], *o[1])), "red")  # type: ignore[misc]

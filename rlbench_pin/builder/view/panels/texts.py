@@ -13,6 +13,7 @@ from rlbench_pin.builder.view.widgets import Button, Code, Fold, Item, Markup, N
 
 _AROUND = 2
 _AT_COLUMN = re.compile(r"at line \d+, column (\d+)")
+_WARNING = '<div style="padding:4px 8px; font-size:13px; color:#b35900">'
 _NO_PROBLEM = '<div style="padding:2px 8px; font-size:13px; color:#2b9348">No problem found.</div>'
 _STYLE = "font: 12px/1.45 monospace; white-space: pre; overflow-x: auto; padding: 2px 8px"
 
@@ -25,14 +26,17 @@ def text_items(session: Session, widen: Callable[[], None]) -> list[Item]:
         widen: Gives the panel more room, or less again.
     """
     document = session.document
-    items: list[Item] = [Button("Wider or narrower", widen, hint="Room for long lines; the border can be dragged too")]
-    if changed := document.changed_on_disk():
-        names = ", ".join(f"`{file.name}`" for file in changed)
-        items.append(Note(f"{names} changed on disk."))
+    changed = " and ".join(file.name for file in document.changed_on_disk())
+    items: list[Item] = [
+        Button("Wider or narrower", widen, hint="Room for long lines; the border can be dragged too"),
+        Markup(f"{_WARNING}{escape(changed)} changed on disk; decide below the files.</div>" if changed else ""),
+        _file(session, "scene", f"{document.name}.toml", document.scene_text),
+        _file(session, "task", f"{document.name}.py", document.python_text),
+    ]  # those above are always there, so that what is being typed is not made anew
+    if changed:
+        items.append(Note(f"{changed} changed on disk."))
         items.append(Button("Take over what is on disk", lambda: session.do(lambda d: d.reload()), "orange"))
         items.append(Button("Save over it", lambda: session.do(lambda d: d.save(over=True)), "red"))
-    items.append(_file(session, "scene", f"{document.name}.toml", document.scene_text))
-    items.append(_file(session, "task", f"{document.name}.py", document.python_text))
     return items
 
 
