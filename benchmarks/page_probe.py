@@ -40,10 +40,30 @@ _SCRIPT = """
       return draw.apply(this, what);
     };
   }
-  const counted = () => {
-    const {gl, box: [x, y, w, h]} = probe, pixels = new Uint8Array(4 * w * h);
+  // A copy is asked for with the picture and looked at when it is there: the page goes on meanwhile, as it does without a probe.
+  const watched = began => {
+    const {gl, box: [x, y, w, h]} = probe, buffer = gl.createBuffer(), called = performance.now();
     gl.bindFramebuffer(gl.READ_FRAMEBUFFER, null);
-    gl.readPixels(x, y, w, h, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, buffer);
+    gl.bufferData(gl.PIXEL_PACK_BUFFER, 4 * w * h, gl.STREAM_READ);
+    gl.readPixels(x, y, w, h, gl.RGBA, gl.UNSIGNED_BYTE, 0);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    const look = () => {
+      if (gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return setTimeout(look, 1);
+      const done = performance.now();
+      note('drawn', [called - began, done - called, ...counted(buffer, w, h)], done);
+      gl.deleteSync(fence);
+      gl.deleteBuffer(buffer);
+    };
+    setTimeout(look, 1);
+  };
+  const counted = (buffer, w, h) => {
+    const {gl} = probe, pixels = new Uint8Array(4 * w * h);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, buffer);
+    gl.getBufferSubData(gl.PIXEL_PACK_BUFFER, 0, pixels);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
     let violet = 0, sum = 0;
     for (let k = 0; k < pixels.length; k += 4) {
       const r = pixels[k], g = pixels[k + 1], b = pixels[k + 2];
@@ -56,9 +76,7 @@ _SCRIPT = """
     const began = performance.now();
     probe.drew = false;
     work(at);
-    if (!probe.drew || !probe.gl) return;
-    const called = performance.now();
-    if (probe.box) { const seen = counted(); note('drawn', [called - began, performance.now() - called, ...seen]); }
+    if (probe.drew && probe.gl && probe.box) watched(began);
   });
   probe.shade = label => {
     const found = [...document.querySelectorAll('button')].find(e => e.innerText.trim() === label);

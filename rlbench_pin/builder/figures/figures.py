@@ -9,6 +9,7 @@ from viser import SceneApi
 
 from rlbench_pin.assets import asset_path
 from rlbench_pin.builder.figures.chain import link_poses
+from rlbench_pin.builder.figures.hand_ghost import HandGhost
 from rlbench_pin.builder.figures.model_figure import Look, ModelFigure, OnPick, Rgb
 from rlbench_pin.builder.figures.places import places_at_rest
 from rlbench_pin.builder.figures.surfaces import room_glb
@@ -16,11 +17,10 @@ from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.robot import DEFAULT_ROBOT, RobotDescription, robot_description
 from rlbench_pin.scene import BodySpec, SceneSpec, resolve_asset
 from rlbench_pin.scene.snapshot import ROOM
-from rlbench_pin.spatial import FloatArray, PoseLike, compose, inverse
+from rlbench_pin.spatial import FloatArray, PoseLike, compose
 from rlbench_pin.urdf import read_urdf
 from rlbench_pin.values import as_pose
 
-_GHOST_OPACITY = 0.45
 _Drawn = tuple[str, int, BodySpec]
 
 
@@ -38,29 +38,28 @@ class Figures:
         self._robot = robot or robot_description(DEFAULT_ROBOT)
         self._urdf = read_urdf(self._robot.urdf)
         self._bodies: dict[str, tuple[_Drawn, ModelFigure]] = {}
-        self._ghosts: dict[str, ModelFigure] = {}
+        self._ghosts: dict[str, HandGhost] = {}
         self._marked: set[str] = set()
         self._mark: Rgb = (230, 40, 40)
-        self._draw_room()
+        self._light_up()
         self._arm = ModelFigure(scene, "/arm", self._robot.urdf, Look())
         self.arm(self._robot.home, [self._robot.gripper_open] * len(self._robot.gripper_joints))
 
-    def _draw_room(self) -> None:
+    def _light_up(self) -> None:
         self._scene.set_up_direction("+z")
         self._scene.configure_environment_map(None)  # costs more than all the rest where there is no graphics card
         self._scene.add_light_ambient("/lights/ambient", intensity=1.3)
-        for part in ROOM[1:]:
-            self._draw_room_part(part, lit=False)
+        self._draw_room("around", ROOM[1:], lit=False)
         self.shadows(True)
 
-    def _draw_room_part(self, part: str, lit: bool) -> None:
-        glb = room_glb(asset_path(f"room/{part}.urdf"), lit=lit)
-        self._scene.add_glb(f"/room/{part}", glb, cast_shadow=False, receive_shadow=lit)
+    def _draw_room(self, node: str, parts: Sequence[str], lit: bool) -> None:
+        glb = room_glb(tuple(asset_path(f"room/{part}.urdf") for part in parts), lit=lit)
+        self._scene.add_glb(f"/room/{node}", glb, cast_shadow=False, receive_shadow=lit)
 
     def shadows(self, cast: bool) -> None:
-        """Let things cast shadows on the table, or not; without a graphics card they take half of the time of a picture."""
+        """Let things cast shadows on the table, or not; without a graphics card a picture takes half as long again with them."""
         self._scene.configure_default_lights(cast_shadow=cast)
-        self._draw_room_part(ROOM[0], lit=cast)
+        self._draw_room(ROOM[0], ROOM[:1], lit=cast)
 
     # Bodies ----------------------------------------------------------------------------------------------------------
 
@@ -152,27 +151,18 @@ class Figures:
 
     # Ghosts ----------------------------------------------------------------------------------------------------------
 
-    def ghost(self, name: str, pose: PoseLike, rgb: Rgb, opening: float = 1.0) -> None:
-        """Show the hand alone, translucent, with its tip at a world pose (7,); one of the same name moves there.
+    def ghost(self, name: str, pose: PoseLike, rgb: Rgb) -> None:
+        """Show the hand alone, open and translucent, with its tip at a world pose (7,); one of the same name moves there.
 
         Args:
             name: Name of the ghost, such as that of a waypoint.
             pose: Pose (7,) of the tip in the world.
             rgb: Its colour, from 0 to 255.
-            opening: How far the fingers are open, 0 to 1.
         """
         tip = as_pose(pose, "pose of a ghost")
         if name not in self._ghosts:
-            hand = (self._robot.hand_link, *self._robot.finger_links)
-            look = Look((*(share / 255 for share in rgb),), links=hand, opacity=_GHOST_OPACITY)
-            self._ghosts[name] = ModelFigure(self._scene, f"/ghosts/{name}", self._robot.urdf, look, name, self._on_pick)
-        figure = self._ghosts[name]
-        positions = dict.fromkeys(self._robot.gripper_joints, opening * self._robot.gripper_open)
-        poses = link_poses(self._urdf, positions)
-        base = compose(tip, inverse(poses[self._robot.tip_frame]))
-        figure.move({link: compose(base, poses[link]) for link in figure.links})
-        for link in figure.links:
-            figure.paint(link, rgb)
+            self._ghosts[name] = HandGhost(self._scene, name, self._robot, rgb, self._on_pick)
+        self._ghosts[name].show(tip, rgb)
 
     def remove_ghost(self, name: str) -> None:
         """Take a ghost away, if there is one of that name."""

@@ -27,10 +27,6 @@ class Look:
     """Red, green, blue and perhaps opacity from 0 to 1 of all its visuals; None takes those of the file."""
     scale: float = 1.0
     """Factor on its lengths."""
-    links: tuple[str, ...] | None = None
-    """Which links are drawn; None draws all."""
-    opacity: float = 1.0
-    """Factor on the opacity of all."""
 
 
 class ModelFigure:
@@ -53,7 +49,7 @@ class ModelFigure:
         self, scene: SceneApi, path: str, urdf: Path, look: Look, picked: str = "{link}", on_pick: OnPick | None = None
     ) -> None:
         self._scene, self._look, self._on_pick = scene, look, on_pick
-        links = [link for link in read_urdf(urdf).links if look.links is None or link.name in look.links]
+        links = read_urdf(urdf).links
         surfaces = {link.name: tuple(drawn_surface(s, look.scale) for s in link.visuals if s.kind) for link in links}
         self._top = scene.add_frame(path, show_axes=False)
         self._frames: dict[str, FrameHandle] = {}
@@ -69,14 +65,14 @@ class ModelFigure:
         colors = [shape.color for shape in link.visuals if shape.kind]
         for number, (surface, own) in enumerate(zip(surfaces, colors, strict=True)):
             red, green, blue, alpha = (*(self._look.color or own or _UNCOLORED), 1.0)[:4]
-            rgb, alpha = (round(255 * red), round(255 * green), round(255 * blue)), alpha * self._look.opacity
+            rgb = (round(255 * red), round(255 * green), round(255 * blue))
             part = self._scene.add_mesh_simple(
                 f"{node}/{number}",
                 surface.corners,
                 surface.triangles,
                 color=rgb,
                 opacity=None if alpha >= 1.0 else alpha,
-                side="double" if alpha < 1.0 and self._look.opacity == 1.0 else "front",
+                side="double" if alpha < 1.0 else "front",
                 cast_shadow=alpha >= 1.0,
             )
             if self._on_pick is not None:

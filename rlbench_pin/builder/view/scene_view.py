@@ -91,7 +91,7 @@ class SceneView:
             self._show_curve()
 
     def cast_shadows(self, cast: bool) -> None:
-        """Draw shadows or not; without a graphics card they take half of the time of a picture."""
+        """Draw shadows or not; without a graphics card a picture takes half as long again with them."""
         self.shadows = cast
         self.figures.shadows(cast)
 

@@ -14,6 +14,7 @@ from rlbench_pin.builder.figures.surfaces import drawn_surface
 from rlbench_pin.robot import RobotModel, robot_description
 from rlbench_pin.robot.surfaces import shape_surface
 from rlbench_pin.scene import BodySpec, SceneSpec, resolve_asset
+from rlbench_pin.spatial import FloatArray, pose_to_matrix
 from rlbench_pin.urdf import UrdfShape, read_urdf
 
 CUBE = BodySpec(name="cube", asset="objects/cube/cube.urdf", color=(0.2, 0.4, 0.6))
@@ -38,6 +39,13 @@ def _frame(server: ViserServer, name: str) -> FrameHandle:
     handle = server.scene.get_handle_by_name(name)
     assert isinstance(handle, FrameHandle)
     return handle
+
+
+def _points(place: FrameHandle | MeshHandle, mesh: MeshHandle) -> FloatArray:
+    """Return the corners of a mesh at the place of a node, in the world."""
+    w, x, y, z = place.wxyz
+    matrix = pose_to_matrix([*place.position, x, y, z, w])
+    return np.asarray(mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3])
 
 
 def test_bodies_have_their_colours_and_scale(server: ViserServer) -> None:
@@ -103,13 +111,15 @@ def test_a_ghost_has_its_tip_at_the_pose(server: ViserServer) -> None:
     tip = RobotModel(robot).tip_pose(robot.home)
     figures.ghost("waypoint0", tip, (0, 200, 0))
     figures.arm(robot.home, [0.04, 0.04])
-    number = read_urdf(robot.urdf).link_names.index("panda_hand")
-    hand, ghost = server.scene.get_handle_by_name(f"/arm/{number}"), server.scene.get_handle_by_name("/ghosts/waypoint0/0")
-    assert isinstance(hand, FrameHandle)
-    assert isinstance(ghost, FrameHandle)
-    assert np.allclose(hand.position, ghost.position, atol=1e-9)
+    urdf, expected = read_urdf(robot.urdf), list[FloatArray]()
+    for link in (robot.hand_link, *robot.finger_links):
+        number = urdf.link_names.index(link)
+        parts = range(sum(bool(shape.kind) for shape in urdf.links[number].visuals))
+        expected += [_points(_frame(server, f"/arm/{number}"), _mesh(server, f"/arm/{number}/{part}")) for part in parts]
+    ghost = _mesh(server, "/ghosts/waypoint0")
+    assert np.allclose(_points(ghost, ghost), np.concatenate(expected), atol=1e-5)
     figures.ghost("waypoint0", tip, (200, 0, 0))
-    assert _mesh(server, "/ghosts/waypoint0/0/0").color == (200, 0, 0)
+    assert _mesh(server, "/ghosts/waypoint0").color == (200, 0, 0)
     figures.remove_ghost("waypoint0")
     assert figures.ghosts == ()
     assert server.scene.get_handle_by_name("/ghosts/waypoint0") is None

@@ -99,7 +99,7 @@ def test_verdicts_colour_the_hands(copied: Copied, show: Show) -> None:
     server = ViserServer("127.0.0.1", 0, verbose=False)
     window = Window(server, copied("pick_and_lift"), stage)
     settle(window)
-    hand = server.scene.get_handle_by_name("/ghosts/waypoint0/0/0")
+    hand = server.scene.get_handle_by_name("/ghosts/waypoint0")
     assert isinstance(hand, MeshHandle)
     assert hand.color == (220, 50, 47)
     window.close()
