@@ -38,7 +38,7 @@ class Session:
         self.episode: tuple[int, int] | None = None
         self._text: TaskText | None = None
         self._problem: Problem | None = None
-        self._opened_in, self._closed = 0, False
+        self._opened_in, self._ran_in, self._closed = 0, 0, False
 
     def open(self, text: TaskText, run_task: bool, robot: str) -> OpenedTask:
         """Open a task instead of the one that was open."""
@@ -55,7 +55,7 @@ class Session:
             if self._problem is not None or not self._is_open:
                 return self._open()
             self.link.python = self._folder.update(self.link.python, before, self._text)
-            return self._built("place", {}, self._limits.place)
+            return self._built("place", {}, self._limits.place)[0]
 
     def ask(self, operation: str, question: dict[str, Any], limit: float, on_note: OnNote | None = None) -> Any:
         """Ask the process in a turn of its own, opened again when it is a new one; see `Link.ask`."""
@@ -98,21 +98,34 @@ class Session:
         self.link.close()
 
     def _open(self) -> OpenedTask:
+        """Open the text; what fails in a process in which a module has run before is tried again in a new one."""
+        has_run = self._ran_in == self.link.generation
+        opened, is_late = self._opened()
+        if opened.problems and has_run and not is_late:
+            self.link.end()
+            opened, _ = self._opened()
+        if self.run_task:
+            self._ran_in = self.link.generation
+        return opened
+
+    def _opened(self) -> tuple[OpenedTask, bool]:
+        """Open the text once; return also whether it took too long."""
         assert self._text is not None
         self.episode, self.link.python = None, self._folder.write("world", self._text)
         question = {"python": str(self.link.python), "folder": str(self._text.folder)}
         return self._built("open", {**question, "run_task": self.run_task, "robot": self.robot}, self._limits.open)
 
-    def _built(self, operation: str, question: dict[str, Any], limit: float) -> OpenedTask:
-        """Let the world be built; a process that dies of it is a problem of the task."""
+    def _built(self, operation: str, question: dict[str, Any], limit: float) -> tuple[OpenedTask, bool]:
+        """Let the world be built, and say whether it took too long; a process that dies of it is a problem of the task."""
+        is_late = False
         try:
             opened = record(OpenedTask, self.link.ask(operation, question, limit))
         except StageFault as fault:
             problem = fault.problem or Problem("task" if self.run_task else "scene", None, str(fault))
-            opened = OpenedTask(0, (), (), (), (problem,))
+            opened, is_late = OpenedTask(0, (), (), (), (problem,)), fault.kind == "timed out"
         self._problem = opened.problems[0] if opened.problems else None
         self._opened_in = self.link.generation
-        return opened
+        return opened, is_late
 
     def _open_again(self, operation: str) -> None:
         """Bring a new process to where the last one was: the task open, and the episode laid out."""

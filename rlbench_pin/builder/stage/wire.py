@@ -18,13 +18,18 @@ RecordT = TypeVar("RecordT")
 
 
 def plain(value: object) -> Any:
-    """Return a value as arrays, numbers, text, lists and maps; records become maps, a frame a short one."""
+    """Return a value as arrays, numbers, text, lists and maps; records become maps, a frame a short one.
+
+    Letters that cannot be written in UTF-8, as a task may print them, become `?`.
+    """
+    if isinstance(value, str):
+        return value.encode("utf-8", "replace").decode()
     if isinstance(value, Frame):
         return _plain_frame(value)
     if isinstance(value, BodySpec):
         return value.model_dump()
     if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
+        return {plain(str(key)): plain(item) for key, item in value.items()}
     if isinstance(value, tuple | list):
         return [plain(item) for item in value]
     if is_dataclass(value) and not isinstance(value, type):

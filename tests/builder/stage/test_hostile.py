@@ -142,3 +142,35 @@ def test_a_scene_that_is_no_scene(client: StageClient, text: TaskText) -> None:
         opened = client.open(replace(text, scene=scene), run_task=False)
         assert [problem.file for problem in opened.problems] == ["scene"], scene[:20]
     _lives(client, text)
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import resource; resource.setrlimit(resource.RLIMIT_NOFILE, (3, 3))",
+        "import builtins; builtins.len = None",
+        "import signal; signal.alarm(1); import time; time.sleep(0.9)",
+        "import sys; sys.settrace(lambda *args: 1 / 0)",
+    ],
+)
+def test_a_module_that_spoils_its_process(client: StageClient, text: TaskText, code: str) -> None:
+    """What the next text says counts, not what the one before has left behind."""
+    client.open(replace(text, python=f"{text.python}{code}\n"), run_task=True)
+    _lives(client, text)
+
+
+@pytest.mark.parametrize("error", ["ValueError('\\ud800 alone')", "GeneratorExit('no more')"])
+def test_errors_of_odd_kinds(client: StageClient, text: TaskText, error: str) -> None:
+    """They are named at their line, like any other."""
+    raising = _with(text, f"raise {error}", _IN_INIT)
+    opened = client.open(raising, run_task=True)
+    assert _problem(opened) == ("task", _line(raising, "raise"))
+    assert error.partition("(")[0] in opened.problems[0].message
+
+
+def test_an_error_that_is_no_exception(client: StageClient, text: TaskText) -> None:
+    """It is shown, and the next text opens."""
+    code = "raise type('Odd', (BaseException,), {})('own')"
+    opened = client.open(replace(text, python=f"{text.python}{code}\n"), run_task=True)
+    assert "own" in opened.problems[0].message
+    _lives(client, text)

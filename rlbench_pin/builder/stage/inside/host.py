@@ -22,7 +22,7 @@ from typing import Any
 from rlbench_pin.builder.contracts import Frame
 from rlbench_pin.builder.stage.faults import NothingOpen
 from rlbench_pin.builder.stage.inside.judging import judge
-from rlbench_pin.builder.stage.inside.world import RAISED, StageWorld
+from rlbench_pin.builder.stage.inside.world import StageWorld
 from rlbench_pin.builder.stage.problems import Pair
 from rlbench_pin.builder.stage.wire import plain, record
 from rlbench_pin.errors import RlbenchPinError
@@ -82,10 +82,10 @@ class Host:
             return {"error": "It takes more memory than the task builder allows.", "kind": "out of memory"}
         except (WireError, OSError):
             raise  # the owner is gone
-        except RAISED as error:
+        except BaseException as error:  # also one of the task's own kinds
             if not isinstance(error, RlbenchPinError):
                 traceback.print_exc()
-            return {"error": "".join(traceback.format_exception_only(error)).strip(), "kind": "failed"}
+            return {"error": plain("".join(traceback.format_exception_only(error)).strip()), "kind": "failed"}
 
     def _note(self, name: str) -> Callable[[Any], None]:
         """Return what sends something on the way to the answer, or ends the answer."""

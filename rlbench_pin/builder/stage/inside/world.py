@@ -42,7 +42,7 @@ from rlbench_pin.scene.reader import read_scene
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks.task_file import load_task_file
 
-RAISED = (Exception, SystemExit, KeyboardInterrupt)
+RAISED = (Exception, SystemExit, KeyboardInterrupt, GeneratorExit)
 """What a task may raise."""
 OnAlive = Callable[[], None]
 """Called now and then while nothing else is; what it raises ends the work."""
