@@ -9,13 +9,13 @@ from typing import Any
 from rlbench_pin.builder.contracts import Problem, TaskText
 from rlbench_pin.builder.document import operations
 from rlbench_pin.builder.document.behaviour import Behaviour
-from rlbench_pin.builder.document.errors import ChangedOnDisk, TaskFilesError
+from rlbench_pin.builder.document.errors import TaskFilesError
 from rlbench_pin.builder.document.history import History, Texts
 from rlbench_pin.builder.document.new_task import texts_of_new_task
 from rlbench_pin.builder.document.operations import Edited
 from rlbench_pin.builder.document.reading import Reading, decoded, encoded_pair, typed
 from rlbench_pin.builder.document.scene_text.scene_text import SceneText
-from rlbench_pin.builder.document.storage import Pair, on_disk, read_pair, recover, write_pair
+from rlbench_pin.builder.document.storage import Contents, Pair, changed_files, read_pair, recover, write_pair
 from rlbench_pin.scene import SceneSpec
 from rlbench_pin.tasks.task_file import name_fault
 from rlbench_pin.values import as_path, as_text
@@ -31,9 +31,7 @@ class TaskDocument:
         unfinished: Texts of a save that did not come to an end, which become the first edit.
     """
 
-    def __init__(
-        self, pair: Pair, texts: Texts, saved: tuple[bytes | None, bytes | None], unfinished: Texts | None = None
-    ) -> None:
+    def __init__(self, pair: Pair, texts: Texts, saved: Contents, unfinished: Texts | None = None) -> None:
         self._pair, self._history, self._saved = pair, History(texts), saved
         self._reading = Reading(pair, texts)
         self._left: tuple[str, ...] = ()
@@ -150,7 +148,7 @@ class TaskDocument:
         return self._left
 
     @property
-    def saved(self) -> tuple[bytes | None, bytes | None]:
+    def saved(self) -> Contents:
         """What both files were when they were read or saved last; None for one that is not there."""
         return self._saved
 
@@ -258,16 +256,13 @@ class TaskDocument:
             ChangedOnDisk: Somebody has.
             StorageError: They cannot be written.
         """
-        if (changed := self.changed_on_disk()) and not over:
-            raise ChangedOnDisk(changed)
         contents = encoded_pair(self._history.texts, self._saved)
-        write_pair(self._pair, contents)
+        write_pair(self._pair, contents, known=None if over else self._saved)
         self._saved = contents
 
     def changed_on_disk(self) -> tuple[Path, ...]:
         """Return the files that somebody else has changed since they were read or saved; empty when there are none."""
-        files = zip(self._pair.files, on_disk(self._pair), self._saved, strict=True)
-        return tuple(file for file, content, saved in files if content != saved)
+        return changed_files(self._pair, self._saved)
 
     def reload(self) -> None:
         """Take over what the files say now, as an edit that can be undone.

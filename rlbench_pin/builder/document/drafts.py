@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from rlbench_pin.builder.document.history import Texts
-from rlbench_pin.builder.document.storage import LARGEST_FILE, write_whole
+from rlbench_pin.builder.document.storage import LARGEST_FILE, alone_in, write_whole
 
 WAIT = 1.0
 """A draft is written so long after an edit [s]; edits meanwhile are in it."""
@@ -68,11 +68,11 @@ class Draftable(Protocol):
 
 
 class DraftKeeper:
-    """Keeps drafts of one task; to be called by one thread.
+    """Keeps drafts of one task; to be called by one thread. Those of another builder that has it open stay in the file.
 
     Args:
         document: The task.
-        on_written: Called when a draft was written or could not be, in a thread of its own.
+        on_written: Called when a draft was written or could not be, in any thread.
         wait: How long after an edit a draft is written [s].
 
     Attributes:
@@ -154,15 +154,28 @@ class DraftKeeper:
             try:
                 if self._wanted:
                     self._file.parent.mkdir(parents=True, exist_ok=True)
-                    write_whole(self._file, _content(self._document.name, self._wanted))
-                else:
-                    self._file.unlink(missing_ok=True)
+                if self._file.parent.is_dir():
+                    with alone_in(self._file.parent):
+                        self._replace()
             except OSError as error:
                 self.news = (
                     f"No draft is kept: '{self._file}' cannot be written ({error.strerror}). What is not saved can be lost."
                 )
             else:
-                self._written, self.news = self._wanted, ""
+                self._written = self._wanted
+        self._on_written()
+
+    def _replace(self) -> None:
+        """Put what this builder keeps in the place of what it kept; what another builder keeps of the task stays."""
+        self.news = ""
+        others = [draft for draft in self._found() if draft not in self._written]
+        if others:
+            self.news = f"Another task builder has '{self._document.name}' open: its draft is kept beside this one."
+        drafts = (*self._wanted[:1], *others, *self._wanted[1:])[:MOST_DRAFTS]
+        if drafts:
+            write_whole(self._file, _content(self._document.name, drafts))
+        else:
+            self._file.unlink(missing_ok=True)
 
     def _found(self) -> list[Draft]:
         """Return the drafts in the file; one that is none of ours is set aside."""

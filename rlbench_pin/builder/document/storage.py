@@ -6,21 +6,28 @@ each file is replaced, and the journal goes. Whoever finds a journal finishes th
 
 from __future__ import annotations
 
+import errno
+import fcntl
 import json
 import os
-from collections.abc import Callable
-from contextlib import suppress
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 
-from rlbench_pin.builder.document.errors import TaskFilesError
+from rlbench_pin.builder.document.errors import ChangedOnDisk, TaskFilesError
 from rlbench_pin.errors import StorageError
 
 LARGEST_FILE = 4_000_000
 """Files of a task have at most so many bytes."""
 _LARGEST_JOURNAL = 16 * LARGEST_FILE
 _JOURNAL_FORMAT = 1
+_PATIENCE = 5.0
+"""How long another builder may be writing into the same folder [s]."""
+Contents = tuple[bytes | None, bytes | None]
+"""Of both files; None for one that is not there."""
 Listener = Callable[[str], None]
 """Told each step of a save right after it; what it is called does not matter to the save."""
 
@@ -60,7 +67,7 @@ def read_pair(pair: Pair) -> tuple[bytes, bytes]:
     return scene, python
 
 
-def on_disk(pair: Pair) -> tuple[bytes | None, bytes | None]:
+def on_disk(pair: Pair) -> Contents:
     """Return what both files say; None for one that is missing or cannot be read."""
     found: list[bytes | None] = []
     for path in pair.files:
@@ -71,27 +78,68 @@ def on_disk(pair: Pair) -> tuple[bytes | None, bytes | None]:
     return found[0], found[1]
 
 
-def write_pair(pair: Pair, contents: tuple[bytes, bytes], listen: Listener = _nobody) -> None:
+def changed_files(pair: Pair, known: Contents) -> tuple[Path, ...]:
+    """Return the files that say something else than what is known of them; empty when there are none."""
+    files = zip(pair.files, on_disk(pair), known, strict=True)
+    return tuple(file for file, content, said in files if content != said)
+
+
+def write_pair(pair: Pair, contents: tuple[bytes, bytes], listen: Listener = _nobody, *, known: Contents | None = None) -> None:
     """Write both files; killed at any instant, either none has changed, or the next `recover` finishes it.
 
     Args:
         pair: Which files.
         contents: What they are to say.
         listen: Called after each step.
+        known: What they say now, as far as the writer knows; None writes over whatever they say.
 
     Raises:
+        ChangedOnDisk: They say something else than what is known.
         StorageError: They cannot be written.
     """
     try:
         pair.folder.mkdir(parents=True, exist_ok=True)
-        before = [None if content is None else _digest(content) for content in on_disk(pair)]
-        texts = [content.decode() for content in contents]
-        journal = json.dumps({"format": _JOURNAL_FORMAT, "before": before, "files": texts}).encode()
-        _write_beside(pair.journal, journal, listen)
-        _put_in_place(pair.journal, listen)
-        _finish(pair, contents, listen)
+        with alone_in(pair.folder):
+            if known is not None and (changed := changed_files(pair, known)):
+                raise ChangedOnDisk(changed)
+            before = [None if content is None else _digest(content) for content in on_disk(pair)]
+            texts = [content.decode() for content in contents]
+            journal = json.dumps({"format": _JOURNAL_FORMAT, "before": before, "files": texts}).encode()
+            _write_beside(pair.journal, journal, listen)
+            _put_in_place(pair.journal, listen)
+            _finish(pair, contents, listen)
     except OSError as error:
         raise StorageError(pair.folder, error) from error
+
+
+@contextmanager
+def alone_in(folder: Path) -> Iterator[None]:
+    """Keep other builders from writing into a folder during a block; this ends with the process, however that ends.
+
+    Raises:
+        OSError: The folder cannot be opened, or another builder is writing into it for longer than a few seconds.
+    """
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        end = time.monotonic() + _PATIENCE
+        while not _locked(descriptor):
+            if time.monotonic() > end:
+                raise TimeoutError(errno.ETIMEDOUT, "another task builder is writing into it", str(folder))
+            time.sleep(0.01)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _locked(descriptor: int) -> bool:
+    """Lock a folder, where its file system can; False while somebody else has locked it."""
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:  # a file system without locks
+        return True
+    return True
 
 
 def write_whole(path: Path, content: bytes) -> None:
@@ -113,6 +161,17 @@ def recover(pair: Pair) -> tuple[bytes, bytes] | None:
     Raises:
         StorageError: The files cannot be written.
     """
+    if not any(os.path.lexists(path) for path in (pair.journal, *map(_part, (*pair.files, pair.journal)))):
+        return None
+    try:
+        with alone_in(pair.folder):
+            return _recovered(pair)
+    except OSError as error:
+        raise StorageError(pair.folder, error) from error
+
+
+def _recovered(pair: Pair) -> tuple[bytes, bytes] | None:
+    """Finish what a journal says, or return it where a file has been changed since."""
     found = _journal_of(pair)
     for path in (*pair.files, pair.journal):
         with suppress(OSError):
@@ -125,13 +184,10 @@ def recover(pair: Pair) -> tuple[bytes, bytes] | None:
         is_now != wanted and (None if is_now is None else _digest(is_now)) != was
         for is_now, wanted, was in zip(now, contents, before, strict=True)
     )
-    try:
-        if foreign:
-            pair.journal.unlink(missing_ok=True)
-            return contents
-        _finish(pair, contents, _nobody)
-    except OSError as error:
-        raise StorageError(pair.folder, error) from error
+    if foreign:
+        pair.journal.unlink(missing_ok=True)
+        return contents
+    _finish(pair, contents, _nobody)
     return None
 
 

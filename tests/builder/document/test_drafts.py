@@ -187,15 +187,38 @@ def test_damaged_drafts_are_set_aside_or_offered(scene: Path, seed: int) -> None
     assert bool(keeper.offered) != bool(keeper.news)
 
 
-def test_a_folder_that_cannot_be_written_is_told(scene: Path) -> None:
-    """Editing goes on; no part of a draft is left."""
+def test_a_draft_that_cannot_be_written_is_told(scene: Path) -> None:
+    """At once, to whoever shows the page; editing goes on."""
+    heard: list[str] = []
     document = TaskDocument.open(scene)
-    keeper = _keeper(document)
-    keeper.file.mkdir()
-    (keeper.file / "x").touch()
+    keeper = DraftKeeper(document, lambda: heard.append(keeper.news), wait=0.05)
+    for folder in (keeper.file, keeper.file.with_name(f"{keeper.file.name}.broken")):
+        folder.mkdir()
+        (folder / "x").touch()
     _edit(document, keeper)
     time.sleep(0.3)
-    assert "No draft is kept" in keeper.news
-    assert "lost" in keeper.news
+    assert "No draft is kept" in heard[-1]
+    assert "lost" in heard[-1]
     keeper.close()
     assert "one" in document.python_text
+
+
+def test_two_builders_of_one_task_keep_a_draft_each(scene: Path) -> None:
+    """Neither takes away what the other would lose, by editing on, by saving, or by undoing everything."""
+    first, second = TaskDocument.open(scene), TaskDocument.open(scene)
+    keepers = _keeper(first), _keeper(second)
+    for word in ("one", "two", "three"):
+        _edit(first, keepers[0], f"first {word}")
+        time.sleep(0.2)
+        _edit(second, keepers[1], f"second {word}")
+        time.sleep(0.2)
+    assert "Another task builder" in keepers[1].news
+    assert {draft.texts for draft in _keeper(TaskDocument.open(scene)).offered} == {first.texts, second.texts}
+    first.save()
+    keepers[0].keep()
+    assert [draft.texts for draft in _keeper(TaskDocument.open(scene)).offered] == [second.texts]
+    while second.undoable:
+        second.undo()
+    keepers[1].keep()
+    keepers[1].close()
+    assert keepers[1].news == ""

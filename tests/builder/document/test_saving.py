@@ -5,12 +5,14 @@ from __future__ import annotations
 import os
 import random
 import signal
+import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
-from rlbench_pin.builder.document import ChangedOnDisk, TaskDocument, TaskFilesError
+from rlbench_pin.builder.document import ChangedOnDisk, TaskDocument, TaskFilesError, storage
 from rlbench_pin.builder.document.storage import LARGEST_FILE, Pair, write_pair
 from rlbench_pin.errors import InvalidValue, StorageError
 from tests.builder.document.conftest import Opener
@@ -213,3 +215,37 @@ def test_what_is_no_task_is_not_opened(tmp_path: Path) -> None:
     for name in ("none", "lambda", "task"):
         with pytest.raises(TaskFilesError, match="another name"):
             TaskDocument.new(tmp_path, name)
+
+
+def test_two_builders_that_save_at_once_do_not_mix_their_files(tmp_path: Path) -> None:
+    """Both files are of one save, and whoever comes second is told."""
+    pair = _pair(tmp_path)
+    barrier = threading.Barrier(2)
+
+    def save(number: int) -> bool:
+        document = TaskDocument.open(pair.files[0])
+        document.set_scene_text(f"format = 2\n# {number}\n")
+        document.set_python_text(f"x = {number}\n")
+        barrier.wait()
+        try:
+            document.save()
+        except ChangedOnDisk:
+            return False
+        return True
+
+    for turn in range(30):
+        with ThreadPoolExecutor(2) as pool:
+            done = list(pool.map(save, (100 + 2 * turn, 101 + 2 * turn)))
+        assert sorted(done) == [False, True]
+        number = 100 + 2 * turn + done.index(True)
+        assert _contents(pair) == (f"format = 2\n# {number}\n".encode(), f"x = {number}\n".encode())
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["thing.py", "thing.toml"]
+
+
+def test_a_folder_that_another_builder_holds_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """After a while, and nothing was written."""
+    monkeypatch.setattr(storage, "_PATIENCE", 0.1)
+    pair = _pair(tmp_path)
+    with storage.alone_in(tmp_path), pytest.raises(StorageError, match="another task builder"):
+        write_pair(pair, NEW)
+    assert _contents(pair) == OLD
