@@ -17,12 +17,21 @@ from rlbench_pin.errors import InvalidValue
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 _BESIDE = re.compile(r"""["'](\.\.?/[^"']*)["']""")
 """What a scene names beside itself."""
-_SWEEP = 'read -r _; rm -rf -- "$1"'
-"""What the sweeper does: wait for the end of its input, then remove the folder."""
+OWNER = "RLBENCH_PIN_STAGE"
+"""Variable in the environment of a process of the stage, and of all that a task starts there: the private folder."""
+_SWEEP = """read -r _
+for turn in 1 2 3; do
+    grep -lsaF -- "$2=$1" /proc/[0-9]*/environ | while IFS=/ read -r _ _ number _; do kill -9 "$number"; done
+done
+rm -rf -- "$1"
+"""
+"""What the sweeper does: wait for the end of its input, end what is left of the stage, then remove the folder."""
 
 
 class PrivateFolder:
     """A temporary folder that a tiny process removes when the owner closes it, ends, or is killed.
+
+    That process also ends what a task has started and hidden from its own end, such as a daemon in a session of its own.
 
     Attributes:
         path: Where it is.
@@ -31,7 +40,7 @@ class PrivateFolder:
     def __init__(self) -> None:
         self.path = Path(tempfile.mkdtemp(prefix="rlbench_pin_stage_")).resolve()
         self._sweeper = subprocess.Popen(
-            ["/bin/sh", "-c", _SWEEP, "sh", str(self.path)],
+            ["/bin/sh", "-c", _SWEEP, "sh", str(self.path), OWNER],
             stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd="/", start_new_session=True,
         )  # fmt: skip
 
@@ -73,8 +82,8 @@ class PrivateFolder:
     def close(self) -> None:
         """Remove the folder; may be called again."""
         if self._sweeper.stdin is not None and not self._sweeper.stdin.closed:
-            with contextlib.suppress(OSError):
-                self._sweeper.stdin.close()
+            with contextlib.suppress(OSError), self._sweeper.stdin as told:
+                told.write(b"\n")  # the end of its input alone could stay away: a process that was forked may hold it, too
             self._sweeper.wait(timeout=30.0)
 
 

@@ -13,6 +13,7 @@ from typing import Any
 
 from rlbench_pin.builder.contracts import Problem
 from rlbench_pin.builder.stage.faults import FaultKind, NothingOpen, StageFault, StageStopped
+from rlbench_pin.builder.stage.folder import OWNER
 from rlbench_pin.builder.stage.limits import StageLimits
 from rlbench_pin.builder.stage.problems import dumped_line
 from rlbench_pin.evaluation.policies.faults import PolicyFault
@@ -67,7 +68,7 @@ class Link:
             self._dump.unlink(missing_ok=True)
             self.generation += 1
             more = (str(self._limits.memory),)
-            self._hosted = HostedPolicy("the stage", str(self._dump), HOST, more)
+            self._hosted = HostedPolicy("the stage", str(self._dump), HOST, more, {OWNER: str(self._folder)})
             try:
                 self._channel = self._hosted.open(self._limits.start)
             except PolicyFault as error:

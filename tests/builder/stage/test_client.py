@@ -243,19 +243,32 @@ client = StageClient()
 folder = Path(sys.argv[1])
 client.open(TaskText("loops", folder, "format = 2\\n", ""), run_task=False)
 print(client.process_id, client.folder, flush=True)
-python = "from rlbench_pin.tasks import Task\\nwhile True:\\n    pass\\n"
+python = f'''
+import os, subprocess, time
+sleeper = subprocess.Popen(["sleep", "600"], start_new_session=True)
+forked = os.fork()
+if forked == 0:
+    os.setsid()
+    time.sleep(600)
+open({str(folder / "hidden")!r}, "w").write(f"{{sleeper.pid}} {{forked}}")
+while True:
+    pass
+'''
 client.open(TaskText("loops", folder, "format = 2\\n", python), run_task=True)
 """
 
 
 def test_it_ends_with_its_server(tmp_path: Path) -> None:
-    """Also when that is killed, and while a module loops."""
+    """Also when that is killed, while a module loops, and with what that has started in sessions of their own."""
     owner = subprocess.Popen([sys.executable, "-c", _OWNER, str(tmp_path)], stdout=subprocess.PIPE, text=True)
     assert owner.stdout is not None
     with owner.stdout:
         pid, folder = owner.stdout.readline().split()
-    assert _is_there(int(pid))
+    hidden = tmp_path / "hidden"
+    assert _comes(lambda: hidden.is_file() and " " in hidden.read_text(), 30.0)
+    pids = [int(pid), *map(int, hidden.read_text().split())]
+    assert all(_is_there(pid) for pid in pids)
     owner.kill()
     owner.wait()
-    assert _comes(lambda: not _is_there(int(pid)))
+    assert _comes(lambda: not any(map(_is_there, pids)))
     assert _comes(lambda: not Path(folder).exists())

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import signal
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -84,3 +86,20 @@ def test_a_name_that_is_no_task_is_refused(tmp_path: Path, name: str) -> None:
         assert list(folder.path.iterdir()) == []
     finally:
         folder.close()
+
+
+def test_it_goes_although_a_forked_process_holds_its_pipes(tmp_path: Path) -> None:
+    """Such as one that another library has forked."""
+    folder = PrivateFolder()
+    forked = os.fork()
+    if forked == 0:
+        time.sleep(60.0)
+        os._exit(0)
+    try:
+        began = time.monotonic()
+        folder.close()
+        assert time.monotonic() - began < 10.0
+        assert not folder.path.exists()
+    finally:
+        os.kill(forked, signal.SIGKILL)
+        os.waitpid(forked, 0)

@@ -11,7 +11,7 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import IO
 
 from rlbench_pin.evaluation.policies.faults import FaultKind, PolicyFault
@@ -33,12 +33,16 @@ class HostedPolicy:
         target: `module:factory` or `file.py:factory`, with its arguments.
         host: The module that runs in the process.
         more: Further arguments of that.
+        variables: Further variables of its environment, which what it starts inherits.
     """
 
     lost: FaultKind = "crashed"
 
-    def __init__(self, reference: str, target: str, host: str = HOST, more: Sequence[str] = ()) -> None:
+    def __init__(
+        self, reference: str, target: str, host: str = HOST, more: Sequence[str] = (), variables: Mapping[str, str] | None = None
+    ) -> None:
         self.reference, self._target, self._host, self._more = reference, target, host, tuple(more)
+        self._variables = {} if variables is None else dict(variables)
         self._process: subprocess.Popen[bytes] | None = None
         self._alive: IO[bytes] | None = None
         self._output = Output()
@@ -50,10 +54,11 @@ class HostedPolicy:
         watched, held = os.pipe()
         command = [sys.executable, "-m", self._host, str(theirs.fileno()), str(watched), self._target, *self._more]
         paths = os.pathsep.join(path for path in sys.path if path)
+        variables = {**os.environ, **self._variables, "PYTHONPATH": paths, "PYTHONUNBUFFERED": "1"}
         try:
             self._process = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True,
-                pass_fds=(theirs.fileno(), watched), env={**os.environ, "PYTHONPATH": paths, "PYTHONUNBUFFERED": "1"},
+                pass_fds=(theirs.fileno(), watched), env=variables,
             )  # fmt: skip
         except OSError as error:
             ours.close()
