@@ -14,6 +14,7 @@ from viser import ViserServer
 
 from rlbench_pin.builder.server.door import LOCAL_NAMES, Door
 from rlbench_pin.builder.server.errors import ServerError
+from rlbench_pin.builder.server.gate import Gate
 from rlbench_pin.builder.server.guard import BURST, GuardedLoops, Peer
 from rlbench_pin.builder.server.notices import Notices
 from rlbench_pin.builder.server.transfers import Transfers
@@ -55,6 +56,7 @@ class LocalServer:
             self.viser = ViserServer(self._host, wanted, title, verbose=False)
         self.notices = Notices(self.viser)
         try:
+            Gate(self.viser)
             Transfers(self.viser, self.notices)
         except ServerError:
             self.stop()
