@@ -76,7 +76,7 @@ class TaskDocument:
             raise TaskFilesError(name, fault)
         recover(pair)
         for file in pair.files:
-            if file.exists():
+            if file.is_symlink() or file.exists():
                 raise TaskFilesError(file, "it is there already.", "Open it, or choose another name.")
         return cls(pair, texts_of_new_task(name), (None, None))
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from rlbench_pin.builder.document.history import Texts
-from rlbench_pin.builder.document.storage import LARGEST_FILE, alone_in, write_whole
+from rlbench_pin.builder.document.storage import LARGEST_FILE, Pair, alone_in, write_whole
 
 WAIT = 1.0
 """A draft is written so long after an edit [s]; edits meanwhile are in it."""
@@ -82,7 +82,7 @@ class DraftKeeper:
 
     def __init__(self, document: Draftable, on_written: Callable[[], None], wait: float = WAIT) -> None:
         self._document, self._on_written, self._wait, self._first = document, on_written, wait, document.texts
-        self._file = document.folder / f".{document.name}.draft"
+        self._file = Pair(document.folder, document.name).draft
         self._lock = threading.Lock()
         self._timer: threading.Timer | None = None
         self.news = ""

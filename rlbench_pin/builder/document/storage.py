@@ -55,6 +55,16 @@ class Pair:
         """What a save leaves while it is under way."""
         return self.folder / f".{self.name}.saving.json"
 
+    @property
+    def draft(self) -> Path:
+        """What is kept of edits that are not saved."""
+        return self.folder / f".{self.name}.draft"
+
+    @property
+    def parts(self) -> tuple[Path, ...]:
+        """What whoever is killed while it writes one of these leaves."""
+        return tuple(_part(path) for path in (*self.files, self.journal, self.draft))
+
 
 def read_pair(pair: Pair) -> tuple[bytes, bytes]:
     """Return what both files say.
@@ -161,7 +171,7 @@ def recover(pair: Pair) -> tuple[bytes, bytes] | None:
     Raises:
         StorageError: The files cannot be written.
     """
-    if not any(os.path.lexists(path) for path in (pair.journal, *map(_part, (*pair.files, pair.journal)))):
+    if not any(os.path.lexists(path) for path in (pair.journal, *pair.parts)):
         return None
     try:
         with alone_in(pair.folder):
@@ -173,9 +183,9 @@ def recover(pair: Pair) -> tuple[bytes, bytes] | None:
 def _recovered(pair: Pair) -> tuple[bytes, bytes] | None:
     """Finish what a journal says, or return it where a file has been changed since."""
     found = _journal_of(pair)
-    for path in (*pair.files, pair.journal):
+    for part in pair.parts:
         with suppress(OSError):
-            _part(path).unlink(missing_ok=True)
+            part.unlink(missing_ok=True)
     if found is None:
         return None
     before, contents = found

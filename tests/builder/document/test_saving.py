@@ -249,3 +249,20 @@ def test_a_folder_that_another_builder_holds_is_an_error(tmp_path: Path, monkeyp
     with storage.alone_in(tmp_path), pytest.raises(StorageError, match="another task builder"):
         write_pair(pair, NEW)
     assert _contents(pair) == OLD
+
+
+def test_what_a_killed_writer_leaves_goes_at_the_next_opening(tmp_path: Path) -> None:
+    """Of a draft, too."""
+    pair = _pair(tmp_path)
+    for part in pair.parts:
+        part.write_bytes(b"half")
+    TaskDocument.open(pair.files[1])
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["thing.py", "thing.toml"]
+
+
+def test_a_task_is_not_begun_over_a_link_that_leads_nowhere(tmp_path: Path) -> None:
+    """The link stays."""
+    (tmp_path / "thing.py").symlink_to("thing.py")
+    with pytest.raises(TaskFilesError, match="there already"):
+        TaskDocument.new(tmp_path, "thing")
+    assert (tmp_path / "thing.py").is_symlink()
