@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import threading
 from pathlib import Path
 
 from rlbench_pin.cli.arguments import build as arguments
 from rlbench_pin.cli.process.files import check_folder
-from rlbench_pin.cli.process.pages import announce, check_port
+from rlbench_pin.cli.process.pages import announce, check_port, wait_for_end
 from rlbench_pin.errors import MissingExtra, TaskEnvironmentError
 from rlbench_pin.tasks import library_names
 from rlbench_pin.tasks.registry import LIBRARY
@@ -39,7 +38,7 @@ class Build(arguments.Build):
             try:
                 print(f"'{document.name}' in {document.folder}")
                 announce(server.address, self.browser)
-                threading.Event().wait()
+                wait_for_end()
             finally:
                 window.close()
                 if document.unsaved and document.step:

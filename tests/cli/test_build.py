@@ -56,10 +56,11 @@ def test_the_page_is_served_until_it_is_interrupted(tmp_path: Path) -> None:
 
 
 @pytest.mark.simulation
-def test_what_was_not_saved_is_offered_again(tmp_path: Path) -> None:
-    """After Ctrl-C, with a line that says where it is; a server that is killed afterwards has saved it."""
+@pytest.mark.parametrize("first", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_what_was_not_saved_is_offered_again(tmp_path: Path, first: signal.Signals) -> None:
+    """However the first builder is ended, with a line that says where; a server that is killed afterwards has saved it."""
     command = [sys.executable, "-m", "rlbench_pin.cli.main", "build", "fresh", "--out", str(tmp_path), "--no-browser"]
-    for label, ending in (("Add frame", signal.SIGINT), ("Take up the draft", signal.SIGKILL)):
+    for label, ending in (("Add frame", first), ("Take up the draft", signal.SIGKILL)):
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
             assert process.stdout is not None
             process.stdout.readline()
@@ -67,7 +68,7 @@ def test_what_was_not_saved_is_offered_again(tmp_path: Path) -> None:
             try:
                 page = RawPage((int(port), token), "")
                 page.press(label)
-                time.sleep(2.0)
+                time.sleep(2.0 if ending == signal.SIGKILL else 0.5)
                 if ending == signal.SIGKILL:
                     page.press("Save")
                     page.told("Saved")
@@ -76,7 +77,8 @@ def test_what_was_not_saved_is_offered_again(tmp_path: Path) -> None:
             finally:
                 process.kill()
             said = process.stdout.read()
-        if ending == signal.SIGINT:
+        if ending == first:
+            assert process.returncode == 130
             assert f"the next opening offers it, from {tmp_path / '.fresh.draft'}" in said
             assert [file.name for file in tmp_path.iterdir()] == [".fresh.draft"]
     assert sorted(file.name for file in tmp_path.iterdir()) == ["fresh.py", "fresh.toml"]

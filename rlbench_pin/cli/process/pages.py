@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import signal
 import sys
 import threading
 import webbrowser
@@ -61,5 +62,14 @@ def serve(view: Any, browser: bool) -> int:
     """Print the address of a page, and keep it until Ctrl-C, which comes as KeyboardInterrupt."""
     with view:
         announce(view.address, browser)
-        threading.Event().wait()
+        wait_for_end()
     return 0
+
+
+def wait_for_end() -> None:
+    """Wait until somebody wants the page to end: by Ctrl-C, SIGTERM, or closing the terminal; it comes as KeyboardInterrupt."""
+    if threading.current_thread() is threading.main_thread():
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            if signal.getsignal(number) is signal.SIG_DFL:
+                signal.signal(number, signal.default_int_handler)
+    threading.Event().wait()
