@@ -186,7 +186,7 @@ class Player:
         self._cursor.put(timeline.share)
         self._conditions.show(self._recording.conditions, self._frames, timeline.index)
         if not self._frames:
-            self._instant.content = framed("Nothing is recorded yet.")
+            self._instant.content = framed("Nothing is recorded yet: press Demonstration or Reset.")
             return
         frame = self._frames[timeline.index]
         leg = timeline.leg

@@ -25,6 +25,7 @@ from rlbench_pin.builder.view.scene_view import HANDS, SceneView
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.watch import Watch
 from rlbench_pin.builder.view.widgets import Button, Check, Choice, Item, Panel
+from rlbench_pin.builder.view.widgets.haste import have_presses_wait
 from rlbench_pin.spatial import FloatArray
 
 CAMERA, LOOK_AT = (1.05, -0.6, 1.5), (0.18, 0.0, 0.85)
@@ -83,6 +84,7 @@ class Window:
         gui, post = self._viser.gui, self.session.post
         gui.main_panel.dock_right()
         gui.main_panel.set_width(_RIGHT)
+        have_presses_wait(gui)
         tabs = gui.add_tab_group()
         names = ("Selected", "Behaviour", "Files", "Try", "Judge")
         panels = {name: tabs.add_tab(name) for name in names}

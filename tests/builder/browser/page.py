@@ -19,8 +19,6 @@ from viser import ViserServer
 Found = TypeVar("Found")
 PATIENCE = 60.0
 """So long a thing may take to appear [s]: the browser draws without a graphics card."""
-HAND = 0.15
-"""So long nobody presses a button after the last letter [s]; within 50 ms the page forgets letters that it has not sent."""
 _OPTIONS = (
     "--headless=new",
     "--no-sandbox",
@@ -143,7 +141,6 @@ class Page:
             element.click()
             element.send_keys(Keys.CONTROL, "a")
             element.send_keys(text)
-            time.sleep(HAND)
             return True
 
         until(write, f"field '{label}'")
