@@ -107,6 +107,30 @@ def test_the_builder(serve: Serve, browser: Chrome, tmp_path: Path) -> None:
     assert not (tmp_path / "mine" / "new_one.py").exists()
 
 
+def test_a_killed_builder(serve: Serve, browser: Chrome, tmp_path: Path) -> None:
+    """What was not saved when it was killed is offered by the next, taken up by a button, and saved."""
+    arguments = ("build", "new_one", "--out", tmp_path, "--no-browser")
+    served = serve(*arguments)
+    _press(browser, served, "Add", "Add waypoint at the tip")
+    until(lambda: (tmp_path / ".new_one.draft").is_file(), "the draft", PATIENCE)
+    os.killpg(served.process.pid, signal.SIGKILL)
+    served.process.wait(10.0)
+    served = serve(*arguments)
+    _press(browser, served, "Scene", "Take up the draft", "Save")
+    until(lambda: (tmp_path / "new_one.py").is_file(), "the files", PATIENCE)
+    assert 'name = "waypoint0"' in (tmp_path / "new_one.toml").read_text()
+    until(lambda: not (tmp_path / ".new_one.draft").exists(), "no draft", PATIENCE)
+    _ends_cleanly(served)
+
+
+def _press(browser: Chrome, served: Served, *labels: str) -> None:
+    """Open the page of a command, and press what has these labels."""
+    browser.get(served.address)
+    for label in labels:
+        path = f"//*[(self::button or @role='tab') and starts-with(normalize-space(), '{label}')]"
+        until(lambda path=path: browser.find_element(By.XPATH, path).click() is None, label, PATIENCE)  # type: ignore[misc]
+
+
 STRANGERS: dict[str, dict[str, str]] = {
     "another host": {"host": "evil.example"},
     "another origin": {"origin": "http://evil.example"},

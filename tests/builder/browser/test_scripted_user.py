@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rlbench_pin.builder.document import TaskDocument
 from tests.builder.browser.conftest import Desk, Sit
-from tests.builder.browser.page import until
+from tests.builder.browser.page import Page, until
 
 SENTENCES = (
     "Put the cube on the green square.",
@@ -60,15 +60,11 @@ def _add_bodies(desk: Desk) -> None:
     until(lambda: "cube_45.urdf" in document.scene_text, "the cube")
     page.picture("1_added")
     page.tab("Selected")
-    page.type("Name", "cube")
-    page.press("Rename")
-    until(lambda: 'name = "cube"' in document.scene_text, "the new name")
+    _rename(page, "cube")
     page.tab("Scene")
     page.press("■ target_square")
     page.shows("### target_square".removeprefix("### "))
-    page.type("Name", "square")
-    page.press("Rename")
-    until(lambda: 'name = "square"' in document.scene_text, "the new name")
+    _rename(page, "square")
 
 
 def _drag_square(desk: Desk) -> None:
@@ -87,14 +83,22 @@ def _drag_square(desk: Desk) -> None:
     until(lambda: abs(session.places.things["square"][0] - 0.3) < 1e-6, "the number counts")
 
 
+def _rename(page: Page, name: str) -> None:
+    """Call what is selected otherwise, and wait until the page does so: its fields are made anew then."""
+    page.type("Name", name)
+    page.press("Rename")
+    until(
+        lambda: name in [title.text for title in page.browser.find_elements("xpath", "//h1 | //h2 | //h3")], f"'{name}' as title"
+    )
+
+
 def _add_sensor(desk: Desk) -> None:
     page, document = desk.page, desk.document
     page.tab("Add")
     page.fold("Frame, region, sensor")
     page.press("Add sensor")
     until(lambda: "[[sensor]]" in document.scene_text, "the sensor")
-    page.type("Name", "goal")
-    page.press("Rename")
+    _rename(page, "goal")
     page.choose("Shape", "cylinder")
     page.type("Diameter [m]", "0.08")
     page.type("Length [m]", "0.05")

@@ -11,6 +11,7 @@ from selenium.webdriver.common.by import By
 from rlbench_pin.builder.document import TaskDocument
 from tests.builder.browser.conftest import Desk, Sit
 from tests.builder.browser.page import until
+from tests.builder.view.own.files import cabinet
 
 CLICKS = 4
 _CLICK = """
@@ -88,4 +89,23 @@ def test_a_mesh_of_ones_own(sit: Sit, copied: Callable[[str], TaskDocument], tmp
     assert desk.session.sight.opened.problems == ()
     until(lambda: page.browser.execute_script("return '/bodies/wedge' in window.__viserSceneTree.getState()"), "it is drawn")
     page.picture("own_mesh")
+    huge = tmp_path / "up" / "statue.stl"
+    with huge.open("wb") as file:
+        file.truncate(100 * 2**20)
+    page.upload(huge)
+    page.shows("'statue.stl' is not taken: it has 100 MB, at most 64 MB are taken")
+    page.quiet()
+    page.fold("Own mesh")
+    page.fold("Own URDF")
+    model = tmp_path / "up" / "cabinet.zip"
+    model.write_bytes(cabinet())
+    until(lambda: page.browser.find_elements(By.CSS_SELECTOR, "input[type='file']"), "the button")
+    page.upload(model, -1)
+    until(lambda: "./cabinet/" in document.scene_text, "the cabinet")
+    page.tab("Selected")
+    page.shows("hinge")
+    page.type("Starts at [rad]", "0.7", 2)
+    until(lambda: [joint.position for joint in document.spec.joint] == [0.7], "the door stands open")
+    desk.settle()
+    page.picture("own_model")
     assert page.errors() == []

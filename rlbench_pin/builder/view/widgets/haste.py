@@ -26,12 +26,20 @@ if (!window.pressesWait) {
     if (now >= free) { tell(); return; }
     event.preventDefault();
     event.stopImmediatePropagation();
-    setTimeout(() => { replayed.add(pressed); pressed.click(); replayed.delete(pressed); }, free - now);
+    const label = pressed.innerText;
+    setTimeout(() => {
+      const alike = pressed.isConnected ? [pressed] : [...document.querySelectorAll(told)].filter((e) => e.innerText === label);
+      if (alike.length !== 1) return;
+      replayed.add(alike[0]);
+      alike[0].click();
+      replayed.delete(alike[0]);
+    }, free - now);
     free += PAUSE;
   }, true);
 }
 """
-"""Enter in a field is a press of the hidden button of its form, thus it waits as well."""
+"""Enter in a field is a press of the hidden button of its form, thus it waits as well. A button that is made anew while a press
+waits is known by what stands on it, where no other says the same."""
 
 
 def have_presses_wait(gui: GuiApi) -> None:
