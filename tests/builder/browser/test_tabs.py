@@ -89,18 +89,26 @@ def test_a_mesh_of_ones_own(sit: Sit, copied: Callable[[str], TaskDocument], tmp
     assert desk.session.sight.opened.problems == ()
     until(lambda: page.browser.execute_script("return '/bodies/wedge' in window.__viserSceneTree.getState()"), "it is drawn")
     page.picture("own_mesh")
-    huge = tmp_path / "up" / "statue.stl"
+    assert page.errors() == []
+
+
+def test_a_model_of_ones_own(sit: Sit, copied: Callable[[str], TaskDocument], tmp_path: Path) -> None:
+    """An archive with a URDF file is a body whose joints have sliders; a file that is too large is refused with its size."""
+    document = copied("pick_and_lift")
+    desk = sit(document)
+    page = desk.page
+    page.quiet()
+    huge, model = tmp_path / "statue.urdf", tmp_path / "cabinet.zip"
+    model.write_bytes(cabinet())
     with huge.open("wb") as file:
         file.truncate(100 * 2**20)
-    page.upload(huge)
-    page.shows("'statue.stl' is not taken: it has 100 MB, at most 64 MB are taken")
-    page.quiet()
-    page.fold("Own mesh")
+    page.tab("Add")
     page.fold("Own URDF")
-    model = tmp_path / "up" / "cabinet.zip"
-    model.write_bytes(cabinet())
     until(lambda: page.browser.find_elements(By.CSS_SELECTOR, "input[type='file']"), "the button")
-    page.upload(model, -1)
+    page.upload(huge)
+    page.shows("'statue.urdf' is not taken: it has 100 MB, at most 64 MB are taken")
+    page.quiet()
+    page.upload(model)
     until(lambda: "./cabinet/" in document.scene_text, "the cabinet")
     page.tab("Selected")
     page.shows("hinge")
