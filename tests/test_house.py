@@ -1,20 +1,21 @@
-"""Sizes of folders, files and functions, docstrings everywhere, no patching and no module state."""
+"""Docstrings of the public interface, no patching and no module state."""
 
 from __future__ import annotations
 
 import ast
+import importlib
+import inspect
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from types import FunctionType
 
 import pytest
 
+from rlbench_pin.errors import MissingExtra
+
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "rlbench_pin"
-FOLDERS = ("rlbench_pin", "tests", "benchmarks", "scripts", "examples")
-MAX_FILE, MAX_FUNCTION, MAX_MODULES = 300, 40, 15
-WIDE_FOLDERS = (PACKAGE / "tasks" / "library", PACKAGE / "compat" / "packages" / "rlbench" / "tasks")
-"""One pair of files per task, and one file per task name that users of RLBench know."""
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -32,51 +33,37 @@ def _tree(file: Path) -> ast.Module:
     return ast.parse(file.read_text(encoding="utf-8"))
 
 
-def test_files_have_at_most_300_lines() -> None:
-    """A longer file holds a second idea."""
-    lengths = {_name(file): file.read_text(encoding="utf-8").count("\n") for file in _files(*FOLDERS)}
-    assert {name: n for name, n in lengths.items() if n > MAX_FILE} == {}
-
-
-def test_functions_have_at_most_40_lines() -> None:
-    """Docstring included."""
-    found = [
-        f"{_name(file)}:{node.lineno} {node.name}"
-        for file in _files(*FOLDERS)
-        for node in ast.walk(_tree(file))
-        if isinstance(node, Function) and (node.end_lineno or 0) - node.lineno >= MAX_FUNCTION
-    ]
-    assert found == []
-
-
-def test_folders_have_at_most_15_modules() -> None:
-    """Except where each task has its file."""
-    counts = {_name(d): len(list(d.glob("*.py"))) for d in PACKAGE.rglob("*") if d.is_dir() and d not in WIDE_FOLDERS}
-    assert {name: n for name, n in counts.items() if n > MAX_MODULES} == {}
-
-
 # Docstrings -------------------------------------------------------------------------------------------------------------------
 
 
-def _public(node: ast.AST, name: str = "") -> Iterator[tuple[str, ast.AST]]:
-    """Yield what is public below a node: not underscored, not inside a function, not an overload."""
-    for child in ast.iter_child_nodes(node):
-        if isinstance(child, ast.ClassDef | Function) and not child.name.startswith("_"):
-            if any("overload" in ast.unparse(d) or ".setter" in ast.unparse(d) for d in child.decorator_list):
-                continue
-            yield f"{name}{child.name}", child
-            if isinstance(child, ast.ClassDef):
-                yield from _public(child, f"{child.name}.")
+def _exported() -> Iterator[object]:
+    """Yield every name in `__all__` of the packages that users import."""
+    for file in sorted(PACKAGE.rglob("__init__.py")):
+        parts = file.parent.relative_to(PACKAGE).parts
+        if parts[:1] in (("compat",), ("cli",)):
+            continue
+        try:
+            module = importlib.import_module(".".join((PACKAGE.name, *parts)))
+        except MissingExtra:
+            continue
+        for name in getattr(module, "__all__", ()):
+            yield getattr(module, name)
 
 
-def test_everything_public_has_a_docstring() -> None:
-    """Modules, classes, functions and methods."""
-    lacking = []
-    for file in _files("rlbench_pin"):
-        tree = _tree(file)
-        lacking += [] if ast.get_docstring(tree) else [_name(file)]
-        lacking += [f"{_name(file)}: {name}" for name, node in _public(tree) if not ast.get_docstring(node)]  # type: ignore[arg-type]
-    assert lacking == []
+def test_the_public_interface_has_docstrings() -> None:
+    """Every exported class and function, and their public methods and properties."""
+    lacking = set()
+    for value in _exported():
+        if not getattr(value, "__module__", "").startswith(PACKAGE.name) or not (
+            inspect.isclass(value) or inspect.isfunction(value)
+        ):
+            continue
+        lacking |= set() if value.__doc__ else {value.__qualname__}
+        for name, member in vars(value).items() if inspect.isclass(value) else ():
+            is_public = not name.startswith("_") and isinstance(member, (FunctionType, property, classmethod, staticmethod))
+            if is_public and not inspect.getdoc(getattr(value, name)):
+                lacking.add(f"{value.__qualname__}.{name}")
+    assert lacking == set()
 
 
 # Patching and state -----------------------------------------------------------------------------------------------------------

@@ -163,9 +163,11 @@ def test_foreign_libraries_stay_at_home() -> None:
 
 
 def test_no_import_is_hidden_in_a_function() -> None:
-    """Imports stand at the top of the file, where a reader looks for them."""
+    """Imports stand at the top of the file; `cli` starts fast because its commands import what they run late."""
     hidden = []
     for file in sorted(ROOT.rglob("*.py")):
+        if file.relative_to(ROOT).parts[0] == "cli":
+            continue
         tree = ast.parse(file.read_text(encoding="utf-8"))
         functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)]
         inner = {n.lineno for f in functions for n in ast.walk(f) if isinstance(n, ast.Import | ast.ImportFrom)}
