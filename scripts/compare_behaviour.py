@@ -215,7 +215,8 @@ def evaluated(checkout: Path, options: dict[str, Any], folder: Path) -> dict[str
             out = folder / f"{policy}{workers}.json"
             flags = ("--episodes", "2", "--max-seconds", "40", "--workers", workers, "--out", str(out))
             run(checkout, "-m", "rlbench_pin.cli.main", "evaluate", policy, "--tasks", *tasks, *flags, folder=folder)
-            found[f"{policy}, {workers} workers"] = json.loads(out.read_text())
+            results = json.loads(out.read_text())
+            found[f"{policy}, {workers} workers"] = {k: v for k, v in results.items() if k not in ("commit", "sha256")}
     return found
 
 
