@@ -9,8 +9,8 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from pyrep.errors import ConfigurationPathError
-from pyrep.robots.arms.panda import Panda
-from pyrep.robots.configuration_paths.arm_configuration_path import ArmConfigurationPath
+from pyrep.robots.arms import Panda
+from pyrep.robots.configuration_paths import ArmConfigurationPath
 from rlbench_pin.compat.unwrap import SceneLike, runtime_of
 from rlbench_pin.environment.motion import follow
 from rlbench_pin.environment.runtime import Runtime

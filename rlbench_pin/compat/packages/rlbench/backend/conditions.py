@@ -11,7 +11,7 @@ from pyrep.objects.joint import Joint
 from pyrep.objects.object import Object
 from pyrep.objects.proximity_sensor import ProximitySensor
 from pyrep.objects.shape import Shape
-from pyrep.robots.end_effectors.gripper import Gripper
+from pyrep.robots.end_effectors import Gripper
 from rlbench_pin import tasks
 from rlbench_pin.compat.tasks.memory import Remembered
 from rlbench_pin.spatial import FloatArray

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from pyrep.robots.arms.arm import Arm
-from pyrep.robots.end_effectors.gripper import Gripper
+from pyrep.robots.arms import Arm
+from pyrep.robots.end_effectors import Gripper
 
 
 class Robot:

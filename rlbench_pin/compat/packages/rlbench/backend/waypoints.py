@@ -10,7 +10,7 @@ import numpy as np
 from pyrep.errors import ConfigurationPathError
 from pyrep.objects.cartesian_path import CartesianPath
 from pyrep.objects.object import Object
-from pyrep.robots.configuration_paths.arm_configuration_path import ArmConfigurationPath
+from pyrep.robots.configuration_paths import ArmConfigurationPath
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment.leg_planning import LegPlanner
 from rlbench_pin.environment.turns import runs, turned

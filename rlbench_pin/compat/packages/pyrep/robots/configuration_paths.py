@@ -1,52 +1,55 @@
-"""A path of an arm: `step()` commands it, the simulation is stepped by whoever follows the path."""
+"""Paths of configurations, played step by step: `step()` commands a path, whoever follows it steps the simulation.
+
+Programs import `configuration_path` and `arm_configuration_path` of this name; both stand for this module.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Protocol
+import sys
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pyrep.errors import ConfigurationPathError
-from pyrep.robots.configuration_paths.configuration_path import ConfigurationPath
+from pyrep.robots.robot_component import Numbers
 from rlbench_pin.compat import arm_planning
-from rlbench_pin.compat.arm_planning import Pace
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.control.tracking import TrajectoryTracker
 from rlbench_pin.errors import RetimingError
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
 
-Numbers = Sequence[float] | FloatArray
+if TYPE_CHECKING:
+    from pyrep.robots.arms import Arm
+
 ARRIVED = 2e-3
 """Distance of a joint from the end of the path that the coming tick covers [rad]."""
 SETTLING = 10
 """How often the end of a path is commanded again, at most, to an arm that lags."""
 
 
-class FollowsPaths(Protocol):
-    """What a path needs of its arm."""
+class ConfigurationPath:
+    """A path that a robot follows step by step."""
 
-    @property
-    def pace(self) -> Pace:
-        """How fast it may be."""
-        ...
+    def step(self) -> bool:
+        """Command the next part of the motion; True when it is the last."""
+        raise NotImplementedError
 
-    def get_joint_count(self) -> int:
-        """Return the number of joints."""
-        ...
+    def set_to_start(self, disable_dynamics: bool = False) -> None:
+        """Put the robot at the beginning of the path."""
+        raise NotImplementedError
 
-    def get_joint_positions(self) -> list[float]:
-        """Return measured joint positions [rad]."""
-        ...
+    def set_to_end(self, disable_dynamics: bool = False) -> None:
+        """Put the robot at the end of the path."""
+        raise NotImplementedError
 
-    def set_joint_positions(self, positions: Numbers, disable_dynamics: bool = False) -> None:
-        """Put the joints somewhere at once."""
-        ...
+    def visualize(self) -> None:
+        """Draw the path."""
+        raise NotImplementedError
 
-    def set_joint_target_positions(self, positions: Numbers) -> None:
-        """Go to joint positions [rad]."""
-        ...
+    def clear_visualization(self) -> None:
+        """Remove the drawing."""
+        raise NotImplementedError
 
 
 class ArmConfigurationPath(ConfigurationPath):
@@ -61,7 +64,7 @@ class ArmConfigurationPath(ConfigurationPath):
         trajectory: Their timing; None is worked out at the first step.
     """
 
-    def __init__(self, arm: FollowsPaths, path_points: Numbers, trajectory: Trajectory | None = None) -> None:
+    def __init__(self, arm: Arm, path_points: Numbers, trajectory: Trajectory | None = None) -> None:
         self._arm, self._num_joints = arm, arm.get_joint_count()
         self._path_points = np.array(path_points, dtype=float).reshape(-1)
         if not len(self._path_points) or len(self._path_points) % self._num_joints:
@@ -149,3 +152,8 @@ class ArmConfigurationPath(ConfigurationPath):
         """Whether the coming tick brings the arm to the last command."""
         lag = np.asarray(self._arm.get_joint_positions()) - self._joint_position_action
         return bool(np.abs(lag).max() < ARRIVED)
+
+
+_MODULES = ("configuration_path", "arm_configuration_path")
+globals().update(dict.fromkeys(_MODULES, sys.modules[__name__]))
+sys.modules.update({f"{__name__}.{name}": sys.modules[__name__] for name in _MODULES})

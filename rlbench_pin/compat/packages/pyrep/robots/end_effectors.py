@@ -1,15 +1,19 @@
-"""Hands: fingers that go to an opening at a speed, and what they hold."""
+"""Grippers: fingers that go to an opening at a speed, and what they hold.
+
+There is one gripper, the Panda's; making one of the others raises an error. Programs import a module per gripper; all these
+names stand for this module.
+"""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
-from pyrep.objects.object import Object
-from pyrep.objects.proximity_sensor import ProximitySensor
-from pyrep.objects.shape import Shape
+from pyrep.objects import Object, ProximitySensor, Shape
 from pyrep.robots.robot_component import RobotComponent
 from rlbench_pin.compat.motors import FingerMotors
 from rlbench_pin.compat.simulator import Simulator
@@ -131,3 +135,33 @@ class Gripper(RobotComponent):
     def _is_at(self, amount: float) -> bool:
         goal = amount * self._runtime.description.gripper_open
         return bool((np.abs(self._runtime.robot.fingers - goal) < NEAR).all())
+
+
+class KnownGripper(Gripper):
+    """A gripper of a known name.
+
+    Args:
+        count: Which one, counted from 0; a world has one.
+    """
+
+    known_name: ClassVar[str]
+    known_joints: ClassVar[tuple[str, ...]]
+
+    def __init__(self, count: int = 0) -> None:
+        super().__init__(count, self.known_name, self.known_joints)
+
+
+def _known_gripper(title: str, name: str, joints: tuple[str, ...] = ()) -> type[KnownGripper]:
+    return type(title, (KnownGripper,), {"__module__": __name__, "known_name": name, "known_joints": joints})
+
+
+PandaGripper = _known_gripper("PandaGripper", "Panda_gripper", ("Panda_gripper_joint1", "Panda_gripper_joint2"))
+BarrettHand = _known_gripper("BarrettHand", "BarrettHand")
+BaxterGripper = _known_gripper("BaxterGripper", "BaxterGripper")
+JacoGripper = _known_gripper("JacoGripper", "JacoGripper")
+MicoGripper = _known_gripper("MicoGripper", "MicoGripper")
+Robotiq85Gripper = _known_gripper("Robotiq85Gripper", "Robotiq85Gripper")
+
+_MODULES = ("barrett_hand", "baxter_gripper", "gripper", "jaco_gripper", "mico_gripper", "panda_gripper", "robotiq85_gripper")
+globals().update(dict.fromkeys(_MODULES, sys.modules[__name__]))
+sys.modules.update({f"{__name__}.{name}": sys.modules[__name__] for name in _MODULES})
