@@ -159,7 +159,7 @@ def nearest_configuration(runtime: Runtime, pose: FloatArray) -> FloatArray:
 def arm_collides(simulator: Simulator, name: str | None) -> bool:
     """Say whether the arm, or what it holds, overlaps the body called `name`; with None anything collidable, or itself.
 
-    A body that the hand holds counts as overlapping it while they touch.
+    A body that the gripper holds counts as overlapping it while they touch.
     """
     runtime = simulator.runtime
     if name in runtime.gripper.grasped:

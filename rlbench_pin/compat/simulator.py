@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from rlbench_pin.compat.things import ObjectTable
+from rlbench_pin.compat.objects import ObjectTable
 from rlbench_pin.environment import ObservationConfig
 from rlbench_pin.environment.observations import CameraPlaces
 from rlbench_pin.environment.runtime import EmptyTable, Runtime, RuntimeT, build_runtime

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-
-from pyrep.errors import ConfigurationError, ConfigurationPathError, IKError, UnsupportedCall
 from pyrep.objects.dummy import Dummy
-from pyrep.objects.shape import Shape
 from pyrep.robots.arms.jaco import Jaco
 from pyrep.robots.arms.panda import Panda
 from pyrep.robots.arms.ur5 import UR5
 from pyrep.robots.end_effectors.robotiq85_gripper import Robotiq85Gripper
+
+from pyrep.errors import ConfigurationError, ConfigurationPathError, IKError, UnsupportedCall
+from pyrep.objects.shape import Shape
 from rlbench.const import SUPPORTED_ROBOTS, colors
 from rlbench_pin.compat.simulator import Simulator
 

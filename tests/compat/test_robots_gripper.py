@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from pyrep.objects.proximity_sensor import ProximitySensor
+from pyrep.robots.arms.panda import Panda
+from pyrep.robots.end_effectors.panda_gripper import PandaGripper
 
 from pyrep.const import PrimitiveShape
 from pyrep.errors import UnsupportedCall
-from pyrep.objects.proximity_sensor import ProximitySensor
 from pyrep.objects.shape import Shape
-from pyrep.robots.arms.panda import Panda
-from pyrep.robots.end_effectors.panda_gripper import PandaGripper
 from rlbench.backend.robot import Robot
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment import ObservationConfig

@@ -13,7 +13,7 @@ import pytest
 from rlbench import tasks
 from rlbench.backend.task import TASKS_PATH, Task
 from rlbench_pin.compat import PACKAGES
-from rlbench_pin.compat.tasks.library import KNOWN_TASKS, PERACT_TASKS, MissingTask
+from rlbench_pin.compat.known_tasks import KNOWN_TASKS, PERACT_TASKS, MissingTask
 from rlbench_pin.tasks import camel_case, task_class, task_names
 from tests.compat.support import python
 

@@ -10,8 +10,7 @@ import sys
 from typing import Any
 
 from rlbench.backend.task import TASKS_PATH, Task
-from rlbench_pin.compat.tasks.library import KNOWN_TASKS, PERACT_TASKS, all_tasks
-from rlbench_pin.compat.tasks.sets import TASK_SETS
+from rlbench_pin.compat.known_tasks import KNOWN_TASKS, PERACT_TASKS, TASK_SETS, all_tasks
 from rlbench_pin.errors import nearest_name
 from rlbench_pin.tasks import camel_case
 

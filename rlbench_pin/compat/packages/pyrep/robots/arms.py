@@ -18,9 +18,9 @@ from pyrep.robots.configuration_paths import ArmConfigurationPath
 from pyrep.robots.robot_component import Numbers, RobotComponent
 from rlbench_pin.compat import arm_planning
 from rlbench_pin.compat.arm_planning import Pace
-from rlbench_pin.compat.motors import ArmMotors
+from rlbench_pin.compat.joints import ArmMotors
+from rlbench_pin.compat.objects import Element
 from rlbench_pin.compat.simulator import Simulator
-from rlbench_pin.compat.things import Element
 from rlbench_pin.errors import PlanningError
 from rlbench_pin.planning import Plan
 from rlbench_pin.spatial import FloatArray
@@ -75,7 +75,7 @@ class Arm(RobotComponent):
         return ArmMotors()
 
     def get_tip(self) -> Dummy:
-        """Return the tip: the frame between the fingers, z out of the hand."""
+        """Return the tip: the frame between the fingers, z out of the gripper."""
         return Dummy(Element("tip", self._tip_name))  # not looked up by name: programs ask in every step
 
     def get_jacobian(self) -> FloatArray:

@@ -15,9 +15,9 @@ import numpy as np
 
 from pyrep.objects import Object, ProximitySensor, Shape
 from pyrep.robots.robot_component import RobotComponent
-from rlbench_pin.compat.motors import FingerMotors
+from rlbench_pin.compat.joints import FingerMotors
+from rlbench_pin.compat.objects import Element
 from rlbench_pin.compat.simulator import Simulator
-from rlbench_pin.compat.things import Element
 from rlbench_pin.environment.runtime import Runtime
 
 NEAR = 5e-4
@@ -37,11 +37,11 @@ class Actuation:
 
 
 class Gripper(RobotComponent):
-    """The hand of the running world.
+    """The gripper of the running world.
 
     Args:
         count: Which hand of this kind; a world has one.
-        name: Name of the hand.
+        name: Name of the gripper.
         joint_names: Names of its joints.
     """
 
@@ -56,13 +56,13 @@ class Gripper(RobotComponent):
 
     @property
     def _proximity_sensor(self) -> ProximitySensor:
-        """What sees things between the fingertips, by the name that programs know."""
+        """What sees objects between the fingertips, by the name that programs know."""
         return ProximitySensor(f"{self.get_name()}_attachProxSensor")
 
     # Holding ---------------------------------------------------------------------------------------------------------
 
     def grasp(self, obj: Object) -> bool:
-        """Fix an object to the hand where it is, if it reaches between the fingers.
+        """Fix an object to the gripper where it is, if it reaches between the fingers.
 
         Returns:
             Whether it is fixed now by this call: not when it is elsewhere, held already, or cannot move.
@@ -77,7 +77,7 @@ class Gripper(RobotComponent):
         self._runtime.gripper.release()
 
     def get_grasped_objects(self) -> list[Object]:
-        """Return what is fixed to the hand, in the order in which it was grasped."""
+        """Return what is fixed to the gripper, in the order in which it was grasped."""
         return [Shape(self.table.handle(Element("body", name))) for name in self._runtime.gripper.grasped]
 
     # Fingers ---------------------------------------------------------------------------------------------------------

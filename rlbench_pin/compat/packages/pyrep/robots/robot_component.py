@@ -11,7 +11,7 @@ from pyrep.errors import UnsupportedCall
 from pyrep.objects.joint import Joint
 from pyrep.objects.object import Object
 from pyrep.objects.shape import Shape
-from rlbench_pin.compat.motors import Motors
+from rlbench_pin.compat.joints import Motors
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.robot import SUPPORTED_ROBOTS
 from rlbench_pin.spatial import FloatArray
@@ -20,7 +20,7 @@ Numbers = Sequence[float] | FloatArray
 
 
 class RobotComponent(Object):
-    """An arm or a hand of the running world; every list of numbers has one per joint, in the order of `joints`.
+    """An arm or a gripper of the running world; every list of numbers has one per joint, in the order of `joints`.
 
     Args:
         count: Which robot of this kind, counted from 0; a world has one.

@@ -9,7 +9,7 @@ import numpy as np
 from rlbench.action_modes.arm_action_modes import ArmActionMode, JointPosition, takes_ignore_collisions
 from rlbench.action_modes.gripper_action_modes import GripperActionMode, GripperJointPosition
 from rlbench_pin.compat.actions import ScenePart
-from rlbench_pin.compat.unwrap import SceneLike
+from rlbench_pin.compat.scene_runtime import SceneLike
 from rlbench_pin.environment.actions.mode import as_action
 from rlbench_pin.robot import DEFAULT_ROBOT, robot_description
 from rlbench_pin.spatial import FloatArray
@@ -119,7 +119,7 @@ class JointPositionActionMode(ActionMode):
         return len(robot_description(DEFAULT_ROBOT).arm_joints) + 1
 
     def action_bounds(self) -> tuple[FloatArray, FloatArray]:
-        """Return lowest and highest values: 0.1 rad each way for the joints, the range of a finger for the hand."""
+        """Return lowest and highest values: 0.1 rad each way for the joints, the range of a finger for the gripper."""
         arm = robot_description(DEFAULT_ROBOT)
         high = np.array([DELTA_LIMIT] * len(arm.arm_joints) + [arm.gripper_open])
         return np.append(-high[:-1], 0.0), high

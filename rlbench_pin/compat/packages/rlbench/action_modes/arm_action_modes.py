@@ -26,7 +26,7 @@ from rlbench_pin.compat.actions import (
     calculate_delta_pose,
     pose_in_end_effector_frame,
 )
-from rlbench_pin.compat.unwrap import SceneLike, runtime_of
+from rlbench_pin.compat.scene_runtime import SceneLike, runtime_of
 from rlbench_pin.environment.actions import joint, pose
 from rlbench_pin.environment.actions.arm_mode import FrameChoice, as_frame, assert_unit_quaternion
 from rlbench_pin.observation import Observation

@@ -1,4 +1,4 @@
-"""What the numbers for the hand mean."""
+"""What the numbers for the gripper mean."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from rlbench.backend.exceptions import InvalidActionError
 from rlbench_pin.compat.actions import ScenePart, UserMode, assert_action_shape
-from rlbench_pin.compat.unwrap import SceneLike, runtime_of
+from rlbench_pin.compat.scene_runtime import SceneLike, runtime_of
 from rlbench_pin.environment.actions import gripper as native
 from rlbench_pin.environment.motion import hold_or_release
 from rlbench_pin.environment.runtime import Runtime
@@ -16,11 +16,11 @@ __all__ = ["Discrete", "GripperActionMode", "GripperJointPosition", "InvalidActi
 
 
 class GripperActionMode(UserMode):
-    """Turns numbers into motion of the hand. Derive from it, or from one of the classes below."""
+    """Turns numbers into motion of the gripper. Derive from it, or from one of the classes below."""
 
 
 class HandPart(ScenePart, native.GripperMode):
-    """What modes of the hand share: their settings by the names that derived classes know."""
+    """What modes of the gripper share: their settings by the names that derived classes know."""
 
     @property
     def _attach_grasped_objects(self) -> bool:
@@ -40,10 +40,10 @@ class HandPart(ScenePart, native.GripperMode):
 
 
 class Discrete(HandPart, native.Discrete, GripperActionMode):
-    """One number, any finite one: above 0.5 opens the hand, otherwise closes it. Does nothing when the hand is already as asked.
+    """One number, any finite one: above 0.5 opens the gripper, otherwise closes it; nothing happens when it is so already.
 
     Args:
-        attach_grasped_objects: Fix graspable objects between the fingers to the hand; None leaves it to the environment.
+        attach_grasped_objects: Fix graspable objects between the fingers to the gripper; None leaves it to the environment.
         detach_before_open: Let go before the fingers open; otherwise after.
     """
 
@@ -75,7 +75,7 @@ class Discrete(HandPart, native.Discrete, GripperActionMode):
         scene.step()
 
     def action_post_step(self, scene: SceneLike, action: object) -> None:
-        """Let go, or fix to the hand what stopped the fingers."""
+        """Let go, or fix to the gripper what stopped the fingers."""
         runtime, wants_open = runtime_of(scene), bool(self.values(scene, action)[0] > 0.5)
         stands = not runtime.gripper.moving
         hold_or_release(runtime, release=wants_open, attach=self.attaches(runtime) and stands)
@@ -89,7 +89,7 @@ class GripperJointPosition(HandPart, native.GripperJointPosition, GripperActionM
     """One number: the position of both fingers [m], or its change, for one step; then the fingers hold.
 
     Args:
-        attach_grasped_objects: Fix graspable objects to the hand once the fingers can close no further; None leaves it to the
+        attach_grasped_objects: Fix graspable objects to the gripper once the fingers can close no further; None leaves it to the
             environment.
         detach_before_open: Let go before the fingers open; otherwise after.
         absolute_mode: A position; otherwise a difference to the measured one.

@@ -1,4 +1,4 @@
-"""An arm with a hand."""
+"""An arm with a gripper."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from pyrep.robots.end_effectors import Gripper
 
 
 class Robot:
-    """An arm and the hand that it carries.
+    """An arm and the gripper that it carries.
 
     Args:
         arm: The arm.
-        gripper: The hand.
+        gripper: The gripper.
     """
 
     def __init__(self, arm: Arm, gripper: Gripper) -> None:

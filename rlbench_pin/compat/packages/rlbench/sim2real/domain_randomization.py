@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rlbench_pin.compat.things.names import ROOM_NAMES
+from rlbench_pin.compat.objects.elements import ROOM_NAMES
 from rlbench_pin.environment.randomization import DynamicsRandomizationConfig, RandomizeEvery
 from rlbench_pin.environment.randomization import VisualRandomizationConfig as NativeVisualRandomizationConfig
 from rlbench_pin.environment.randomization.config import RandomizationConfig
@@ -32,7 +32,7 @@ class VisualRandomizationConfig(NativeVisualRandomizationConfig):
         super().__init__(image_directory, whitelist, blacklist, randomize_arm, light=0.0)
 
     def should_randomize(self, name: str) -> bool:
-        """Whether the thing called `name` may change."""
+        """Whether the object called `name` may change."""
         known = ROOM_NAMES.get(name, name.capitalize() if name in SUPPORTED_ROBOTS else name)
         listed = None if self.whitelist is None else _matches(name, self.whitelist) or _matches(known, self.whitelist)
         return listed is not False and not _matches(name, self.blacklist) and not _matches(known, self.blacklist)

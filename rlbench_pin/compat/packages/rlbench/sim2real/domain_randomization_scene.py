@@ -26,8 +26,8 @@ class DomainRandomizationScene(Scene):
         obs_config: What observations contain.
         robot_setup: Name of the arm.
         randomize_every: The event.
-        frequency: n: the first event and every n-th after it bring a new look.
-        visual_randomization_config: What may change of the looks, or None.
+        frequency: n: the first event and every n-th after it bring a new appearance.
+        visual_randomization_config: What may change of the appearance, or None.
         dynamics_randomization_config: What may change of the physics, or None.
     """
 

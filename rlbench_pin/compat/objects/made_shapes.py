@@ -1,8 +1,14 @@
-"""Bodies that programs add to the world."""
+"""Bodies that programs add to the world, and their model files.
+
+A file of the same content has the same path in every process of a user.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import os
 import re
+import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,16 +16,110 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rlbench_pin.compat.things import shape_files
-from rlbench_pin.compat.things.element import Element
-from rlbench_pin.compat.things.table import ObjectTable
-from rlbench_pin.compat.things.thing import BodyThing, LinkThing, Thing
+from rlbench_pin.compat.objects.elements import Element
+from rlbench_pin.compat.objects.scene_objects import BodyObject, LinkObject, SceneObject
+from rlbench_pin.compat.objects.table import ObjectTable
 from rlbench_pin.environment.runtime import EmptyTable
 from rlbench_pin.errors import AssetInvalid, RlbenchPinError
 from rlbench_pin.robot import surfaces
 from rlbench_pin.scene.spec import WORLD, BodySpec
 from rlbench_pin.spatial import FloatArray, pose_to_se3, relative
 from rlbench_pin.urdf import read_urdf
+
+_FRICTION = 0.8
+_SIDES = 32  # of cones and of cylinders and balls that are not round
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A closed surface in the frame of its shape."""
+
+    vertices: FloatArray
+    """Corners (n, 3) [m]."""
+    triangles: NDArray[np.int64]
+    """Corner numbers (m, 3), counter-clockwise seen from outside."""
+
+
+def primitive_file(kind: str, size: tuple[float, float, float], mass: float) -> Path:
+    """Write the model file of a primitive.
+
+    Args:
+        kind: `CUBOID`, `SPHERE`, `CYLINDER` or `CONE`.
+        size: Lengths along x, y, z [m].
+        mass: [kg].
+    """
+    x, y, z = size
+    round_about_z = abs(x - y) < 1e-9
+    if kind == "CUBOID":
+        return _write(f'<box size="{x:.9g} {y:.9g} {z:.9g}"/>', size, mass)
+    if kind == "SPHERE" and round_about_z and abs(x - z) < 1e-9:
+        return _write(f'<sphere radius="{x / 2:.9g}"/>', size, mass)
+    if kind == "CYLINDER" and round_about_z:
+        return _write(f'<cylinder radius="{x / 2:.9g}" length="{z:.9g}"/>', size, mass)
+    profiles = {"CYLINDER": ((1.0, -1.0), (1.0, 1.0)), "CONE": ((1.0, -1.0), (0.0, 1.0))}
+    angles = np.linspace(-np.pi / 2, np.pi / 2, _SIDES // 2 + 1)
+    profile = profiles.get(kind, tuple((float(np.cos(a)), float(np.sin(a))) for a in angles))
+    turned = _turned(profile)
+    return mesh_file(Mesh(turned.vertices * (0.5 * np.array(size)), turned.triangles), mass)
+
+
+def mesh_file(mesh: Mesh, mass: float) -> Path:
+    """Write the model file of a surface; it is solid as its convex hull."""
+    text = "".join(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in mesh.vertices)
+    text += "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in mesh.triangles)
+    stored = _store(text, ".obj")
+    size = np.ptp(mesh.vertices, axis=0)
+    return _write(f'<mesh filename="{stored.name}"/>', (float(size[0]), float(size[1]), float(size[2])), mass)
+
+
+def _turned(profile: tuple[tuple[float, float], ...]) -> Mesh:
+    """Turn a profile of (radius, height) about z; ends are closed."""
+    angles = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
+    ring = np.stack([np.cos(angles), np.sin(angles), np.zeros(_SIDES)], axis=1)
+    rings = [ring * (radius, radius, 0.0) + (0.0, 0.0, height) for radius, height in profile]
+    ends = [[0.0, 0.0, profile[0][1]], [0.0, 0.0, profile[-1][1]]]
+    triangles = []
+    for level in range(len(profile) - 1):
+        for k in range(_SIDES):
+            a, b = level * _SIDES + k, level * _SIDES + (k + 1) % _SIDES
+            triangles += [[a, b, b + _SIDES], [a, b + _SIDES, a + _SIDES]]
+    bottom, top, last = len(profile) * _SIDES, len(profile) * _SIDES + 1, (len(profile) - 1) * _SIDES
+    for k in range(_SIDES):
+        following = (k + 1) % _SIDES
+        triangles += [[bottom, following, k], [top, last + k, last + following]]
+    return Mesh(np.concatenate([*rings, np.array(ends)]), np.array(triangles, dtype=np.int64))
+
+
+def _write(geometry: str, size: tuple[float, float, float], mass: float) -> Path:
+    """Write a URDF of one link; its inertia is that of a box of the same size."""
+    x, y, z = (s * s for s in size)
+    ixx, iyy, izz = (mass / 12.0 * max(v, 1e-8) for v in (y + z, x + z, x + y))
+    element = f"<geometry>{geometry}</geometry>"
+    return _store(
+        '<?xml version="1.0"?>\n<robot name="shape"><link name="shape">\n'
+        f'<contact><lateral_friction value="{_FRICTION}"/></contact>\n'
+        f'<inertial><mass value="{mass:.9g}"/>'
+        f'<inertia ixx="{ixx:.9g}" ixy="0" ixz="0" iyy="{iyy:.9g}" iyz="0" izz="{izz:.9g}"/></inertial>\n'
+        f'<visual>{element}<material name="shape"><color rgba="0.8 0.8 0.8 1"/></material></visual>\n'
+        f"<collision>{element}</collision>\n</link></robot>\n",
+        ".urdf",
+    )
+
+
+def _store(text: str, suffix: str) -> Path:
+    """Write a text once, under a name made from its content."""
+    folder = Path(tempfile.gettempdir()) / f"rlbench_pin_shapes_{os.getuid()}"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    if folder.is_symlink() or folder.stat().st_uid != os.getuid():
+        raise RlbenchPinError(f"'{folder}' belongs to somebody else. Set TMPDIR to a folder of your own.")
+    file = folder / (hashlib.sha256(text.encode()).hexdigest()[:32] + suffix)
+    if not file.is_file():
+        handle, temporary = tempfile.mkstemp(dir=folder)
+        with os.fdopen(handle, "w", encoding="utf-8") as stream:
+            stream.write(text)
+        Path(temporary).replace(file)
+    return file
+
 
 _NOT_IN_NAMES = re.compile("[^a-z0-9_]")
 _MESH_MASS = 1.0  # [kg]
@@ -36,7 +136,7 @@ class Look:
     static: bool = False
     """Welded to its place."""
     respondable: bool = True
-    """Touches other things."""
+    """Touches other objects."""
     color: tuple[float, ...] | None = None
     """rgb or rgba in 0..1; None takes the one of the model file."""
 
@@ -52,7 +152,7 @@ def primitive(kind: str, size: Sequence[float], mass: float) -> Path:
         raise InvalidShape(f"A {kind.lower()} has three positive lengths [m], not {lengths}.")
     if not 0.0 < mass < float("inf"):
         raise InvalidShape(f"A mass is positive and finite, not {mass} kg. Use static=True for what is not to move.")
-    return shape_files.primitive_file(kind, (lengths[0], lengths[1], lengths[2]), float(mass))
+    return primitive_file(kind, (lengths[0], lengths[1], lengths[2]), float(mass))
 
 
 def mesh(corners: FloatArray, triangles: NDArray[np.int64]) -> tuple[Path, FloatArray]:
@@ -72,7 +172,7 @@ def mesh(corners: FloatArray, triangles: NDArray[np.int64]) -> tuple[Path, Float
     if np.linalg.matrix_rank(corners - corners[0], tol=1e-7) < 3:
         raise InvalidShape("All corners of the mesh lie in one plane; a body needs a volume. Use a thin cuboid.")
     middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
-    return shape_files.mesh_file(shape_files.Mesh(corners - middle, triangles), _MESH_MASS), middle
+    return mesh_file(Mesh(corners - middle, triangles), _MESH_MASS), middle
 
 
 def read_mesh(filename: str, scale: float) -> tuple[FloatArray, NDArray[np.int64]]:
@@ -87,7 +187,7 @@ def spawn(table: ObjectTable, name: str, asset: Path, look: Look) -> Element:
     """Add a body at the origin of the world, and return it.
 
     Args:
-        table: Things of the world.
+        table: Objects of the world.
         name: How it is called; a number is put behind where that name is in use.
         asset: Model file.
         look: How it is set up.
@@ -156,14 +256,14 @@ def discard(table: ObjectTable, element: Element) -> None:
         table.world.remove_body(element.name)
 
 
-def surface(thing: Thing) -> tuple[FloatArray, NDArray[np.int64], FloatArray]:
-    """Return corners (n, 3) [m] in the frame of a thing, triangles (m, 3) and a normal for each corner of each (3 m, 3).
+def surface(item: SceneObject) -> tuple[FloatArray, NDArray[np.int64], FloatArray]:
+    """Return corners (n, 3) [m] in the frame of an object, triangles (m, 3) and a normal for each corner of each (3 m, 3).
 
     Visual meshes are taken as they are; primitives as their corners' hull.
     """
     corners: list[FloatArray] = []
     triangles: list[NDArray[np.int64]] = []
-    for vertices, faces in _surfaces(thing):
+    for vertices, faces in _surfaces(item):
         triangles.append(faces + sum(len(c) for c in corners))
         corners.append(vertices)
     if not corners:
@@ -175,15 +275,15 @@ def surface(thing: Thing) -> tuple[FloatArray, NDArray[np.int64], FloatArray]:
     return points, all_faces, np.repeat(normals, 3, axis=0)
 
 
-def _surfaces(thing: Thing) -> list[tuple[FloatArray, NDArray[np.int64]]]:
-    if not isinstance(thing, BodyThing | LinkThing):
-        return [surfaces.part_surface(part) for parts, _ in thing.solids() for part in parts]
-    links = thing.body.links if isinstance(thing, BodyThing) else (thing.link,)
-    visuals = {link.name: link.visuals for link in read_urdf(thing.body.model.urdf).links}
+def _surfaces(item: SceneObject) -> list[tuple[FloatArray, NDArray[np.int64]]]:
+    if not isinstance(item, BodyObject | LinkObject):
+        return [surfaces.part_surface(part) for parts, _ in item.solids() for part in parts]
+    links = item.body.links if isinstance(item, BodyObject) else (item.link,)
+    visuals = {link.name: link.visuals for link in read_urdf(item.body.model.urdf).links}
     found = []
     for link in links:
-        T_thing_link = pose_to_se3(relative(thing.body.link_pose(link), thing.pose))
+        T_item_link = pose_to_se3(relative(item.body.link_pose(link), item.pose))
         for shape in visuals[link]:
-            vertices, faces = surfaces.shape_surface(shape, thing.body.model.scale)
-            found.append((vertices @ T_thing_link.rotation.T + T_thing_link.translation, faces))
+            vertices, faces = surfaces.shape_surface(shape, item.body.model.scale)
+            found.append((vertices @ T_item_link.rotation.T + T_item_link.translation, faces))
     return found

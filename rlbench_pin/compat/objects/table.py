@@ -1,29 +1,178 @@
-"""The table of all things of the present world: names, handles, parents, and what programs added."""
+"""The table of all objects of the present world: names, handles, parents, and what programs added."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
-from rlbench_pin.compat.things.cameras import Cameras, CameraThing
-from rlbench_pin.compat.things.element import Element, ObjectType, UnknownObject
-from rlbench_pin.compat.things.family import Family
-from rlbench_pin.compat.things.names import CAMERA_NAMES, MASK_SUFFIX, ROOM_NAMES, robot_elements, usual_name
-from rlbench_pin.compat.things.placed import Placed, fixed_things, hangs_in_task
-from rlbench_pin.compat.things.placed_thing import PlacedThing
-from rlbench_pin.compat.things.thing import BodyThing, FrameThing, JointThing, LinkThing, RobotThing, Thing, WholeRobotThing
+from rlbench_pin.compat.objects.elements import (
+    CAMERA_NAMES,
+    MASK_SUFFIX,
+    ROOM_NAMES,
+    Element,
+    ObjectType,
+    UnknownObject,
+    UnsupportedCall,
+    camera_of,
+    robot_elements,
+    robot_prefix,
+    usual_name,
+)
+from rlbench_pin.compat.objects.scene_objects import (
+    BodyObject,
+    CameraObject,
+    Cameras,
+    FrameObject,
+    JointObject,
+    LinkObject,
+    Placed,
+    PlacedObject,
+    RobotObject,
+    SceneObject,
+    WholeRobotObject,
+    child_link,
+    fixed_objects,
+    hangs_in_task,
+    joint_of_link,
+)
 from rlbench_pin.environment import ObservationConfig
 from rlbench_pin.environment.runtime import Runtime
-from rlbench_pin.scene.spec import ROOT
+from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.robot.description import RobotDescription
+from rlbench_pin.scene.spec import ROOT, WORLD
+from rlbench_pin.sim import World
 from rlbench_pin.spatial import FloatArray, compose, relative
+from rlbench_pin.urdf import UrdfJoint, read_urdf
+
+_MOVABLE_KINDS = ("body", "frame", "placed")
+
+
+class Family:
+    """Answers who the parent of an object is.
+
+    Args:
+        world: The world.
+        robot: Its arm.
+        placed: Objects beside the physics, by name.
+        parents: Parents that programs changed.
+    """
+
+    def __init__(
+        self, world: World, robot: RobotDescription, placed: dict[str, Placed], parents: dict[Element, Element | None]
+    ) -> None:
+        self._world, self._robot, self._placed, self._parents = world, robot, placed, parents
+
+    def parent(self, element: Element) -> Element | None:
+        """Return what an element hangs on; None for the world."""
+        if element in self._parents:
+            return self._parents[element]
+        owner, _, part = element.name.partition("/")
+        match element.kind:
+            case "body" | "frame":
+                return self.native(self._world.places.parent(element.name) or WORLD)
+            case "link":
+                joint, below = joint_of_link(self._world.body(owner), part)
+                return Element("joint", f"{owner}/{joint}") if joint else self._link(owner, below)
+            case "joint":
+                joints = {j.name: j for j in read_urdf(self._world.body(owner).model.urdf).joints}
+                return self._link(owner, joints[part].parent)
+            case "placed":
+                return self._placed[element.name].parent
+            case "camera":
+                name, is_mask = camera_of(element.name)
+                if is_mask:
+                    return Element("camera", element.name.removesuffix("_mask"))
+                return Element("gripper", f"{robot_prefix(self._robot)}_gripper") if name == "wrist" else None
+            case "tip" | "gripper" | "robot_joint" | "robot_link":
+                return Element("robot", robot_prefix(self._robot))
+            case _:
+                return None
+
+    def ancestors(self, element: Element) -> list[Element]:
+        """Return its parent, the parent of that, and so on."""
+        found: list[Element] = []
+        while (parent := self.parent(element)) is not None:
+            found.append(parent)
+            element = parent
+        return found
+
+    def tree(self, elements: Iterable[Element], root: Element | None, depth: int = -1) -> list[Element]:
+        """Return which of the elements hang on `root` (None: the world), near or far.
+
+        Args:
+            elements: All there are.
+            root: Left out itself.
+            depth: 1 keeps direct children only; -1 keeps all.
+        """
+        found = []
+        for element in elements:
+            chain: list[Element | None] = [*self.ancestors(element), None]
+            if root in (chain if depth < 0 else chain[:depth]):
+                found.append(element)
+        return found
+
+    def native(self, name: str) -> Element | None:
+        """Return the element that the world calls `name`; None for `world`."""
+        owner, _, part = name.partition("/")
+        if name == WORLD:
+            return None
+        if name == ROOT:
+            return Element("root", ROOT)
+        if part:
+            return self._link(owner, part)
+        if owner in self._world.frames:
+            return Element("frame", owner)
+        return Element("room" if owner in self._world.room else "body", owner)
+
+    def _link(self, body: str, link: str) -> Element:
+        return Element("body", body) if link == self._world.body(body).links[0] else Element("link", f"{body}/{link}")
+
+    def spec_parent(self, body: str) -> str:
+        """Return the parent of a body as its scene file, or the program that made it, says."""
+        specs = {spec.name: spec for spec in (*self._world.spec.body, *self._world.spawned.values())}
+        return {**specs, **self._world.spawned}[body].parent
+
+    def robot_joint(self, name: str) -> UrdfJoint:
+        """Return what the model file says of a joint of the arm or hand, by its known name."""
+        fingers, prefix = "_gripper_joint", robot_prefix(self._robot)
+        number = int(name.rpartition("joint")[2]) - 1
+        names = self._robot.gripper_joints if name.startswith(prefix + fingers) else self._robot.arm_joints
+        return next(j for j in read_urdf(self._robot.urdf).joints if j.name == names[number])
+
+    def native_name(self, element: Element | None) -> str:
+        """Return what the world calls a parent, or the nearest of its ancestors that the world knows."""
+        while element is not None and element.kind not in ("root", "body", "link", "joint", "frame", "room"):
+            element = self.parent(element)
+        if element is not None and element.kind == "joint":
+            owner, _, joint = element.name.partition("/")
+            return f"{owner}/{child_link(self._world.body(owner), joint)}"
+        return WORLD if element is None else element.name
+
+    def check(self, element: Element, parent: Element | None) -> None:
+        """Raise when an object cannot hang on another."""
+        call = f"set_parent of '{element.name}'"
+        if element.kind not in _MOVABLE_KINDS:
+            raise UnsupportedCall(call, "it is a fixed part of the scene.", "Hang other objects on it, or make a Dummy.")
+        if parent is None:
+            return
+        chain = [parent, *self.ancestors(parent)]
+        if element in chain:
+            raise RlbenchPinError(f"'{parent.name}' cannot be the parent of '{element.name}', because it hangs on it.")
+        if element.kind != "placed" and any(e.kind.startswith(("robot", "tip", "gripper", "camera")) for e in chain):
+            raise UnsupportedCall(
+                call,
+                f"'{parent.name}' is moved by the arm.",
+                "Hold a Shape with `gripper.grasp`; make a Dummy to follow the arm.",
+            )
+
 
 FIRST_HANDLE = 100_000
-"""Handles of things that no mask shows begin here."""
+"""Handles of objects that no mask shows begin here."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Kept:
-    """What goes back with the world: things that hang in the task, and changed parents."""
+    """What goes back with the world: objects that hang in the task, and changed parents."""
 
     placed: dict[str, Placed]
     parents: dict[Element, Element | None]
@@ -48,7 +197,7 @@ class ObjectTable:
 
     def __init__(self, runtime: Runtime, config: ObservationConfig, before: ObjectTable | None = None) -> None:
         self.runtime, self.world = runtime, runtime.world
-        self.placed: dict[str, Placed] = fixed_things(runtime.description)
+        self.placed: dict[str, Placed] = fixed_objects(runtime.description)
         self.parents: dict[Element, Element | None] = {}
         self.flags: dict[tuple[Element, str], object] = {}
         self.cameras = Cameras(runtime, config)
@@ -100,7 +249,7 @@ class ObjectTable:
             raise UnknownObject("object of this scene", name, tuple(self.name(e) for e in self.elements()))
         if len({e.name.partition("/")[0] for e in found}) > 1 and found[0].kind in ("link", "joint"):
             found = [found[0]] if self.name(found[0]) == name else found
-        wanted = [e for e in found if self.thing(e).type in types]
+        wanted = [e for e in found if self.scene_object(e).type in types]
         return (wanted or found)[0]
 
     def _other_names(self, element: Element) -> tuple[str, ...]:
@@ -150,7 +299,7 @@ class ObjectTable:
         return element.kind != "placed" or element.name in self.placed
 
     def handle(self, element: Element) -> int:
-        """Number of a thing: that of masks where masks show it."""
+        """Number of an object: that of masks where masks show it."""
         label = self._mask_label(element)
         if label is not None:
             return next(identifier for identifier, name in self.world.masks.items() if name == label)
@@ -165,7 +314,7 @@ class ObjectTable:
         return f"{self.runtime.description.name}/{element.name}" if element.kind == "robot_link" else None
 
     def of_handle(self, handle: int) -> Element:
-        """Return the thing with a number.
+        """Return the object with a number.
 
         Raises:
             UnknownObject: There is none.
@@ -175,9 +324,9 @@ class ObjectTable:
                 return element
         raise UnknownObject("object of this scene with the handle", str(handle), tuple(self.world.masks.values()))
 
-    # Things ----------------------------------------------------------------------------------------------------------
+    # Objects ----------------------------------------------------------------------------------------------------------
 
-    def thing(self, element: Element) -> Thing:
+    def scene_object(self, element: Element) -> SceneObject:
         """Return what answers for an element now.
 
         Raises:
@@ -188,33 +337,33 @@ class ObjectTable:
         world, (owner, _, part) = self.world, element.name.partition("/")
         match element.kind:
             case "body" | "room":
-                return BodyThing(world.body(element.name))
+                return BodyObject(world.body(element.name))
             case "link":
-                return LinkThing(world.body(owner), part)
+                return LinkObject(world.body(owner), part)
             case "joint":
-                return JointThing(world.body(owner), world.joint(element.name))
+                return JointObject(world.body(owner), world.joint(element.name))
             case "root" | "frame":
-                return FrameThing(world.frame(element.name), world.spec)
+                return FrameObject(world.frame(element.name), world.spec)
             case "camera":
-                return CameraThing(self.cameras, element.name)
+                return CameraObject(self.cameras, element.name)
             case "placed":
-                return PlacedThing(self, element.name)
+                return PlacedObject(self, element.name)
             case _:
-                return self._robot_thing(element)
+                return self._robot_object(element)
 
-    def _robot_thing(self, element: Element) -> Thing:
+    def _robot_object(self, element: Element) -> SceneObject:
         robot, description = self.world.robot, self.runtime.description
         match element.kind:
             case "robot":
-                return WholeRobotThing(robot, element.name)
+                return WholeRobotObject(robot, element.name)
             case "tip":
-                return RobotThing(robot, "dummy", None, element.name)
+                return RobotObject(robot, "dummy", None, element.name)
             case "gripper":
-                return RobotThing(robot, "shape", description.hand_link, element.name)
+                return RobotObject(robot, "shape", description.hand_link, element.name)
             case "robot_joint":
-                return RobotThing(robot, "joint", self.family.robot_joint(element.name).child, element.name)
+                return RobotObject(robot, "joint", self.family.robot_joint(element.name).child, element.name)
             case _:
-                return RobotThing(robot, "shape", element.name, element.name)
+                return RobotObject(robot, "shape", element.name, element.name)
 
     # Parents ---------------------------------------------------------------------------------------------------------
 
@@ -227,7 +376,7 @@ class ObjectTable:
         return [e for e in self.elements() if self.parent(e) == element]
 
     def set_parent(self, element: Element, parent: Element | None, keep_in_place: bool = True) -> None:
-        """Let it move with another thing.
+        """Let it move with another object.
 
         Args:
             element: Which.
@@ -235,16 +384,16 @@ class ObjectTable:
             keep_in_place: Stay where it is; otherwise keep the pose relative to the parent.
         """
         self.family.check(element, parent)
-        thing, before = self.thing(element), self.parent(element)
-        pose = thing.pose
-        local = pose if before is None else relative(pose, self.thing(before).pose)
+        item, before = self.scene_object(element), self.parent(element)
+        pose = item.pose
+        local = pose if before is None else relative(pose, self.scene_object(before).pose)
         if element.kind == "placed":
             self.placed[element.name] = replace(self.placed[element.name], parent=parent)
         else:
             self._set_native_parent(element, self.family.native_name(parent))
             self.parents[element] = parent
-        there = pose if keep_in_place else (local if parent is None else compose(self.thing(parent).pose, local))
-        self.thing(element).set_pose(there, True)
+        there = pose if keep_in_place else (local if parent is None else compose(self.scene_object(parent).pose, local))
+        self.scene_object(element).set_pose(there, True)
 
     def _set_native_parent(self, element: Element, native: str) -> None:
         if element.kind == "body":
@@ -253,11 +402,11 @@ class ObjectTable:
             self.world.frame(element.name).set_parent(native, keep_in_place=True)
 
     def carry(self, element: Element, old: FloatArray, new: FloatArray) -> None:
-        """Move what programs hung on a thing that went from pose `old` to `new`."""
+        """Move what programs hung on an object that went from pose `old` to `new`."""
         for child, parent in self.parents.items():
             if parent == element and parent.kind == "placed" and self.exists(child):
-                thing = self.thing(child)
-                thing.set_pose(compose(new, relative(thing.pose, old)), True)
+                item = self.scene_object(child)
+                item.set_pose(compose(new, relative(item.pose, old)), True)
         for name, placed in list(self.placed.items()):
             if placed.parent == element:
                 below = placed.local

@@ -1,9 +1,9 @@
-"""The task names that users of RLBench know, and the classes of our library behind them."""
+"""Task names and task sets that users of RLBench know, and the classes of our library behind them."""
 
 from __future__ import annotations
 
 from rlbench_pin.errors import RlbenchPinError
-from rlbench_pin.evaluation.sets import public_tasks, variant_tasks
+from rlbench_pin.evaluation.sets import public_tasks, task_set, variant_tasks
 from rlbench_pin.tasks import Task, task_class, task_names
 
 KNOWN_TASKS: tuple[str, ...] = public_tasks()
@@ -11,6 +11,15 @@ KNOWN_TASKS: tuple[str, ...] = public_tasks()
 
 PERACT_TASKS: tuple[str, ...] = variant_tasks()
 """Tasks that the PerAct dialect adds."""
+
+_SPLIT = ("FS10_V1", "FS25_V1", "FS50_V1", "FS95_V1")
+_WHOLE = ("MT15_V1", "MT30_V1", "MT55_V1", "MT100_V1")
+
+TASK_SETS: dict[str, dict[str, tuple[str, ...]]] = {
+    **{name: dict(task_set(name).parts) for name in _SPLIT},
+    **{name: {"train": task_set(name).tasks} for name in _WHOLE},
+}
+"""Name of the set -> `train` and, in few-shot sets, `test` -> names of tasks, built or not."""
 
 
 class MissingTask(RlbenchPinError, NotImplementedError):
@@ -24,21 +33,16 @@ class MissingTask(RlbenchPinError, NotImplementedError):
         )
 
 
-def library_task(name: str) -> type[Task]:
-    """Return the class of a task of our library.
-
-    Raises:
-        MissingTask: The library has no task of that name yet.
-    """
-    if name not in task_names():
-        raise MissingTask(name)
-    return task_class(name)
-
-
 def check_present(name: str) -> None:
     """Raise MissingTask unless the library has a task of that name."""
     if name not in task_names():
         raise MissingTask(name)
+
+
+def library_task(name: str) -> type[Task]:
+    """Return the class of a task of our library, or raise MissingTask."""
+    check_present(name)
+    return task_class(name)
 
 
 def all_tasks() -> tuple[str, ...]:

@@ -1,12 +1,43 @@
-"""Names that users of such scenes know, for what is called otherwise here."""
+"""Elements of a scene, and the names that users of such scenes know for them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
 
-from rlbench_pin.compat.things.element import Element
+from rlbench_pin.errors import RlbenchPinError, UnknownName
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.sim import Frame, Region, Sensor
+
+Kind = Literal[
+    "body", "link", "room", "joint", "root", "frame", "robot", "tip", "gripper", "robot_link", "robot_joint", "camera", "placed"
+]
+"""Which part of the world answers for an object."""
+ObjectType = Literal["shape", "joint", "dummy", "proximity_sensor", "force_sensor", "vision_sensor", "path"]
+"""What users call an object."""
+
+
+@dataclass(frozen=True, order=True)
+class Element:
+    """One object of a scene: never changes, whatever the object is called or wherever it stands."""
+
+    kind: Kind
+    name: str
+    """Name in the world: `<body>`, `<body>/<link>`, `<body>/<joint>`, ..."""
+
+
+class UnknownObject(UnknownName, RuntimeError):
+    """No object of the scene has that name, or it does not exist any more."""
+
+
+class UnsupportedCall(RlbenchPinError, NotImplementedError):
+    """A call that cannot be served here; says what to use instead."""
+
+    def __init__(self, call: str, why: str, instead: str) -> None:
+        self.call = call
+        super().__init__(f"`{call}` is not available: {why} {instead}")
+
 
 ROOM_NAMES = {
     "table": "diningTable_visible",

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, ClassVar, cast
 
 import numpy as np
 
-from rlbench_pin.compat.tasks.memory import GlobalDraws, Remembered
+from rlbench_pin.compat.task_memory import GlobalDraws, Remembered
 from rlbench_pin.errors import TaskError
 from rlbench_pin.observation import Observation
 from rlbench_pin.scene.spec import ROOT, WORLD
@@ -65,7 +65,7 @@ class PaperTask(Task):
         return cast("UserTask", self._user.owner)
 
     def tie(self, user: UserTask) -> None:
-        """Take the user's task, whose views see this world from now on, and let it look things up."""
+        """Take the user's task, whose views see this world from now on, and let it look objects up."""
         self._user = Remembered(user, FIXED_ATTRIBUTES)
         with self._draws.lent():
             user.load()
@@ -78,7 +78,7 @@ class PaperTask(Task):
             name = self.world.places.parent(str(name).partition("/")[0])
         return name == ROOT
 
-    # Where things are -------------------------------------------------------------------------------------------------
+    # Where objects are -------------------------------------------------------------------------------------------------
 
     def get_name(self) -> str:  # type: ignore[override]  # a user may name each object
         """Return the name that the user's task gives itself; before it is there, that of its class in snake case."""
@@ -107,7 +107,7 @@ class PaperTask(Task):
     # What a task file overrides ---------------------------------------------------------------------------------------
 
     def init_task(self) -> None:
-        """Nothing yet: the user's task looks things up when it is tied to this one."""
+        """Nothing yet: the user's task looks objects up when it is tied to this one."""
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Let the user's task lay out an episode; its draws from the global generators come from `rng`."""
@@ -183,7 +183,7 @@ class PaperTask(Task):
     # Registrations ----------------------------------------------------------------------------------------------------
 
     def register_graspable_objects(self, names: Iterable[str]) -> None:
-        """Allow the hand to hold these bodies; those of before may have been removed since."""
+        """Allow the gripper to hold these bodies; those of before may have been removed since."""
         self._graspable = tuple(name for name in self._graspable if name in self.world.bodies)
         super().register_graspable_objects(names)
 

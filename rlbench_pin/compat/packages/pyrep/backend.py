@@ -1,8 +1,12 @@
-"""The C functions of another simulator: not available here."""
+"""The C functions of another simulator, which programs import as `pyrep.backend.sim`: not available here."""
 
 from __future__ import annotations
 
+import sys
+
 from pyrep.errors import UnsupportedCall
+
+sim = sys.modules[f"{__name__}.sim"] = sys.modules[__name__]
 
 
 def __getattr__(name: str) -> object:

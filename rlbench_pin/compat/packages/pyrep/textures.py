@@ -1,14 +1,17 @@
-"""Textures for shapes."""
+"""Textures for shapes; programs import this module as `pyrep.textures.texture`."""
 
 from __future__ import annotations
 
+import sys
 import zlib
 from dataclasses import dataclass
+
+texture = sys.modules[f"{__name__}.texture"] = sys.modules[__name__]
 
 
 @dataclass(frozen=True)
 class Texture:
-    """A picture file that shapes can be covered with."""
+    """An image file that shapes can be covered with."""
 
     filename: str
     """Its file."""

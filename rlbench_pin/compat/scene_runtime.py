@@ -1,19 +1,30 @@
-"""The runtime behind a scene: what steps it and looks at it goes through the scene, so that subclasses of the scene are asked."""
+"""The runtime behind a scene: whatever steps or observes it goes through the scene, so that subclasses of the scene are asked."""
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
+from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.observation import Observation
 from rlbench_pin.spatial import FloatArray
 
 
-class Stage(Protocol):
+class SceneMethods(Protocol):
     """What a runtime asks its scene for."""
+
+    @property
+    def runtime(self) -> Runtime:
+        """World, task and planner together."""
+        ...
+
+    @property
+    def robot(self) -> Any:
+        """Arm and gripper."""
+        ...
 
     def step(self) -> None:
         """Advance one control tick."""
@@ -39,18 +50,18 @@ class Stage(Protocol):
 class SceneRuntime(Runtime):
     """A runtime that serves one scene. Native code and programs thus run through the same methods of the scene."""
 
-    _stage: Stage | None = None
+    _scene: SceneMethods | None = None
 
-    def serve(self, stage: Stage) -> None:
-        """Go through `stage` from now on."""
-        self._stage = stage
+    def serve(self, scene: SceneMethods) -> None:
+        """Step and observe through `scene` from now on."""
+        self._scene = scene
 
     def step(self) -> None:
         """Advance one control tick, through the scene."""
-        if self._stage is None:
+        if self._scene is None:
             self.advance()
         else:
-            self._stage.step()
+            self._scene.step()
 
     def advance(self) -> None:
         """Advance one control tick: physics, then the task's own step, then the callbacks."""
@@ -59,19 +70,19 @@ class SceneRuntime(Runtime):
     def begin(self, variation: int, planning: np.random.Generator, noise: np.random.Generator) -> None:
         """Take over what an episode is given, and let the scene prepare it."""
         super().begin(variation, planning, noise)
-        if self._stage is not None:
-            self._stage.prepare()
+        if self._scene is not None:
+            self._scene.prepare()
 
     def place_task(self, rng: np.random.Generator) -> None:
         """Put the task at a random place on the table, through the scene."""
-        if self._stage is None:
+        if self._scene is None:
             super().place_task(rng)
         else:
-            self._stage.place(rng)
+            self._scene.place(rng)
 
     def get_observation(self) -> Observation:
         """Observe without stepping, through the scene."""
-        return self.observe() if self._stage is None else self._stage.get_observation()
+        return self.observe() if self._scene is None else self._scene.get_observation()
 
     def observe(self) -> Observation:
         """Observe without stepping."""
@@ -79,10 +90,32 @@ class SceneRuntime(Runtime):
 
     def check_target_in_workspace(self, position: FloatArray) -> None:
         """Raise InvalidActionError when the scene says that `position` (3,) [m] is outside the workspace."""
-        if self._stage is None or not self._stage.check_target_in_workspace(position):
+        if self._scene is None or not self._scene.check_target_in_workspace(position):
             super().check_target_in_workspace(position)
-        if self._stage is not None and not self._stage.check_target_in_workspace(position):
+        if self._scene is not None and not self._scene.check_target_in_workspace(position):
             x, y, z = position
             raise InvalidActionError(
                 f"The target ({x:.4f}, {y:.4f}, {z:.4f}) m is outside the workspace of the scene. Choose a target inside."
             )
+
+
+SceneLike = SceneMethods | Runtime
+"""What action modes are given: a scene, or a runtime itself."""
+
+
+def runtime_of(scene: SceneLike | None) -> Runtime:
+    """Return the runtime of a scene; of a runtime itself; of the simulator of this process when there is no scene.
+
+    Raises:
+        TypeError: `scene` is something else.
+    """
+    if scene is None:
+        return Simulator.current().runtime
+    if isinstance(scene, Runtime):
+        return scene
+    runtime = getattr(scene, "runtime", None)
+    if not isinstance(runtime, Runtime):
+        raise TypeError(
+            f"An action mode takes a scene, not {type(scene).__name__}: `rlbench.backend.scene.Scene` or a class derived from it."
+        )
+    return runtime
