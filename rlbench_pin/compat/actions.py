@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from pyrep.errors import ConfigurationPathError
 from pyrep.robots.arms import Panda
 from pyrep.robots.configuration_paths import ArmConfigurationPath, ConfigurationPath
-from rlbench_pin.compat.scene_runtime import SceneLike, runtime_of
+from rlbench_pin.compat.simulator import SceneLike, runtime_of
 from rlbench_pin.environment.actions import RelativeFrame as NativeFrame
 from rlbench_pin.environment.actions import calculate_delta_pose as native_delta_pose
 from rlbench_pin.environment.actions.mode import PartMode, as_action, checked
@@ -157,6 +157,18 @@ def run(scene: SceneLike, path: ConfigurationPath, on_step: OnStep | None) -> No
         done = done or (runtime.over and on_step is None)
 
 
+def setting(name: str) -> property:
+    """Return a property that reads and sets a setting of one of our modes, for the names that derived classes know."""
+
+    def read(self: Any) -> Any:
+        return getattr(self, name)
+
+    def write(self: Any, value: Any) -> None:
+        setattr(self, name, value)
+
+    return property(read, write)
+
+
 class ScenePart(PartMode):
     """Goes in front of one of our modes in the bases of a class."""
 
@@ -195,3 +207,16 @@ class ScenePart(PartMode):
         runtime = runtime_of(scene)
         numbers = as_action(action, self.action_spec(runtime).size, type(self).__name__)
         return checked(self, runtime, numbers)
+
+
+class OneStepPart(ScenePart):
+    """A mode that commands something and steps the simulation once, through the scene."""
+
+    def action_pre_step(self, scene: SceneLike, action: object) -> None:
+        super(ScenePart, self).action_pre_step(runtime_of(scene), self.values(scene, action))  # type: ignore[misc]  # native mode
+
+    def action_step(self, scene: SceneLike, action: object) -> None:
+        scene.step()
+
+    def action_post_step(self, scene: SceneLike, action: object) -> None:
+        super(ScenePart, self).action_post_step(runtime_of(scene), self.values(scene, action))  # type: ignore[misc]

@@ -370,7 +370,7 @@ def drive_of(table: ObjectTable, element: Element) -> JointDrive:
         joint = table.world.joint(element.name)
         owner, _, name = element.name.partition("/")
         return BodyJointDrive(joint, table.world.body(owner).model.joints[name].prismatic)
-    prismatic = table.family.robot_joint(element.name).kind == "prismatic"
+    prismatic = table.robot_joint(element.name).kind == "prismatic"
     index = int(element.name.rpartition("joint")[2]) - 1
     return RobotJointDrive(FingerMotors() if "_gripper_" in element.name else ArmMotors(), index, prismatic)
 
@@ -387,8 +387,8 @@ class ConfigurationTree:
     @classmethod
     def read(cls, table: ObjectTable, root: Element) -> ConfigurationTree:
         """Return where an object and all that hangs on it are."""
-        tree = table.family.tree(table.elements(), root)
-        members = [root, *sorted(tree, key=lambda element: len(table.family.ancestors(element)))]
+        tree = table.tree(root)
+        members = [root, *sorted(tree, key=lambda element: len(table.ancestors(element)))]
         poses = {e: table.scene_object(e).pose for e in members if e.kind in ("root", "body", "frame", "placed")}
         return cls(poses, {e: drive_of(table, e).position for e in members if e.kind in ("joint", "robot_joint")})
 

@@ -130,7 +130,7 @@ class InvalidShape(RlbenchPinError, ValueError):
 
 
 @dataclass(frozen=True)
-class Look:
+class BodySettings:
     """How a new body is set up."""
 
     static: bool = False
@@ -183,7 +183,7 @@ def read_mesh(filename: str, scale: float) -> tuple[FloatArray, NDArray[np.int64
     return surfaces.mesh_surface(file, scale)
 
 
-def spawn(table: ObjectTable, name: str, asset: Path, look: Look) -> Element:
+def spawn(table: ObjectTable, name: str, asset: Path, look: BodySettings) -> Element:
     """Add a body at the origin of the world, and return it.
 
     Args:
@@ -225,7 +225,7 @@ def duplicate(table: ObjectTable, element: Element) -> Element:
     """Add another body like one that exists, at the same pose, and return it."""
     body = table.world.body(element.name)
     specs = {spec.name: spec for spec in (*table.world.spec.body, *table.world.spawned.values())}
-    made = spawn(table, table.name(element), body.model.urdf, Look(body.fixed, body.collides))
+    made = spawn(table, table.name(element), body.model.urdf, BodySettings(body.fixed, body.collides))
     copy = table.world.body(made.name)
     if specs[element.name].scale != 1.0:
         table.world.remove_body(made.name)

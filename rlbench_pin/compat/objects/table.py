@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from rlbench_pin.compat.objects.elements import (
@@ -38,133 +38,9 @@ from rlbench_pin.compat.objects.scene_objects import (
 from rlbench_pin.environment import ObservationConfig
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import RlbenchPinError
-from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.scene.spec import ROOT, WORLD
-from rlbench_pin.sim import World
 from rlbench_pin.spatial import FloatArray, compose, relative
 from rlbench_pin.urdf import UrdfJoint, read_urdf
-
-_MOVABLE_KINDS = ("body", "frame", "placed")
-
-
-class Family:
-    """Answers who the parent of an object is.
-
-    Args:
-        world: The world.
-        robot: Its arm.
-        placed: Objects beside the physics, by name.
-        parents: Parents that programs changed.
-    """
-
-    def __init__(
-        self, world: World, robot: RobotDescription, placed: dict[str, Placed], parents: dict[Element, Element | None]
-    ) -> None:
-        self._world, self._robot, self._placed, self._parents = world, robot, placed, parents
-
-    def parent(self, element: Element) -> Element | None:
-        """Return what an element hangs on; None for the world."""
-        if element in self._parents:
-            return self._parents[element]
-        owner, _, part = element.name.partition("/")
-        match element.kind:
-            case "body" | "frame":
-                return self.native(self._world.places.parent(element.name) or WORLD)
-            case "link":
-                joint, below = joint_of_link(self._world.body(owner), part)
-                return Element("joint", f"{owner}/{joint}") if joint else self._link(owner, below)
-            case "joint":
-                joints = {j.name: j for j in read_urdf(self._world.body(owner).model.urdf).joints}
-                return self._link(owner, joints[part].parent)
-            case "placed":
-                return self._placed[element.name].parent
-            case "camera":
-                name, is_mask = camera_of(element.name)
-                if is_mask:
-                    return Element("camera", element.name.removesuffix("_mask"))
-                return Element("gripper", f"{robot_prefix(self._robot)}_gripper") if name == "wrist" else None
-            case "tip" | "gripper" | "robot_joint" | "robot_link":
-                return Element("robot", robot_prefix(self._robot))
-            case _:
-                return None
-
-    def ancestors(self, element: Element) -> list[Element]:
-        """Return its parent, the parent of that, and so on."""
-        found: list[Element] = []
-        while (parent := self.parent(element)) is not None:
-            found.append(parent)
-            element = parent
-        return found
-
-    def tree(self, elements: Iterable[Element], root: Element | None, depth: int = -1) -> list[Element]:
-        """Return which of the elements hang on `root` (None: the world), near or far.
-
-        Args:
-            elements: All there are.
-            root: Left out itself.
-            depth: 1 keeps direct children only; -1 keeps all.
-        """
-        found = []
-        for element in elements:
-            chain: list[Element | None] = [*self.ancestors(element), None]
-            if root in (chain if depth < 0 else chain[:depth]):
-                found.append(element)
-        return found
-
-    def native(self, name: str) -> Element | None:
-        """Return the element that the world calls `name`; None for `world`."""
-        owner, _, part = name.partition("/")
-        if name == WORLD:
-            return None
-        if name == ROOT:
-            return Element("root", ROOT)
-        if part:
-            return self._link(owner, part)
-        if owner in self._world.frames:
-            return Element("frame", owner)
-        return Element("room" if owner in self._world.room else "body", owner)
-
-    def _link(self, body: str, link: str) -> Element:
-        return Element("body", body) if link == self._world.body(body).links[0] else Element("link", f"{body}/{link}")
-
-    def spec_parent(self, body: str) -> str:
-        """Return the parent of a body as its scene file, or the program that made it, says."""
-        specs = {spec.name: spec for spec in (*self._world.spec.body, *self._world.spawned.values())}
-        return {**specs, **self._world.spawned}[body].parent
-
-    def robot_joint(self, name: str) -> UrdfJoint:
-        """Return what the model file says of a joint of the arm or hand, by its known name."""
-        fingers, prefix = "_gripper_joint", robot_prefix(self._robot)
-        number = int(name.rpartition("joint")[2]) - 1
-        names = self._robot.gripper_joints if name.startswith(prefix + fingers) else self._robot.arm_joints
-        return next(j for j in read_urdf(self._robot.urdf).joints if j.name == names[number])
-
-    def native_name(self, element: Element | None) -> str:
-        """Return what the world calls a parent, or the nearest of its ancestors that the world knows."""
-        while element is not None and element.kind not in ("root", "body", "link", "joint", "frame", "room"):
-            element = self.parent(element)
-        if element is not None and element.kind == "joint":
-            owner, _, joint = element.name.partition("/")
-            return f"{owner}/{child_link(self._world.body(owner), joint)}"
-        return WORLD if element is None else element.name
-
-    def check(self, element: Element, parent: Element | None) -> None:
-        """Raise when an object cannot hang on another."""
-        call = f"set_parent of '{element.name}'"
-        if element.kind not in _MOVABLE_KINDS:
-            raise UnsupportedCall(call, "it is a fixed part of the scene.", "Hang other objects on it, or make a Dummy.")
-        if parent is None:
-            return
-        chain = [parent, *self.ancestors(parent)]
-        if element in chain:
-            raise RlbenchPinError(f"'{parent.name}' cannot be the parent of '{element.name}', because it hangs on it.")
-        if element.kind != "placed" and any(e.kind.startswith(("robot", "tip", "gripper", "camera")) for e in chain):
-            raise UnsupportedCall(
-                call,
-                f"'{parent.name}' is moved by the arm.",
-                "Hold a Shape with `gripper.grasp`; make a Dummy to follow the arm.",
-            )
-
 
 FIRST_HANDLE = 100_000
 """Handles of objects that no mask shows begin here."""
@@ -201,7 +77,6 @@ class ObjectTable:
         self.parents: dict[Element, Element | None] = {}
         self.flags: dict[tuple[Element, str], object] = {}
         self.cameras = Cameras(runtime, config)
-        self.family = Family(self.world, runtime.description, self.placed, self.parents)
         self.everlasting: set[str] = set()
         self._names: dict[Element, str] = {}
         self._handles: dict[Element, int] = {}
@@ -361,15 +236,107 @@ class ObjectTable:
             case "gripper":
                 return RobotObject(robot, "shape", description.hand_link, element.name)
             case "robot_joint":
-                return RobotObject(robot, "joint", self.family.robot_joint(element.name).child, element.name)
+                return RobotObject(robot, "joint", self.robot_joint(element.name).child, element.name)
             case _:
                 return RobotObject(robot, "shape", element.name, element.name)
 
     # Parents ---------------------------------------------------------------------------------------------------------
 
     def parent(self, element: Element) -> Element | None:
-        """What it hangs on; None for the world."""
-        return self.family.parent(element)
+        """Return what an element hangs on; None for the world."""
+        if element in self.parents:
+            return self.parents[element]
+        owner, _, part = element.name.partition("/")
+        match element.kind:
+            case "body" | "frame":
+                return self._native(self.world.places.parent(element.name) or WORLD)
+            case "link":
+                joint, below = joint_of_link(self.world.body(owner), part)
+                return Element("joint", f"{owner}/{joint}") if joint else self._link(owner, below)
+            case "joint":
+                joints = {j.name: j for j in read_urdf(self.world.body(owner).model.urdf).joints}
+                return self._link(owner, joints[part].parent)
+            case "placed":
+                return self.placed[element.name].parent
+            case "camera":
+                name, is_mask = camera_of(element.name)
+                if is_mask:
+                    return Element("camera", element.name.removesuffix("_mask"))
+                return Element("gripper", f"{robot_prefix(self.runtime.description)}_gripper") if name == "wrist" else None
+            case "tip" | "gripper" | "robot_joint" | "robot_link":
+                return Element("robot", robot_prefix(self.runtime.description))
+            case _:
+                return None
+
+    def ancestors(self, element: Element) -> list[Element]:
+        """Return its parent, the parent of that, and so on."""
+        found: list[Element] = []
+        while (parent := self.parent(element)) is not None:
+            found.append(parent)
+            element = parent
+        return found
+
+    def tree(self, root: Element | None, depth: int = -1) -> list[Element]:
+        """Return what hangs on `root` (None: the world), near or far; with `depth` 1 its direct children only."""
+        found = []
+        for element in self.elements():
+            chain: list[Element | None] = [*self.ancestors(element), None]
+            if root in (chain if depth < 0 else chain[:depth]):
+                found.append(element)
+        return found
+
+    def _native(self, name: str) -> Element | None:
+        """Return the element that the world calls `name`; None for `world`."""
+        owner, _, part = name.partition("/")
+        if name == WORLD:
+            return None
+        if name == ROOT:
+            return Element("root", ROOT)
+        if part:
+            return self._link(owner, part)
+        if owner in self.world.frames:
+            return Element("frame", owner)
+        return Element("room" if owner in self.world.room else "body", owner)
+
+    def _link(self, body: str, link: str) -> Element:
+        return Element("body", body) if link == self.world.body(body).links[0] else Element("link", f"{body}/{link}")
+
+    def _spec_parent(self, body: str) -> str:
+        """Return the parent of a body as its scene file, or the program that made it, says."""
+        specs = {spec.name: spec for spec in (*self.world.spec.body, *self.world.spawned.values())}
+        return {**specs, **self.world.spawned}[body].parent
+
+    def robot_joint(self, name: str) -> UrdfJoint:
+        """Return what the model file says of a joint of the arm or hand, by its known name."""
+        robot, number = self.runtime.description, int(name.rpartition("joint")[2]) - 1
+        names = robot.gripper_joints if name.startswith(f"{robot_prefix(robot)}_gripper_joint") else robot.arm_joints
+        return next(j for j in read_urdf(robot.urdf).joints if j.name == names[number])
+
+    def _native_name(self, element: Element | None) -> str:
+        """Return what the world calls a parent, or the nearest of its ancestors that the world knows."""
+        while element is not None and element.kind not in ("root", "body", "link", "joint", "frame", "room"):
+            element = self.parent(element)
+        if element is not None and element.kind == "joint":
+            owner, _, joint = element.name.partition("/")
+            return f"{owner}/{child_link(self.world.body(owner), joint)}"
+        return WORLD if element is None else element.name
+
+    def _check_parent(self, element: Element, parent: Element | None) -> None:
+        """Raise when an object cannot hang on another."""
+        call = f"set_parent of '{element.name}'"
+        if element.kind not in ("body", "frame", "placed"):
+            raise UnsupportedCall(call, "it is a fixed part of the scene.", "Hang other objects on it, or make a Dummy.")
+        if parent is None:
+            return
+        chain = [parent, *self.ancestors(parent)]
+        if element in chain:
+            raise RlbenchPinError(f"'{parent.name}' cannot be the parent of '{element.name}', because it hangs on it.")
+        if element.kind != "placed" and any(e.kind.startswith(("robot", "tip", "gripper", "camera")) for e in chain):
+            raise UnsupportedCall(
+                call,
+                f"'{parent.name}' is moved by the arm.",
+                "Hold a Shape with `gripper.grasp`; make a Dummy to follow the arm.",
+            )
 
     def children(self, element: Element | None) -> list[Element]:
         """What hangs on it directly."""
@@ -383,14 +350,14 @@ class ObjectTable:
             parent: With what; None is the world.
             keep_in_place: Stay where it is; otherwise keep the pose relative to the parent.
         """
-        self.family.check(element, parent)
+        self._check_parent(element, parent)
         item, before = self.scene_object(element), self.parent(element)
         pose = item.pose
         local = pose if before is None else relative(pose, self.scene_object(before).pose)
         if element.kind == "placed":
             self.placed[element.name] = replace(self.placed[element.name], parent=parent)
         else:
-            self._set_native_parent(element, self.family.native_name(parent))
+            self._set_native_parent(element, self._native_name(parent))
             self.parents[element] = parent
         there = pose if keep_in_place else (local if parent is None else compose(self.scene_object(parent).pose, local))
         self.scene_object(element).set_pose(there, True)
@@ -432,8 +399,8 @@ class ObjectTable:
         for element in [e for e in self.parents if e not in parents]:
             del self.parents[element]
             if element.kind == "body" and self.exists(element):
-                self.world.places.set_parent(element.name, self.family.spec_parent(element.name))
+                self.world.places.set_parent(element.name, self._spec_parent(element.name))
         for element, parent in parents.items():
             self.parents[element] = parent
             if element.kind == "body":
-                self.world.places.set_parent(element.name, self.family.native_name(parent))
+                self.world.places.set_parent(element.name, self._native_name(parent))

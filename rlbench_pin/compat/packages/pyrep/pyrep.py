@@ -39,12 +39,8 @@ class PyRep:
     ) -> None:
         """Start the simulator with the arm at an empty table.
 
-        Args:
-            scene_file: Empty, or the name of the empty table (`rlbench.backend.const.TTT_FILE`).
-            headless: Accepted; nothing is shown on a screen.
-            responsive_ui: Accepted.
-            blocking: Accepted.
-            verbosity: Accepted; the simulator is silent.
+        `scene_file` is empty, or the name of the empty table (`rlbench.backend.const.TTT_FILE`). The rest is accepted: nothing is
+        shown on a screen, and the simulator is silent.
 
         Raises:
             PyRepError: It runs already.
@@ -150,14 +146,7 @@ class PyRep:
         repeat_along_u: bool = False,
         repeat_along_v: bool = False,
     ) -> tuple[TextureHolder, Texture]:
-        """Read an image for `Shape.set_texture`.
-
-        Args:
-            filename: The image.
-            interpolate: Accepted.
-            decal_mode: Accepted.
-            repeat_along_u: Accepted.
-            repeat_along_v: Accepted.
+        """Read an image for `Shape.set_texture`. Other arguments than the file are accepted.
 
         Returns:
             A stand-in for the shape that other simulators keep a texture on (it can be removed), and the texture.

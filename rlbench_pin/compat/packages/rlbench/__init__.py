@@ -12,7 +12,7 @@ from rlbench.action_modes.gripper_action_modes import GripperActionMode
 from rlbench.backend.task import TASKS_PATH
 from rlbench.environment import Environment
 from rlbench.observation_config import CameraConfig, ObservationConfig
-from rlbench.sim2real.domain_randomization import RandomizeEvery, VisualRandomizationConfig
+from rlbench.sim2real import RandomizeEvery, VisualRandomizationConfig
 from rlbench.utils import name_to_task_class as name_to_task_class
 from rlbench_pin import __version__ as __version__
 from rlbench_pin.compat.known_tasks import KNOWN_TASKS, PERACT_TASKS

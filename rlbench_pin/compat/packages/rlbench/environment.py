@@ -16,12 +16,12 @@ from rlbench.backend.task import Task
 from rlbench.const import SUPPORTED_ROBOTS
 from rlbench.demo import Demo
 from rlbench.observation_config import ObservationConfig
-from rlbench.sim2real.domain_randomization import (
+from rlbench.sim2real import (
+    DomainRandomizationScene,
     DynamicsRandomizationConfig,
     RandomizeEvery,
     VisualRandomizationConfig,
 )
-from rlbench.sim2real.domain_randomization_scene import DomainRandomizationScene
 from rlbench.task_environment import TaskEnvironment
 from rlbench.utils import InvalidTaskName, get_stored_demos, name_to_task_class
 from rlbench_pin.compat.simulator import Simulator

@@ -19,7 +19,7 @@ from rlbench.backend.task import Task
 from rlbench.demo import Demo
 from rlbench.observation_config import ObservationConfig
 from rlbench.utils import get_stored_demos
-from rlbench_pin.compat.scene_runtime import SceneRuntime, runtime_of
+from rlbench_pin.compat.simulator import SceneRuntime, runtime_of
 from rlbench_pin.environment.reset import MAX_RESET_ATTEMPTS
 from rlbench_pin.environment.task_environment import MAX_DEMO_ATTEMPTS
 from rlbench_pin.errors import DatasetError, DemoError, NotReset, RlbenchPinError

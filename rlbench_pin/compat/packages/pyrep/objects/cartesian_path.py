@@ -45,20 +45,8 @@ class CartesianPath(Object):
     ) -> CartesianPath:
         """Make a path without points at the origin of the world; it stays until `remove()`. Paths are not drawn.
 
-        Args:
-            show_line: Accepted.
-            show_orientation: Accepted.
-            show_position: Accepted.
-            closed_path: The last point leads back to the first.
-            automatic_orientation: Accepted; orientations are those of the points.
-            flat_path: Accepted.
-            keep_x_up: Accepted.
-            line_size: Accepted.
-            length_calculation_method: Accepted; lengths are those of the positions.
-            control_point_size: Accepted.
-            ang_to_lin_conv_coeff: Accepted.
-            virt_dist_scale_factor: Accepted.
-            paths: Accepted.
+        * `closed_path`: the last point leads back to the first.
+        * The rest is accepted and changes nothing: orientations are those of the points, lengths those of the positions.
         """
         table = Simulator.current().objects
         name = table.free_name("Path")

@@ -169,7 +169,7 @@ class Object:
             first_generation_only: Direct children only.
         """
         table = self.table
-        tree = table.family.tree(table.elements(), self.element, 1 if first_generation_only else -1)
+        tree = table.tree(self.element, 1 if first_generation_only else -1)
         return views_of(tree if exclude_base else [self.element, *tree], object_type)
 
     # Poses -----------------------------------------------------------------------------------------------------------
@@ -268,7 +268,7 @@ class Object:
         """Return the same six numbers for everything that hangs on it as well."""
         table, root = self.table, self.scene_object
         boxes = [root.box()]
-        for member in table.family.tree(table.elements(), self.element):
+        for member in table.tree(self.element):
             below = table.scene_object(member)
             if below.type == "shape":
                 corners = geometry.box_corners(below.box(), relative(below.pose, root.pose))
@@ -282,7 +282,7 @@ class Object:
         table, element = self.table, self.element
         if not self.is_collidable():
             return False
-        own = {element, *table.family.ancestors(element), *table.family.tree(table.elements(), element)}
+        own = {element, *table.ancestors(element), *table.tree(element)}
         obstacles = [e for e in table.elements() if e.kind in ("body", "room", "robot") and e not in own]
         others = obstacles if obj is None else [obj.element]
         return any(_touch(table, element, other) for other in others if table.flags.get((other, "collidable"), True))
@@ -337,7 +337,7 @@ class Object:
 
     def set_flag(self, name: str, value: bool, model: bool = False) -> None:
         """Set one of the switches, of the whole tree with `model`."""
-        tree = self.table.family.tree(self.table.elements(), self.element) if model else []
+        tree = self.table.tree(self.element) if model else []
         for element in (self.element, *tree):
             self.table.flags[element, name] = bool(value)
             if name == "collidable" and element.kind in ("body", "room"):
@@ -404,7 +404,7 @@ class Object:
         return self._all("renderable")
 
     def _all(self, name: str) -> bool:
-        tree = self.table.family.tree(self.table.elements(), self.element)
+        tree = self.table.tree(self.element)
         return all(bool(self.table.flags.get((element, name), True)) for element in (self.element, *tree))
 
     # Models ----------------------------------------------------------------------------------------------------------

@@ -64,8 +64,8 @@ class Shape(Object):
         """
         kind = PrimitiveShape(type).name
         asset = made_shapes.primitive(kind, size, mass)
-        look = made_shapes.Look(static, respondable, None if color is None else tuple(float(c) for c in color))
-        shape = cls(made_shapes.spawn(Simulator.current().objects, kind.capitalize(), asset, look))
+        settings = made_shapes.BodySettings(static, respondable, None if color is None else tuple(float(c) for c in color))
+        shape = cls(made_shapes.spawn(Simulator.current().objects, kind.capitalize(), asset, settings))
         shape.set_place(position, orientation)
         if not renderable:
             shape.set_renderable(False)
@@ -84,12 +84,9 @@ class Shape(Object):
 
         Its frame is in the middle of its box. Others touch its convex hull.
 
-        Args:
-            vertices: x, y, z of all corners [m], one after the other, in world coordinates.
-            indices: Corner numbers of all triangles.
-            shading_angle: Accepted.
-            backface_culling: Accepted.
-            visible_edges: Accepted.
+        * `vertices`: x, y, z of all corners [m], one after the other, in world coordinates.
+        * `indices`: corner numbers of all triangles.
+        * The rest is accepted and changes nothing.
         """
         corners = np.array(vertices, dtype=float).reshape(-1, 3)
         triangles = np.array(indices, dtype=np.int64).reshape(-1, 3)
@@ -115,7 +112,7 @@ class Shape(Object):
     @classmethod
     def _from_mesh(cls, corners: FloatArray, triangles: np.ndarray, name: str) -> Shape:
         asset, middle = made_shapes.mesh(corners, triangles)
-        shape = cls(made_shapes.spawn(Simulator.current().objects, name, asset, made_shapes.Look(static=True)))
+        shape = cls(made_shapes.spawn(Simulator.current().objects, name, asset, made_shapes.BodySettings(static=True)))
         shape.set_position(middle)
         return shape
 
@@ -238,16 +235,8 @@ class Shape(Object):
     ) -> None:
         """Put a texture on a body, a part of the room or a link of the arm; planes are not drawn, and stay as they are.
 
-        Args:
-            texture: From `PyRep.create_texture`.
-            mapping_mode: Accepted; textures lie along the axes of the shape.
-            interpolate: Accepted.
-            decal_mode: Accepted.
-            repeat_along_u: Accepted; textures repeat.
-            repeat_along_v: Accepted; textures repeat.
-            uv_scaling: Length of the image on the shape [m], two numbers; None is 1 m.
-            position: Accepted.
-            orientation: Accepted.
+        * `texture`: from `PyRep.create_texture`; `uv_scaling`: length of the image on the shape [m], two numbers; None is 1 m.
+        * The rest is accepted and changes nothing: textures lie along the axes of the shape and repeat.
         """
         file = getattr(texture, "filename", None)
         if file is None:

@@ -14,8 +14,8 @@ import numpy as np
 from pyrep.const import ConfigurationPathAlgorithms as Algos
 from pyrep.errors import ConfigurationError, ConfigurationPathError, IKError, UnsupportedCall
 from pyrep.objects import CartesianPath, Dummy, Object
+from pyrep.robots import Numbers, RobotComponent
 from pyrep.robots.configuration_paths import ArmConfigurationPath
-from pyrep.robots.robot_component import Numbers, RobotComponent
 from rlbench_pin.compat import arm_planning
 from rlbench_pin.compat.arm_planning import Pace
 from rlbench_pin.compat.joints import ArmMotors
@@ -130,16 +130,10 @@ class Arm(RobotComponent):
     ) -> FloatArray:
         """Return up to `max_configs` different joint positions for a pose, shape (found, n), [rad], nearest first.
 
-        Args:
-            position: See the class.
-            euler: See the class.
-            quaternion: See the class.
-            ignore_collisions: Accept configurations in which the arm touches something.
-            trials: Descents from different postures, at most.
-            max_configs: Enough solutions to stop.
-            distance_threshold: Accepted; our descents need none.
-            max_time_ms: Accepted; a descent takes well under a millisecond.
-            relative_to: See the class.
+        * Pose: see the class.
+        * `ignore_collisions`: accept configurations in which the arm touches something.
+        * `trials`: descents from different postures, at most; `max_configs`: enough solutions to stop.
+        * The rest is accepted: our descents need no distance, and take well under a millisecond.
 
         Raises:
             ConfigurationError: No configuration was found, all collide, or it is no pose.
@@ -222,18 +216,10 @@ class Arm(RobotComponent):
     ) -> ArmConfigurationPath:
         """Plan a timed path to a pose: along a straight line of the tip if that is free, otherwise around obstacles.
 
-        Args:
-            position: See the class.
-            euler: See the class.
-            quaternion: See the class.
-            ignore_collisions: Plan as if nothing could be touched. Otherwise what the arm touches already may be touched.
-            trials: Accepted; our planner has a budget of its own, as for the next four.
-            max_configs: Accepted.
-            distance_threshold: Accepted.
-            max_time_ms: Accepted.
-            trials_per_goal: Accepted.
-            algorithm: Searches around obstacles; names that `arm_planning.ALGORITHMS` lacks mean our RRT-Connect.
-            relative_to: See the class.
+        * Pose: see the class.
+        * `ignore_collisions`: plan as if nothing could be touched. Otherwise what the arm touches already may be touched.
+        * `algorithm`: searches around obstacles; names that `arm_planning.ALGORITHMS` lacks mean our RRT-Connect.
+        * The rest is accepted: our planner has a budget of its own.
 
         Raises:
             ConfigurationPathError: There is no path.

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pyrep.errors import ConfigurationPathError
-from pyrep.robots.robot_component import Numbers
+from pyrep.robots import Numbers
 from rlbench_pin.compat import arm_planning
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.control.tracking import TrajectoryTracker

@@ -14,7 +14,7 @@ from typing import ClassVar
 import numpy as np
 
 from pyrep.objects import Object, ProximitySensor, Shape
-from pyrep.robots.robot_component import RobotComponent
+from pyrep.robots import RobotComponent
 from rlbench_pin.compat.joints import FingerMotors
 from rlbench_pin.compat.objects import Element
 from rlbench_pin.compat.simulator import Simulator

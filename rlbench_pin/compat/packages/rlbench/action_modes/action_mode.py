@@ -9,7 +9,7 @@ import numpy as np
 from rlbench.action_modes.arm_action_modes import ArmActionMode, JointPosition, takes_ignore_collisions
 from rlbench.action_modes.gripper_action_modes import GripperActionMode, GripperJointPosition
 from rlbench_pin.compat.actions import ScenePart
-from rlbench_pin.compat.scene_runtime import SceneLike
+from rlbench_pin.compat.simulator import SceneLike
 from rlbench_pin.environment.actions.mode import as_action
 from rlbench_pin.robot import DEFAULT_ROBOT, robot_description
 from rlbench_pin.spatial import FloatArray

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from rlbench.backend.exceptions import InvalidActionError
-from rlbench_pin.compat.actions import ScenePart, UserMode, assert_action_shape
-from rlbench_pin.compat.scene_runtime import SceneLike, runtime_of
+from rlbench_pin.compat.actions import OneStepPart, UserMode, assert_action_shape, setting
+from rlbench_pin.compat.simulator import SceneLike, runtime_of
 from rlbench_pin.environment.actions import gripper as native
 from rlbench_pin.environment.motion import hold_or_release
 from rlbench_pin.environment.runtime import Runtime
@@ -19,7 +19,7 @@ class GripperActionMode(UserMode):
     """Turns numbers into motion of the gripper. Derive from it, or from one of the classes below."""
 
 
-class HandPart(ScenePart, native.GripperMode):
+class GripperPart(OneStepPart, native.GripperMode):
     """What modes of the gripper share: their settings by the names that derived classes know."""
 
     @property
@@ -30,16 +30,14 @@ class HandPart(ScenePart, native.GripperMode):
     def _attach_grasped_objects(self, value: bool) -> None:
         self.attach_grasped_objects = value
 
-    @property
-    def _detach_before_open(self) -> bool:
-        return self.detach_before_open
+    _detach_before_open = setting("detach_before_open")
 
-    @_detach_before_open.setter
-    def _detach_before_open(self, value: bool) -> None:
-        self.detach_before_open = value
+    def action_shape(self, scene: SceneLike | None = None) -> tuple[int]:
+        """Return the shape of an action, (1,)."""
+        return (1,)
 
 
-class Discrete(HandPart, native.Discrete, GripperActionMode):
+class Discrete(GripperPart, native.Discrete, GripperActionMode):
     """One number, any finite one: above 0.5 opens the gripper, otherwise closes it; nothing happens when it is so already.
 
     Args:
@@ -70,22 +68,14 @@ class Discrete(HandPart, native.Discrete, GripperActionMode):
         ):
             runtime.gripper.set_target(goal, runtime.description.finger_speed)
 
-    def action_step(self, scene: SceneLike, action: object) -> None:
-        """Step the simulation once."""
-        scene.step()
-
     def action_post_step(self, scene: SceneLike, action: object) -> None:
         """Let go, or fix to the gripper what stopped the fingers."""
         runtime, wants_open = runtime_of(scene), bool(self.values(scene, action)[0] > 0.5)
         stands = not runtime.gripper.moving
         hold_or_release(runtime, release=wants_open, attach=self.attaches(runtime) and stands)
 
-    def action_shape(self, scene: SceneLike | None = None) -> tuple[int]:
-        """Return the shape of an action, (1,)."""
-        return (1,)
 
-
-class GripperJointPosition(HandPart, native.GripperJointPosition, GripperActionMode):
+class GripperJointPosition(GripperPart, native.GripperJointPosition, GripperActionMode):
     """One number: the position of both fingers [m], or its change, for one step; then the fingers hold.
 
     Args:
@@ -97,19 +87,7 @@ class GripperJointPosition(HandPart, native.GripperJointPosition, GripperActionM
 
     def action_pre_step(self, scene: SceneLike, action: object) -> None:
         """Command the fingers."""
+        super().action_pre_step(scene, action)
         runtime = runtime_of(scene)
-        super(ScenePart, self).action_pre_step(runtime, self.values(scene, action))  # of the native mode
         if runtime.robot.mode == "torque":
             runtime.hold()
-
-    def action_step(self, scene: SceneLike, action: object) -> None:
-        """Step the simulation once."""
-        scene.step()
-
-    def action_post_step(self, scene: SceneLike, action: object) -> None:
-        """Attach what stopped the fingers, or let go; then hold."""
-        super(ScenePart, self).action_post_step(runtime_of(scene), self.values(scene, action))
-
-    def action_shape(self, scene: SceneLike | None = None) -> tuple[int]:
-        """Return the shape of an action, (1,)."""
-        return (1,)

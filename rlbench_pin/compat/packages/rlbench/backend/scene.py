@@ -19,8 +19,7 @@ from rlbench.backend.task import Task
 from rlbench.demo import Demo
 from rlbench.observation_config import ObservationConfig
 from rlbench_pin.compat.objects.elements import CAMERA_NAMES, MASK_SUFFIX
-from rlbench_pin.compat.scene_runtime import SceneRuntime
-from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.compat.simulator import SceneRuntime, Simulator
 from rlbench_pin.environment import demos
 from rlbench_pin.environment.episode import EpisodeOrigin, EpisodeRandom
 from rlbench_pin.environment.reset import SETTLE_TICKS, start_episode
