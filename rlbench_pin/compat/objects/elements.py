@@ -69,7 +69,7 @@ def robot_prefix(robot: RobotDescription) -> str:
 
 
 def robot_elements(robot: RobotDescription, links: tuple[str, ...]) -> list[Element]:
-    """Return arm, tip, hand, joints and links of a robot.
+    """Return arm, tip, gripper, joints and links of a robot.
 
     Args:
         robot: The arm.

@@ -40,29 +40,6 @@ class Mesh:
     """Corner numbers (m, 3), counter-clockwise seen from outside."""
 
 
-def primitive_file(kind: str, size: tuple[float, float, float], mass: float) -> Path:
-    """Write the model file of a primitive.
-
-    Args:
-        kind: `CUBOID`, `SPHERE`, `CYLINDER` or `CONE`.
-        size: Lengths along x, y, z [m].
-        mass: [kg].
-    """
-    x, y, z = size
-    round_about_z = abs(x - y) < 1e-9
-    if kind == "CUBOID":
-        return _write(f'<box size="{x:.9g} {y:.9g} {z:.9g}"/>', size, mass)
-    if kind == "SPHERE" and round_about_z and abs(x - z) < 1e-9:
-        return _write(f'<sphere radius="{x / 2:.9g}"/>', size, mass)
-    if kind == "CYLINDER" and round_about_z:
-        return _write(f'<cylinder radius="{x / 2:.9g}" length="{z:.9g}"/>', size, mass)
-    profiles = {"CYLINDER": ((1.0, -1.0), (1.0, 1.0)), "CONE": ((1.0, -1.0), (0.0, 1.0))}
-    angles = np.linspace(-np.pi / 2, np.pi / 2, _SIDES // 2 + 1)
-    profile = profiles.get(kind, tuple((float(np.cos(a)), float(np.sin(a))) for a in angles))
-    turned = _turned(profile)
-    return mesh_file(Mesh(turned.vertices * (0.5 * np.array(size)), turned.triangles), mass)
-
-
 def mesh_file(mesh: Mesh, mass: float) -> Path:
     """Write the model file of a surface; it is solid as its convex hull."""
     text = "".join(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in mesh.vertices)
@@ -142,7 +119,7 @@ class BodySettings:
 
 
 def primitive(kind: str, size: Sequence[float], mass: float) -> Path:
-    """Return the model file of a primitive; sizes (3,) [m], mass [kg].
+    """Return the model file of a `CUBOID`, `SPHERE`, `CYLINDER` or `CONE`; lengths (3,) along x, y, z [m], mass [kg].
 
     Raises:
         InvalidShape: A size or the mass is not positive.
@@ -152,7 +129,19 @@ def primitive(kind: str, size: Sequence[float], mass: float) -> Path:
         raise InvalidShape(f"A {kind.lower()} has three positive lengths [m], not {lengths}.")
     if not 0.0 < mass < float("inf"):
         raise InvalidShape(f"A mass is positive and finite, not {mass} kg. Use static=True for what is not to move.")
-    return primitive_file(kind, (lengths[0], lengths[1], lengths[2]), float(mass))
+    x, y, z = length = (lengths[0], lengths[1], lengths[2])
+    round_about_z = abs(x - y) < 1e-9
+    if kind == "CUBOID":
+        return _write(f'<box size="{x:.9g} {y:.9g} {z:.9g}"/>', length, mass)
+    if kind == "SPHERE" and round_about_z and abs(x - z) < 1e-9:
+        return _write(f'<sphere radius="{x / 2:.9g}"/>', length, mass)
+    if kind == "CYLINDER" and round_about_z:
+        return _write(f'<cylinder radius="{x / 2:.9g}" length="{z:.9g}"/>', length, mass)
+    profiles = {"CYLINDER": ((1.0, -1.0), (1.0, 1.0)), "CONE": ((1.0, -1.0), (0.0, 1.0))}
+    angles = np.linspace(-np.pi / 2, np.pi / 2, _SIDES // 2 + 1)
+    profile = profiles.get(kind, tuple((float(np.cos(a)), float(np.sin(a))) for a in angles))
+    turned = _turned(profile)
+    return mesh_file(Mesh(turned.vertices * (0.5 * np.array(length)), turned.triangles), mass)
 
 
 def mesh(corners: FloatArray, triangles: NDArray[np.int64]) -> tuple[Path, FloatArray]:
@@ -183,28 +172,19 @@ def read_mesh(filename: str, scale: float) -> tuple[FloatArray, NDArray[np.int64
     return surfaces.mesh_surface(file, scale)
 
 
-def spawn(table: ObjectTable, name: str, asset: Path, look: BodySettings) -> Element:
+def spawn(table: ObjectTable, name: str, asset: Path, settings: BodySettings) -> Element:
     """Add a body at the origin of the world, and return it.
 
     Args:
         table: Objects of the world.
         name: How it is called; a number is put behind where that name is in use.
         asset: Model file.
-        look: How it is set up.
+        settings: How it is set up.
     """
     shown = table.free_name(name)
     native = _free_native_name(table, f"made_{_NOT_IN_NAMES.sub('_', shown.lower())}")
-    color = None if look.color is None else tuple(look.color)
-    spec = BodySpec.model_validate(
-        {
-            "name": native,
-            "parent": WORLD,
-            "asset": str(asset),
-            "fixed": look.static,
-            "collides": look.respondable,
-            "color": color,
-        }
-    )
+    values = {"fixed": settings.static, "collides": settings.respondable, "color": settings.color}
+    spec = BodySpec.model_validate({"name": native, "parent": WORLD, "asset": str(asset), **values})
     table.world.add_body(native, spec)
     element = Element("body", native)
     table.forget(element)

@@ -310,7 +310,7 @@ def fixed_objects(robot: RobotDescription) -> dict[str, Placed]:
     """Return what every scene has: the workspace, place and pivot of the video camera, and the sensor of the gripper.
 
     Args:
-        robot: The arm; the sensor looks at the space between its fingertips, half as wide as the open hand.
+        robot: The arm; the sensor looks at the space between its fingertips, half as wide as the open gripper.
     """
     base, prefix = Element("placed", "cam_cinematic_base"), robot_prefix(robot)
     width, height = robot.pad_size

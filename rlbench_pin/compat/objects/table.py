@@ -307,7 +307,7 @@ class ObjectTable:
         return {**specs, **self.world.spawned}[body].parent
 
     def robot_joint(self, name: str) -> UrdfJoint:
-        """Return what the model file says of a joint of the arm or hand, by its known name."""
+        """Return what the model file says of a joint of the arm or gripper, by its known name."""
         robot, number = self.runtime.description, int(name.rpartition("joint")[2]) - 1
         names = robot.gripper_joints if name.startswith(f"{robot_prefix(robot)}_gripper_joint") else robot.arm_joints
         return next(j for j in read_urdf(robot.urdf).joints if j.name == names[number])

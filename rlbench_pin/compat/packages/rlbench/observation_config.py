@@ -104,7 +104,7 @@ class ObservationConfig(NativeObservationConfig):
     """Five cameras and the low-dimensional data of each observation; see `rlbench_pin.ObservationConfig`.
 
     A camera that is None gets a fresh default. `record_ignore_collisions` says whether observations of demonstrations carry the
-    flag of their leg. As programs expect, any attribute may be set.
+    flag of their segment. As programs expect, any attribute may be set.
     """
 
     rules: ClassVar[Mapping[str, Rule]] = {}

@@ -103,7 +103,7 @@ class Uniform(Distributions):
 
 
 class DomainRandomizationScene(Scene):
-    """A scene whose looks and physics change at the chosen events.
+    """A scene whose appearance and physics change at the chosen events.
 
     Args:
         pyrep: The simulator.

@@ -81,7 +81,7 @@ class Joint(Object):
         return self.drive.force
 
     def set_joint_force(self, force: float) -> None:
-        """Cap the force of its motor [N m] or [N]; of the arm or hand, those of all its motors."""
+        """Cap the force of its motor [N m] or [N]; of the arm or gripper, those of all its motors."""
         self.drive.set_force(float(force))
 
     def get_joint_interval(self) -> tuple[bool, list[float]]:

@@ -191,7 +191,7 @@ class Arm(RobotComponent):
     # Collisions ------------------------------------------------------------------------------------------------------
 
     def check_arm_collision(self, obj: Object | None = None) -> bool:
-        """Say whether arm or hand overlap `obj`, no part of them; with None anything that is collidable, or the arm itself."""
+        """Say whether arm or gripper overlap `obj`, no part of them; with None anything collidable, or the arm itself."""
         if obj is None:
             return arm_planning.arm_collides(Simulator.current(), None)
         if obj.element.kind in ("body", "room"):

@@ -40,7 +40,7 @@ class Gripper(RobotComponent):
     """The gripper of the running world.
 
     Args:
-        count: Which hand of this kind; a world has one.
+        count: Which gripper of this kind; a world has one.
         name: Name of the gripper.
         joint_names: Names of its joints.
     """

@@ -85,8 +85,8 @@ class MoveArmThenGripper(ActionMode):
 
     def _split(self, scene: SceneLike, action: Action) -> tuple[FloatArray, FloatArray, bool | None]:
         """Return the arm's numbers, the gripper's, and the flag for collisions, None where there is none."""
-        arm, hand = (int(np.prod(part.action_shape(scene))) for part in (self.arm_action_mode, self.gripper_action_mode))
-        size, count = arm + hand, np.size(np.asarray(action, dtype=object))
+        arm, gripper = (int(np.prod(part.action_shape(scene))) for part in (self.arm_action_mode, self.gripper_action_mode))
+        size, count = arm + gripper, np.size(np.asarray(action, dtype=object))
         with_flag = count == size + 1 and takes_ignore_collisions(self.arm_action_mode)
         values = as_action(action, size + with_flag, type(self).__name__)
         return values[:arm], values[arm:size], bool(values[size]) if with_flag else None
