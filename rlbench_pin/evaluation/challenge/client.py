@@ -11,12 +11,10 @@ import numpy as np
 from rlbench_pin.evaluation.challenge.learner import Pictures
 from rlbench_pin.evaluation.challenge.references import find_learner
 from rlbench_pin.evaluation.challenge.withheld import check_settings, shown, shown_context
-from rlbench_pin.evaluation.policies.exchange import received_observation
-from rlbench_pin.evaluation.policies.faults import PolicyFault
-from rlbench_pin.evaluation.policies.links.hosted import HostedPolicy
-from rlbench_pin.evaluation.policies.links.remote import RemotePolicy
-from rlbench_pin.evaluation.policies.policy import PolicyContext
+from rlbench_pin.evaluation.policies.client import RemotePolicy, SubprocessTransport
+from rlbench_pin.evaluation.policies.policy import PolicyContext, PolicyFault
 from rlbench_pin.evaluation.policies.settings import PolicySettings
+from rlbench_pin.evaluation.policies.wire import decode_observation
 from rlbench_pin.observation import Demo, Observation
 
 ANSWERS = "rlbench_pin.evaluation.challenge.answers"
@@ -42,8 +40,7 @@ class LearnerClient(RemotePolicy):
         self, reference: str, seed: int, time_limit: float, start_limit: float, adapt_limit: float,
         withheld: Path | None = None, known: PolicySettings | None = None,
     ) -> None:  # fmt: skip
-        more = [] if withheld is None else [str(withheld)]
-        super().__init__(HostedPolicy(reference, find_learner(reference), ANSWERS, more), time_limit, start_limit)
+        super().__init__(SubprocessTransport(reference, find_learner(reference), ANSWERS), time_limit, start_limit)
         self._seed, self._adapt_limit, self._settings = seed, adapt_limit, known
         self._demonstrations: Callable[[], Iterator[Demo]] | None = None
         self._learned: Mapping[str, Any] | None = None
@@ -103,7 +100,7 @@ class LearnerClient(RemotePolicy):
 
     def act(self, observation: Observation) -> np.ndarray:
         """Return the next action, float64 (n,)."""
-        return super().act(received_observation(shown(observation)))
+        return super().act(decode_observation(shown(observation)))
 
     def _wanted(self) -> Pictures:
         wants = self._ask({"call": "wants"}, self._start_limit)

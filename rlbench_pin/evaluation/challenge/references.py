@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from rlbench_pin.errors import UnknownName
-from rlbench_pin.evaluation.policies.faults import PolicyReferenceError
+from rlbench_pin.evaluation.policies.policy import PolicyReferenceError
 from rlbench_pin.evaluation.policies.references import find_policy
 
 LEARNERS: Mapping[str, str] = {"nearest": "rlbench_pin.evaluation.baselines.few_shot.nearest:Nearest"}

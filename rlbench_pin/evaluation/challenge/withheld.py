@@ -7,10 +7,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from rlbench_pin.evaluation.policies.exchange import sent_observation
-from rlbench_pin.evaluation.policies.faults import PolicySettingsError
-from rlbench_pin.evaluation.policies.policy import PolicyContext
+from rlbench_pin.evaluation.policies.policy import PolicyContext, PolicySettingsError
 from rlbench_pin.evaluation.policies.settings import PolicySettings
+from rlbench_pin.evaluation.policies.wire import encode_observation
 from rlbench_pin.observation import FIELDS as DECLARED
 from rlbench_pin.observation import Observation
 
@@ -46,7 +45,7 @@ def shown(observation: Observation, *, pictures: bool = True) -> dict[str, Any]:
         observation: All of it.
         pictures: Whether pictures are among it.
     """
-    sent = sent_observation(observation)
+    sent = encode_observation(observation)
     cut = {name: value for name, value in sent.items() if name not in FIELDS and not name.endswith("_mask") and name != "misc"}
     if not pictures:
         cut = {name: value for name, value in cut.items() if not name.endswith(_PICTURES)}

@@ -195,9 +195,9 @@ class Answers:
         try:
             array = np.asarray(action)
         except Exception as error:  # objects of other libraries
-            return {"error": f"act returned a {type(action).__name__}, no array: {error}", "kind": "wrong answer"}
-        if array.dtype.kind not in _KINDS:
-            return {"error": f"act returned a {type(action).__name__}, no array of numbers.", "kind": "wrong answer"}
+            return {"error": f"`act` returned a {type(action).__name__}, no array: {error}", "kind": "wrong answer"}
+        if array.dtype.kind not in _KINDS:  # cannot travel
+            return {"error": f"`act` returned a {type(action).__name__}, no array of numbers.", "kind": "wrong answer"}
         return {"ok": array}
 
     def _known(self) -> Any:

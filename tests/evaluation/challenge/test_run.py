@@ -159,7 +159,7 @@ def test_long_demonstrations_go_in_several_messages() -> None:
 
 
 @pytest.mark.parametrize(("reference", "error"), [
-    ("nearst", UnknownName), ("rest", UnknownName), ("", PolicyReferenceError), ("missing.py:make", PolicyReferenceError),
+    ("nearst", UnknownName), ("noop", UnknownName), ("", PolicyReferenceError), ("missing.py:make", PolicyReferenceError),
     ("tcp://127.0.0.1:5555", PolicyReferenceError), (f"{LEARNERS}:Stil", PolicyReferenceError),
 ])  # fmt: skip
 def test_references_that_lead_to_no_learner(reference: str, error: type[Exception]) -> None:

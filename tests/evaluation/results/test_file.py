@@ -56,7 +56,7 @@ def test_equal_content_is_equal_to_the_byte() -> None:
         ('"task": "reach_target"', '"task": "another"', "has to be of its tasks"),
         ('"steps": 10', '"stops": 10', "lacks steps"),
         ('"steps": 10', '"steps": 10, "more": 1', "has 'more', which this format does not know"),
-        ('"policy": "rest"', '"policy": ["rest"]', "has to be a text"),
+        ('"policy": "noop"', '"policy": ["noop"]', "has to be a text"),
         ('"sha256"', '"sha255"', "lacks sha256"),
         ('"settings": {', '"settings": [], "x": {', "does not know"),
         ('"commit": ""', '"commit": "1"', "it was altered"),
@@ -146,6 +146,6 @@ def test_the_checksum_covers_everything() -> None:
 
 def test_no_episode_is_no_crash(tmp_path: Path) -> None:
     """An evaluation that ended before its first episode still has a file."""
-    empty = Results("rest", {}, "reach_target", ("reach_target",), (0,), {}, {}, "", ())
+    empty = Results("noop", {}, "reach_target", ("reach_target",), (0,), {}, {}, "", ())
     assert read_results(write_results(tmp_path / "a.json", empty)) == empty
     assert isinstance(episode("reach_target", 0, "1"), EpisodeRecord)

@@ -17,9 +17,9 @@ import numpy as np
 from rlbench_pin.environment.actions import ActionMode
 from rlbench_pin.environment.observations import ObservationConfig
 from rlbench_pin.environment.observations.boxes import boxed, boxed_settings
-from rlbench_pin.evaluation.policies.action_description import make_action_mode
 from rlbench_pin.evaluation.policies.policy import PolicyContext
 from rlbench_pin.evaluation.policies.policy_server import NoPolicy
+from rlbench_pin.evaluation.policies.settings import make_action_mode
 from rlbench_pin.observation import LOW_DIM, Observation
 
 _SIGNS = (("clip_range", "PPO"), ("target_policy_noise", "TD3"), ("target_entropy", "SAC"), ("gae_lambda", "A2C"))
