@@ -26,11 +26,11 @@ from rlbench_pin.evaluation import (
     read_results,
     run_challenge,
 )
-from rlbench_pin.evaluation.challenge.answers import LearnerAnswers
 from rlbench_pin.evaluation.challenge.client import LearnerClient, batches
 from rlbench_pin.evaluation.challenge.config import demonstration_seed
 from rlbench_pin.evaluation.challenge.demonstrations import shown_variation
-from rlbench_pin.evaluation.challenge.learned import read_learned, write_learned
+from rlbench_pin.evaluation.challenge.learner import read_learned, write_learned
+from rlbench_pin.evaluation.challenge.learner_process import LearnerAnswers
 from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.processes import ProcessEngine, SerialEngine
 from tests.evaluation.challenge.learners import Still

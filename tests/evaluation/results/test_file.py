@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.errors import InvalidValue, ResultsFileError
-from rlbench_pin.evaluation.results.file import read_results, results_text, write_results
-from rlbench_pin.evaluation.results.records import EpisodeRecord, Results
+from rlbench_pin.evaluation.results.records import EpisodeRecord, Results, read_results, results_text, write_results
 from tests.evaluation.results.made import episode, results
 
 

@@ -1,4 +1,4 @@
-"""What runs in the process of a learner: `python -m rlbench_pin.evaluation.challenge.answers SOCKET PIPE LEARNER [FOLDER]`.
+"""The process of a learner: `python -m rlbench_pin.evaluation.challenge.learner_process SOCKET PIPE LEARNER`.
 
 The protocol is that of policies, with more questions before the first `reset`:
 
