@@ -13,7 +13,7 @@ from typing import Any, get_args
 import numpy as np
 
 from rlbench_pin.evaluation.challenge.config import find_learner
-from rlbench_pin.evaluation.challenge.learner import Pictures
+from rlbench_pin.evaluation.challenge.learner import ImageFrames
 from rlbench_pin.evaluation.policies.client import RemotePolicy, SubprocessTransport
 from rlbench_pin.evaluation.policies.policy import PolicyContext, PolicyFault, PolicySettingsError
 from rlbench_pin.evaluation.policies.settings import PolicySettings
@@ -64,8 +64,8 @@ class LearnerClient(RemotePolicy):
         """
         return validate_settings(super().settings)
 
-    def wanted_pictures(self) -> Pictures:
-        """Return which frames of demonstrations need their pictures; starts the learner when it is not there."""
+    def image_frames(self) -> ImageFrames:
+        """Return which frames of demonstrations need images; starts the learner when it is not there."""
         if self._channel is None:
             self._settings = self._begin()
         return self._wanted()
@@ -110,12 +110,12 @@ class LearnerClient(RemotePolicy):
         """Return the next action, float64 (n,)."""
         return super().act(decode_observation(visible_observation(observation)))
 
-    def _wanted(self) -> Pictures:
+    def _wanted(self) -> ImageFrames:
         wants = self._ask({"call": "wants"}, self._start_limit)
-        pictures = wants.get("pictures") if isinstance(wants, dict) else None
-        if pictures not in get_args(Pictures):
-            self._fail("wrong answer", f"Its `pictures` is {pictures!r}; it is 'all' or 'first'.")
-        return "first" if pictures == "first" else "all"
+        frames = wants.get("pictures") if isinstance(wants, dict) else None
+        if frames not in get_args(ImageFrames):
+            self._fail("wrong answer", f"Its `pictures` is {frames!r}; it is 'all' or 'first'.")
+        return "first" if frames == "first" else "all"
 
     def _prepare(self) -> None:
         if self._taught is self._channel:
@@ -129,12 +129,14 @@ class LearnerClient(RemotePolicy):
 
     def _teach(self) -> None:
         assert self._demonstrations is not None
-        pictures = self._wanted()
+        image_frames = self._wanted()
         if self._learned is not None:
             self._ask({"call": "recall", "learned": dict(self._learned)}, self._start_limit)
         for number, demo in enumerate(self._demonstrations()):
             question = {"call": "frames", "demonstration": number, "instructions": list(demo.instructions)}
-            for frames in batches(visible_observation(seen, pictures=i == 0 or pictures == "all") for i, seen in enumerate(demo)):
+            for frames in batches(
+                visible_observation(seen, images=i == 0 or image_frames == "all") for i, seen in enumerate(demo)
+            ):
                 self._ask({**question, "observations": frames}, self._adapt_limit)
         self._ask({"call": "adapt"}, self._adapt_limit)
 
@@ -166,23 +168,23 @@ def validate_settings(settings: PolicySettings) -> PolicySettings:
     what = "task_low_dim_state" if seen.task_low_dim_state else what
     what = "model.world_distances" if seen.model.world_distances else what
     if what:
-        hint = "The challenge gives pictures, depth, point clouds and what the arm measures."
+        hint = "The challenge gives images, depth, point clouds and what the arm measures."
         raise PolicySettingsError("What a learner observes", what, "is withheld in the challenge", hint)
     return settings
 
 
-def visible_observation(observation: Observation, *, pictures: bool = True) -> dict[str, Any]:
+def visible_observation(observation: Observation, *, images: bool = True) -> dict[str, Any]:
     """Return what a learner is given of an observation of a test task, as a map.
 
     Args:
         observation: All of it.
-        pictures: Whether images are included.
+        images: Whether images are included.
     """
     sent = encode_observation(observation)
     cut = {
         name: value for name, value in sent.items() if name not in HIDDEN_FIELDS and not name.endswith("_mask") and name != "misc"
     }
-    if not pictures:
+    if not images:
         cut = {name: value for name, value in cut.items() if not name.endswith(IMAGES)}
     misc: Mapping[str, Any] = sent["misc"]
     return {**cut, "misc": {name: value for name, value in misc.items() if name not in HIDDEN_MISC}}

@@ -20,7 +20,7 @@ from rlbench_pin.environment.task_environment import MAX_DEMO_ATTEMPTS, TaskEnvi
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.evaluation.challenge.client import IMAGES
 from rlbench_pin.evaluation.challenge.config import ChallengeConfig, NoDemonstrations, demonstration_seed
-from rlbench_pin.evaluation.challenge.learner import Pictures
+from rlbench_pin.evaluation.challenge.learner import ImageFrames
 from rlbench_pin.evaluation.policies.settings import PolicySettings
 from rlbench_pin.evaluation.run.config import expert_settings
 from rlbench_pin.observation import FIELDS, Demo, Observation
@@ -56,11 +56,11 @@ class DemonstrationMaker:
     Args:
         config: The run.
         settings: What the learner observes, which is what demonstrations hold.
-        pictures: Which of their frames have pictures.
+        image_frames: Frames that contain images.
     """
 
-    def __init__(self, config: ChallengeConfig, settings: PolicySettings, pictures: Pictures) -> None:
-        self._config, self._settings, self._pictures = config, settings, pictures
+    def __init__(self, config: ChallengeConfig, settings: PolicySettings, image_frames: ImageFrames) -> None:
+        self._config, self._settings, self._image_frames = config, settings, image_frames
         self._environment: Environment | None = None
         self._task: TaskEnvironment | None = None
 
@@ -76,7 +76,7 @@ class DemonstrationMaker:
                 cause = str(error)
                 continue
             if outcome.demo is not None:
-                for seen in outcome.demo[1:] if self._pictures == "first" else ():
+                for seen in outcome.demo[1:] if self._image_frames == "first" else ():
                     remove_images(seen)
                 return MadeDemonstration(item, variation, attempt, encode_demo(outcome.demo, "lzf"))
             cause = outcome.cause
@@ -135,7 +135,7 @@ class ShownDemonstrations:
     def make(
         self,
         config: ChallengeConfig,
-        wanted: tuple[PolicySettings, Pictures],
+        wanted: tuple[PolicySettings, ImageFrames],
         engine: Engine,
         on_done: Callable[[ShownItem], None],
         stop: threading.Event,

@@ -19,8 +19,8 @@ from rlbench_pin.evaluation.policies.policy_server import WireError, pack, unpac
 from rlbench_pin.evaluation.run.config import expert_settings
 from rlbench_pin.observation import Demo, Observation
 
-Pictures = Literal["all", "first"]
-"""Which frames of demonstrations have their pictures."""
+ImageFrames = Literal["all", "first"]
+"""Frames of a demonstration that contain images."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class FewShotLearner(Protocol):
     """Something that makes a policy from a few demonstrations.
 
     An attribute `max_steps` suggests how many actions an episode should have. An attribute `pictures = "first"` says that of each
-    demonstration only the first frame needs its pictures, which spares gigabytes; otherwise all frames have them.
+    demonstration only the first frame needs images, which saves gigabytes; otherwise all frames have them.
 
     Attributes:
         action_mode: What the actions of its policies mean; one of this package.

@@ -22,7 +22,7 @@ from rlbench_pin.errors import DatasetConflict
 from rlbench_pin.evaluation.challenge.client import LearnerClient
 from rlbench_pin.evaluation.challenge.config import ChallengeConfig, ChallengeConflict, ChallengeStopped, refuse_links
 from rlbench_pin.evaluation.challenge.demonstrations import ShownDemonstrations, ShownItem
-from rlbench_pin.evaluation.challenge.learner import Pictures, read_learned, write_learned
+from rlbench_pin.evaluation.challenge.learner import ImageFrames, read_learned, write_learned
 from rlbench_pin.evaluation.policies.settings import PolicySettings
 from rlbench_pin.evaluation.results.records import Results
 from rlbench_pin.evaluation.results.statistics import Estimate, Summary, summarise
@@ -127,8 +127,8 @@ class _Run:
                 problem = f"Another run in '{self.folder}' is under way. Wait for it, or choose another one."
                 raise ChallengeConflict(problem) from error
             self.begin(resume)
-            settings, pictures = self.practise()
-            self.demonstrate(settings, pictures)
+            settings, image_frames = self.practise()
+            self.demonstrate(settings, image_frames)
             results = {shots: self.test(shots, settings) for shots in config.shots}
             refuse_links(self.folder)
             curve = learning_curve(config.learner, config.split, results, config.secret_sha256)
@@ -151,18 +151,18 @@ class _Run:
             return
         write_whole(path, (json.dumps(head, indent=1) + "\n").encode())
 
-    def practise(self) -> tuple[PolicySettings, Pictures]:
-        """Let the learner practise, unless it has; return what it asks for, and which frames of demonstrations need pictures."""
+    def practise(self) -> tuple[PolicySettings, ImageFrames]:
+        """Let the learner practise, unless it has; return what it asks for, and which frames of demonstrations need images."""
         path, tasks = self.folder / LEARNED, self.config.tasks().train
         with closing(open_learner(self.config)) as learner:
-            wanted = learner.settings, learner.wanted_pictures()
+            wanted = learner.settings, learner.image_frames()
             if not path.is_file():
                 self.watch(ChallengeProgress("practising", 1, 0))
                 write_learned(path, learner.meta_train(tasks, self.config.robot, self.config.train_limit))
                 self.watch(ChallengeProgress("practising", 1, 1))
         return wanted
 
-    def demonstrate(self, settings: PolicySettings, pictures: Pictures) -> None:
+    def demonstrate(self, settings: PolicySettings, image_frames: ImageFrames) -> None:
         """Make the demonstrations that are missing."""
         refuse_links(self.folder)
         shown = ShownDemonstrations(self.folder / DEMONSTRATIONS)
@@ -175,7 +175,7 @@ class _Run:
             done += 1
             self.watch(ChallengeProgress("demonstrations", wanted, done, latest=item.task))
 
-        if shown.make(self.config, (settings, pictures), self.engine, one_more, self.stop):
+        if shown.make(self.config, (settings, image_frames), self.engine, one_more, self.stop):
             raise ChallengeStopped("demonstrations", done, wanted, self.folder)
 
     def test(self, shots: int, settings: PolicySettings) -> Results:

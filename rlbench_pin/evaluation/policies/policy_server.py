@@ -58,7 +58,7 @@ def pack(message: Mapping[str, Any]) -> bytes:
     """Return a message as bytes, its length first, or raise WireError."""
     body: bytes = msgpack.packb(message, default=_as_extension, use_bin_type=True)
     if len(body) > LARGEST_MESSAGE:
-        raise WireError(f"A message of {len(body)} bytes is too long; {LARGEST_MESSAGE} is the most. Ask for smaller pictures.")
+        raise WireError(f"A message of {len(body)} bytes is too long; {LARGEST_MESSAGE} is the most. Ask for smaller images.")
     return struct.pack(">I", len(body)) + body
 
 
