@@ -47,11 +47,11 @@ def rows() -> dict[str, Row]:
 
 
 def bounds() -> dict[str, Row]:
-    """Return the planner, resting, random motion, and the classical baseline: nothing has to be trained."""
+    """Return the planner, no-op, random actions, and the classical baseline: nothing has to be trained."""
     short = ("--max-seconds", "10")
     return {
         "expert": evaluated("expert", "expert", ["all"], 10),
-        "rest": evaluated("rest", "rest", ["all"], 10, *short),
+        "noop": evaluated("noop", "noop", ["all"], 10, *short),
         "random": evaluated("random", "random", ["all"], 10, *short),
         "classical": evaluated("classical", "classical", CLASSICAL_TASKS, 20),
     }

@@ -14,9 +14,9 @@ from rlbench_pin.environment.presets import key_frame_mode
 from rlbench_pin.evaluation.baselines.few_shot.registration import Match, PlanarMotion, Scene
 from rlbench_pin.evaluation.baselines.few_shot.scenes import CAMERAS, scene_points
 from rlbench_pin.evaluation.challenge.learner import Demonstration, TrainingTask
-from rlbench_pin.evaluation.policies.adapters.key_frames import KeyFrame, KeyFramePolicy
-from rlbench_pin.evaluation.policies.observation_description import blank_observations
+from rlbench_pin.evaluation.policies.adapters import KeyFrame, KeyFramePolicy
 from rlbench_pin.evaluation.policies.policy import PolicyContext
+from rlbench_pin.evaluation.policies.settings import blank_observations
 from rlbench_pin.observation import Observation
 
 TOGETHER = 0.2

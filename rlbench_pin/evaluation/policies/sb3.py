@@ -17,9 +17,9 @@ import numpy as np
 from rlbench_pin.environment.actions import ActionMode
 from rlbench_pin.environment.observations import ObservationConfig
 from rlbench_pin.environment.observations.boxes import boxed, boxed_settings
-from rlbench_pin.evaluation.policies.action_description import make_action_mode
 from rlbench_pin.evaluation.policies.policy import PolicyContext
 from rlbench_pin.evaluation.policies.policy_server import NoPolicy
+from rlbench_pin.evaluation.policies.settings import make_action_mode
 from rlbench_pin.observation import LOW_DIM, Observation
 
 _SIGNS = (("clip_range", "PPO"), ("target_policy_noise", "TD3"), ("target_entropy", "SAC"), ("gae_lambda", "A2C"))
@@ -101,11 +101,11 @@ class Sb3Policy:
             if len(self._model.observation_space.shape or ()) != 1:
                 raise NoPolicy(f"It observes {self._model.observation_space}, which is not what `rlbench_pin.gym` gives.{_HINT}")
             return boxed_settings((), (1, 1))
-        pictures = {name: _picture_size(box.shape) for name, box in spaces.items() if name.endswith("_rgb")}
-        unknown = [name for name in spaces if name not in LOW_DIM and name not in pictures]
-        if unknown or len(set(pictures.values())) > 1:
-            raise NoPolicy(f"It observes '{(unknown or list(pictures))[0]}' in a way that `rlbench_pin.gym` does not.{_HINT}")
-        return boxed_settings([name.removesuffix("_rgb") for name in pictures], next(iter(pictures.values()), (1, 1)))
+        images = {name: _image_size(box.shape) for name, box in spaces.items() if name.endswith("_rgb")}
+        unknown = [name for name in spaces if name not in LOW_DIM and name not in images]
+        if unknown or len(set(images.values())) > 1:
+            raise NoPolicy(f"It observes '{(unknown or list(images))[0]}' in a way that `rlbench_pin.gym` does not.{_HINT}")
+        return boxed_settings([name.removesuffix("_rgb") for name in images], next(iter(images.values()), (1, 1)))
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
         """Compare the bounds of actions.
@@ -144,8 +144,8 @@ _HINT = " Write a factory that translates, and name it `module:factory`."
 _MODE = " Say what it was trained with: `sb3:FILE?arm=EndEffectorVelocity&gripper=Discrete`."
 
 
-def _picture_size(shape: tuple[int, ...]) -> tuple[int, int]:
-    """Return width and height of pictures (h, w, 3), or (3, h, w) as Stable-Baselines3 turns them."""
+def _image_size(shape: tuple[int, ...]) -> tuple[int, int]:
+    """Return width and height of images (h, w, 3), or (3, h, w) as Stable-Baselines3 turns them."""
     height, width = shape[1:] if shape[0] == 3 and shape[-1] != 3 else shape[:2]
     return int(width), int(height)
 

@@ -1,4 +1,4 @@
-"""What runs in the process of a learner: `python -m rlbench_pin.evaluation.challenge.answers SOCKET PIPE LEARNER [FOLDER]`.
+"""The process of a learner: `python -m rlbench_pin.evaluation.challenge.learner_process SOCKET PIPE LEARNER`.
 
 The protocol is that of policies, with more questions before the first `reset`:
 
@@ -7,25 +7,20 @@ The protocol is that of policies, with more questions before the first `reset`:
     {"call": "recall", "learned": map}                                  {"ok": None}
     {"call": "frames", "demonstration": number, "instructions": [texts], "observations": [maps]}     {"ok": None}
     {"call": "adapt"}                                                   {"ok": None}
-
-Before anything of the learner runs, the process loses its way into the folder of the run, see `confinement`.
 """
 
 from __future__ import annotations
 
-import socket
-import sys
 import traceback
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
-from rlbench_pin.evaluation.challenge.confinement import confine
 from rlbench_pin.evaluation.challenge.learner import Demonstration, TrainingTask
-from rlbench_pin.evaluation.policies.exchange import received_context, received_observation
-from rlbench_pin.evaluation.policies.links.host import end_with_owner, settings_of
-from rlbench_pin.evaluation.policies.links.loading import POLICY, make_named
+from rlbench_pin.evaluation.policies.policy_process import settings_of
 from rlbench_pin.evaluation.policies.policy_server import Answers, Channel, NoPolicy, converse
+from rlbench_pin.evaluation.policies.references import POLICY, make_named
+from rlbench_pin.evaluation.policies.wire import decode_context, decode_observation
+from rlbench_pin.processes.child import connect_to_owner
 
 PARTS = ("adapt", "meta_train", "action_mode", "obs_config")
 """What a learner has."""
@@ -86,7 +81,7 @@ class LearnerAnswers(Answers):
 
     def _frames(self, question: Mapping[str, Any]) -> Answer:
         _, frames = self._shown.setdefault(question["demonstration"], (tuple(question["instructions"]), []))
-        frames += [received_observation(fields) for fields in question["observations"]]
+        frames += [decode_observation(fields) for fields in question["observations"]]
         return {"ok": None}
 
     def _adapt(self, question: Mapping[str, Any]) -> Answer:
@@ -99,17 +94,14 @@ class LearnerAnswers(Answers):
         if any(mine[name] != its[name] for name in ("action_mode", "observation")):
             raise NoPolicy("The policy of `adapt` has another action mode or other observations than its learner.")
         self._shown.clear()
-        self._acting = Answers(lambda: policy, settings_of, received_observation, received_context)
+        self._acting = Answers(lambda: policy, settings_of, decode_observation, decode_context)
         return {"ok": None}
 
 
 def main() -> None:
     """Answer until the owner closes the socket."""
-    end_with_owner(int(sys.argv[2]))
-    target, *withheld = sys.argv[3:]
-    for folder in withheld:
-        confine(Path(folder))
-    converse(Channel(socket.socket(fileno=int(sys.argv[1]))), LearnerAnswers(lambda: make_named(target, "learner", PARTS)))
+    connection, (target,) = connect_to_owner()
+    converse(Channel(connection), LearnerAnswers(lambda: make_named(target, "learner", PARTS)))
 
 
 if __name__ == "__main__":

@@ -14,13 +14,13 @@ from typing import Any
 
 import numpy as np
 
-STATE, PICTURES, ACTION = "observation.state", "observation.images.", "action"
+STATE, IMAGES, ACTION = "observation.state", "observation.images.", "action"
 
 
 class LeRobotPolicy:
     """A policy that LeRobot's own `lerobot-train` made from our export.
 
-    The state is joint positions [rad] and the hand, 1 open; an action is the same, absolute. The hand is brought to 0..1.
+    The state is joint positions [rad] and the gripper, 1 open; an action is the same, absolute. The gripper is clipped to 0..1.
 
     Args:
         folder: With `config.json`, `model.safetensors`, and the files of its processors.
@@ -56,17 +56,17 @@ class LeRobotPolicy:
     def reset(self, instruction: str, context: Any) -> None:
         """Forget observations and actions that are left over."""
         if context.joints + 1 != self.joints:
-            raise ValueError(f"It moves {self.joints - 1} joints and a hand; this arm has {context.joints}.")
+            raise ValueError(f"It moves {self.joints - 1} joints and a gripper; this arm has {context.joints}.")
         self._instruction = instruction
         self._policy.reset()
 
     def act(self, observation: Any) -> np.ndarray:
-        """Return joint positions [rad] and the hand, shape (n + 1,)."""
+        """Return joint positions [rad] and the gripper, shape (n + 1,)."""
         state = np.append(observation.joint_positions, observation.gripper_open)
         frame: dict[str, Any] = {STATE: self._tensor(state)}
         for name in self.cameras:
-            picture = getattr(observation, f"{name}_rgb")
-            frame[PICTURES + name] = self._tensor(picture.transpose(2, 0, 1) / np.float32(255.0))
+            image = getattr(observation, f"{name}_rgb")
+            frame[IMAGES + name] = self._tensor(image.transpose(2, 0, 1) / np.float32(255.0))
         frame["task"] = self._instruction
         with self._torch.inference_mode():
             action = self._after(self._policy.select_action(self._before(frame)))
@@ -89,11 +89,11 @@ def read_features(folder: Path) -> tuple[dict[str, tuple[int, int]], int]:
     inputs, outputs = config.get("input_features") or {}, config.get("output_features") or {}
     if ACTION not in outputs or len(outputs[ACTION]["shape"]) != 1:
         raise ValueError(f"'{folder}' names no `{ACTION}` among its output features, so it was not trained on our export.")
-    unknown = [name for name in inputs if name != STATE and not name.startswith(PICTURES)]
+    unknown = [name for name in inputs if name != STATE and not name.startswith(IMAGES)]
     if unknown:
-        raise ValueError(f"'{folder}' observes '{unknown[0]}'; exports have {STATE} and {PICTURES}CAMERA. Train on one of them.")
+        raise ValueError(f"'{folder}' observes '{unknown[0]}'; exports have {STATE} and {IMAGES}CAMERA. Train on one of them.")
     joints = int(outputs[ACTION]["shape"][0])
     if STATE in inputs and list(inputs[STATE]["shape"]) != [joints]:
         raise ValueError(f"'{folder}' has states of {inputs[STATE]['shape']} and {joints} numbers in actions; ours are alike.")
-    shapes = {name.removeprefix(PICTURES): feature["shape"] for name, feature in inputs.items() if name.startswith(PICTURES)}
+    shapes = {name.removeprefix(IMAGES): feature["shape"] for name, feature in inputs.items() if name.startswith(IMAGES)}
     return {name: (int(shape[2]), int(shape[1])) for name, shape in shapes.items()}, joints

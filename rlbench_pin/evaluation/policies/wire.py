@@ -1,4 +1,4 @@
-"""What passes between an evaluation and a policy: observations and contexts as maps, and actions that are looked at."""
+"""Messages between an evaluation and a policy: observations and contexts as maps, and validated actions."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ import numpy as np
 
 from rlbench_pin.environment.observations.model_based import ModelObservationConfig
 from rlbench_pin.errors import InvalidValue
-from rlbench_pin.evaluation.policies.faults import PolicyFault
-from rlbench_pin.evaluation.policies.policy import PolicyContext
+from rlbench_pin.evaluation.policies.policy import PolicyContext, PolicyFault
 from rlbench_pin.observation import FIELDS, Observation
 from rlbench_pin.values import as_array
 
@@ -21,24 +20,23 @@ SENSED = ("mask_names", "joint_poses", "wrist_camera_matrix", *(field.name for f
 _CAMERA = re.compile(r"\w+_camera_(extrinsics|intrinsics|near|far)")
 
 
-def sent_observation(observation: Observation) -> dict[str, Any]:
+def encode_observation(observation: Observation) -> dict[str, Any]:
     """Return what a policy is given of an observation, as a map of arrays, numbers and names."""
-    sent = {name: plain(value) for name, value in vars(observation).items() if value is not None and name != "misc"}
-    misc = {name: plain(value) for name, value in observation.misc.items() if name in SENSED or _CAMERA.fullmatch(name)}
-    return {**sent, "misc": misc}
+    encoded: dict[str, Any] = plain(visible_fields(observation))
+    return encoded
 
 
-def shown_observation(observation: Observation) -> Observation:
-    """Return what a policy in this process is given of an observation; arrays are shared."""
+def visible_fields(observation: Observation) -> dict[str, Any]:
+    """Return the fields that a policy is given of an observation; arrays are shared."""
     misc = {name: value for name, value in observation.misc.items() if name in SENSED or _CAMERA.fullmatch(name)}
-    return received_observation({**{k: v for k, v in vars(observation).items() if v is not None}, "misc": misc})
+    return {**{name: value for name, value in vars(observation).items() if value is not None}, "misc": misc}
 
 
-def received_observation(sent: Mapping[str, Any]) -> Observation:
-    """Return the observation that was sent."""
+def decode_observation(sent: Mapping[str, Any]) -> Observation:
+    """Return the observation in a map of fields."""
     observation = Observation(**{name: value for name, value in sent.items() if name in FIELDS or name == "misc"})
     for name in sent:
-        if name not in FIELDS and name != "misc":  # pictures of extra cameras
+        if name not in FIELDS and name != "misc":  # images of extra cameras
             setattr(observation, name, sent[name])
     return observation
 
@@ -54,23 +52,23 @@ def plain(value: object) -> Any:
     return value
 
 
-def sent_context(context: PolicyContext) -> dict[str, Any]:
+def encode_context(context: PolicyContext) -> dict[str, Any]:
     """Return a context as a map."""
     return asdict(context)
 
 
-def received_context(sent: Mapping[str, Any]) -> PolicyContext:
-    """Return the context that was sent; entries of a later version are left out."""
+def decode_context(sent: Mapping[str, Any]) -> PolicyContext:
+    """Return the context in a map; entries of a later version are left out."""
     known = [field.name for field in fields(PolicyContext)]
     values: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in sent.items() if name in known}
     return PolicyContext(**values)
 
 
-def checked_action(action: object) -> np.ndarray:
-    """Return what a policy returned as float64, shape (n,).
+def validate_action(action: object) -> np.ndarray:
+    """Return an action as float64, shape (n,). Whether n and the values fit is left to the action mode.
 
     Raises:
-        PolicyFault: It is no vector of finite numbers.
+        PolicyFault: It is not a vector of finite numbers.
     """
     try:
         values = as_array(action, "An action")
