@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
+from rlbench_pin.baselines.classical.recipes import TASKS as CLASSICAL_TASKS
 from rlbench_pin.evaluation import task_set
-from rlbench_pin.evaluation.baselines.classical.recipes import TASKS as CLASSICAL_TASKS
 from rlbench_pin.tasks import library_names
 
 Command = tuple[str, ...]

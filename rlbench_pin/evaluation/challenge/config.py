@@ -21,7 +21,7 @@ from rlbench_pin.tasks import task_names
 from rlbench_pin.values import as_choice, as_flag, as_names, as_number, as_path, as_record, as_several, as_text, as_whole
 
 DATA = Path(__file__).with_name("splits.json")
-LEARNERS: Mapping[str, str] = {"nearest": "rlbench_pin.evaluation.baselines.few_shot.nearest:Nearest"}
+LEARNERS: Mapping[str, str] = {"nearest": "rlbench_pin.baselines.few_shot:Nearest"}
 """Name -> `module:factory` of the learners that this package brings."""
 _FORMS = "`module:factory` or `file.py:factory`, with `?key=value&...` behind it for arguments"
 SHOTS = (1, 5, 20)

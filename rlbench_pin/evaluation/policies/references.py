@@ -21,7 +21,7 @@ from rlbench_pin.evaluation.policies.policy import LibraryMissing, PolicyReferen
 from rlbench_pin.evaluation.policies.policy_server import NoPolicy, split_tcp
 
 _POLICIES = "rlbench_pin.evaluation.policies"
-_BASELINES = "rlbench_pin.evaluation.baselines"
+_BASELINES = "rlbench_pin.baselines"
 BUILT_IN: Mapping[str, str] = {
     "noop": f"{_POLICIES}.adapters:Noop",
     "random": f"{_POLICIES}.adapters:Random",
