@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from rlbench_pin.cli import rlbench_pin_command
+from rlbench_pin.cli.interrupts import is_whole_process, loading
 from rlbench_pin.cli.main import main
-from rlbench_pin.cli.process import rlbench_pin_command
-from rlbench_pin.cli.process.interrupts import is_whole_process, loading
 from rlbench_pin.datasets import stored_tasks, task_faults
 from tests.cli.support import TASK
 
@@ -130,7 +130,7 @@ def test_an_interrupt_that_is_lost_comes_again() -> None:
     """In `__del__` no exception leaves; the program ends all the same, and says nothing of it."""
     code = (
         "import gc, signal, sys, time\n"
-        "from rlbench_pin.cli.process.interrupts import loading\n"
+        "from rlbench_pin.cli.interrupts import loading\n"
         "class Thing:\n"
         "    def __del__(self):\n"
         "        signal.raise_signal(signal.SIGINT)\n"

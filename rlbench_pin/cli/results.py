@@ -5,26 +5,52 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict, replace
-from typing import Any
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import tyro
 
-from rlbench_pin.cli.arguments.evaluation import results as arguments
-from rlbench_pin.cli.process.files import check_file
+from rlbench_pin.cli.options import MaybePath, SomeFiles, check_file
 from rlbench_pin.errors import TaskEnvironmentError
-from rlbench_pin.evaluation.results.comparison import Comparison, compare
-from rlbench_pin.evaluation.results.plots import check_plot, draw_results
-from rlbench_pin.evaluation.results.records import Results, read_results
-from rlbench_pin.evaluation.results.statistics import PValues, Summary, summarise
-from rlbench_pin.evaluation.results.tables import comparison_table, overview_table, task_table
+
+if TYPE_CHECKING:
+    from rlbench_pin.evaluation.results.comparison import Comparison
+    from rlbench_pin.evaluation.results.records import Results
+    from rlbench_pin.evaluation.results.statistics import PValues, Summary
 
 
-class ShowResults(arguments.ShowResults):
-    """The work of `rlbench-pin results`."""
+@dataclass(frozen=True)
+class ShowResults:
+    """Print tables of results files, compare them episode by episode, draw them.
+
+    Success has its interval of 95 %: Wilson's for a task, a bootstrap with the tasks as strata for the mean over tasks.
+    """
+
+    files: tyro.conf.Positional[SomeFiles] = ()
+    """Results files, as `rlbench-pin evaluate` writes them."""
+    compare: bool = False
+    """Compare every further file with the first: McNemar's test on the episodes that both played, by task and in all."""
+    held: bool = False
+    """Compare success that lasts, instead of success."""
+    common: bool = False
+    """Compare the episodes that both files have, where they do not have the same."""
+    any_limits: bool = False
+    """Compare although episodes ended at different limits."""
+    plot: MaybePath = None
+    """Picture to draw: success by task, the files side by side; PNG or SVG."""
+    markdown: bool = False
+    """Print the tables in Markdown."""
+    json: bool = False
+    """Print JSON for programs."""
 
     def run(self) -> int:
         """Print, and draw."""
+        from rlbench_pin.evaluation.results.plots import check_plot, draw_results
+        from rlbench_pin.evaluation.results.records import read_results
+        from rlbench_pin.evaluation.results.statistics import summarise
+        from rlbench_pin.evaluation.results.tables import comparison_table, overview_table, task_table
+
         if not self.files:
             raise TaskEnvironmentError(
                 "No file was named. Use `rlbench-pin results FILE...`; `rlbench-pin evaluate` writes them."
@@ -58,6 +84,8 @@ class ShowResults(arguments.ShowResults):
 
     def comparisons(self, results: Sequence[Results], labels: Sequence[str]) -> list[Comparison]:
         """Compare every further file with the first."""
+        from rlbench_pin.evaluation.results.comparison import compare
+
         found = []
         for other, label in zip(results[1:], labels[1:]):
             comparison = compare(

@@ -1,21 +1,56 @@
-"""Parse a command line, run the command, turn what it raises into exit codes."""
+"""The table of commands; parse a command line, run the command, turn what it raises into exit codes."""
 
 from __future__ import annotations
 
 import errno
-import importlib
+import inspect
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import make_dataclass
+from typing import Protocol
 
 import tyro
 
 from rlbench_pin import __version__
-from rlbench_pin.cli.process.commands import COMMANDS, Home, Subcommand, working
-from rlbench_pin.cli.process.interrupts import INTERRUPTED, say
-from rlbench_pin.cli.process.output import PIPE_CLOSED, flushed
+from rlbench_pin.cli.build import Build
+from rlbench_pin.cli.challenge import Challenge
+from rlbench_pin.cli.check import Check
+from rlbench_pin.cli.dataset import Dataset
+from rlbench_pin.cli.demo import RecordDemos
+from rlbench_pin.cli.doctor import Doctor
+from rlbench_pin.cli.evaluate import Evaluate
+from rlbench_pin.cli.interrupts import INTERRUPTED, PIPE_CLOSED, flushed, say
+from rlbench_pin.cli.list_tasks import ListTasks
+from rlbench_pin.cli.new import New
+from rlbench_pin.cli.problems import Problems
+from rlbench_pin.cli.record import Record, spelled_out
+from rlbench_pin.cli.replay import Replay
+from rlbench_pin.cli.results import ShowResults
+from rlbench_pin.cli.serve import Serve
+from rlbench_pin.cli.train import Train
+from rlbench_pin.cli.video import Video
+from rlbench_pin.cli.view import View
 from rlbench_pin.errors import RlbenchPinError, TaskEnvironmentError, UnknownName
 
+COMMANDS: dict[str, type] = {
+    "list": ListTasks,
+    "demo": RecordDemos,
+    "record": Record,
+    "dataset": Dataset,
+    "replay": Replay,
+    "check": Check,
+    "view": View,
+    "video": Video,
+    "new": New,
+    "build": Build,
+    "doctor": Doctor,
+    "evaluate": Evaluate,
+    "challenge": Challenge,
+    "serve": Serve,
+    "results": ShowResults,
+    "train": Train,
+    "problems": Problems,
+}
 DONE, FAILED, MISUSED = 0, 1, 2
 _WRITING = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 DESCRIPTION = (
@@ -24,7 +59,20 @@ DESCRIPTION = (
 )
 
 
-def parse(words: Sequence[str]) -> Subcommand:
+class Command(Protocol):
+    """What every command can do."""
+
+    def run(self) -> int:
+        """Do the work and return the exit code."""
+        ...
+
+
+def summary(command: type) -> str:
+    """Return the first paragraph of the help of a command."""
+    return " ".join((inspect.getdoc(command) or "").split("\n\n")[0].split())
+
+
+def parse(words: Sequence[str]) -> Command:
     """Return the command that `words` ask for.
 
     Raises:
@@ -35,21 +83,15 @@ def parse(words: Sequence[str]) -> Subcommand:
         raise SystemExit(DONE)
     asked = words[0] if words else ""
     if asked == "record":
-        words = importlib.import_module("rlbench_pin.cli.arguments.record").spelled_out(words)
+        words = spelled_out(words)
     commands: dict[str, Callable[..., object]] = {
-        name: home.load() if name == asked else _stand_in(home) for name, home in COMMANDS.items()
-    }
-    arguments: object = tyro.extras.subcommand_cli_from_dict(
+        name: command if name == asked else make_dataclass(command.__name__, [], namespace={"__doc__": summary(command)})
+        for name, command in COMMANDS.items()
+    }  # the parser of a command is built only when it is asked for
+    command: Command = tyro.extras.subcommand_cli_from_dict(
         commands, prog="rlbench-pin", description=DESCRIPTION, args=list(words)
     )
-    command: Subcommand = working(arguments)
     return command
-
-
-def _stand_in(home: Home) -> type:
-    """Return a class that has the summary of a command and nothing else."""
-    made: type = make_dataclass(home.name, [], namespace={"__doc__": home.summary})
-    return made
 
 
 def run(words: Sequence[str], on_begin: Callable[[], None]) -> int:

@@ -1,4 +1,4 @@
-"""Ctrl-C: quiet and at once while a command is loaded, as KeyboardInterrupt while it runs, without effect when all is said."""
+"""Ctrl-C, closed pipes and full disks: the process around a command."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
+from typing import TextIO
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it: 128 and the number of the signal."""
@@ -68,3 +69,39 @@ def _interruptible() -> None:
     """From here on Ctrl-C raises KeyboardInterrupt, which nothing keeps to itself."""
     sys.unraisablehook = _raise_again
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+PIPE_CLOSED = 141
+"""Exit code when the reader of the output is gone, as shells have it: 128 and the number of the signal."""
+
+
+def print_any_name() -> None:
+    """Let stdout and stderr take file names that are no text of their encoding; they come out as the bytes they are."""
+    for stream in (sys.stdout, sys.stderr):
+        encoding = getattr(stream, "encoding", None) or ""
+        errors = "surrogateescape" if encoding.lower().replace("-", "") == "utf8" else "backslashreplace"
+        with suppress(AttributeError, ValueError, OSError):
+            stream.reconfigure(errors=errors)  # type: ignore[union-attr]
+
+
+def flushed() -> OSError | None:
+    """Write what is still held back; return why that is not possible, and drop it then, or None."""
+    problem: OSError | None = None
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError as error:
+            problem = problem or error
+            _drop(stream)
+        except (ValueError, AttributeError):  # closed, or there is none
+            continue
+    return problem
+
+
+def _drop(stream: TextIO) -> None:
+    """Send what a stream still holds to nowhere, so that the end of the process does not complain of it again."""
+    with suppress(OSError, ValueError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
+        stream.flush()

@@ -1,4 +1,4 @@
-"""Pages that commands serve until Ctrl-C: the builder's modules, which need viser, are imported when one is asked for."""
+"""Pages that commands serve until Ctrl-C."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import webbrowser
 from dataclasses import dataclass
 from typing import Any
 
-from rlbench_pin.cli.process.words import check_at_least
+from rlbench_pin.cli.options import check_at_least
 from rlbench_pin.errors import TaskEnvironmentError
 
 _DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")

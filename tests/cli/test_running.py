@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
-import inspect
 import subprocess
 import sys
 from typing import get_args
@@ -11,10 +9,9 @@ from typing import get_args
 import pytest
 
 from rlbench_pin import __version__
+from rlbench_pin.cli import options
 from rlbench_pin.cli.main import main
-from rlbench_pin.cli.process import words as words_of_help
-from rlbench_pin.cli.process.commands import COMMANDS
-from rlbench_pin.cli.process.running import run
+from rlbench_pin.cli.running import COMMANDS, run, summary
 from rlbench_pin.datasets import Compression
 from rlbench_pin.environment.observations.camera_config import RenderMode
 from rlbench_pin.evaluation import FOLLOWERS
@@ -59,11 +56,11 @@ def test_help_of_a_command_imports_nothing_that_works() -> None:
 
 def test_choices_are_those_that_work() -> None:
     """Help names them without importing what they choose between."""
-    assert tuple(FOLLOWERS) == words_of_help.CONTROLLERS
+    assert tuple(FOLLOWERS) == options.CONTROLLERS
     for said, works in (
-        (words_of_help.Compression, Compression),
-        (words_of_help.RenderMode, RenderMode),
-        (words_of_help.ExportFormat, ExportFormat),
+        (options.Compression, Compression),
+        (options.RenderMode, RenderMode),
+        (options.ExportFormat, ExportFormat),
     ):
         assert get_args(said) == get_args(works)
 
@@ -73,21 +70,12 @@ def test_list_imports_tasks_only() -> None:
     assert set(loaded_after("list")) <= set(FOR_TASKS)
 
 
-@pytest.mark.parametrize("name", COMMANDS)
-def test_the_table_says_what_the_commands_say(name: str) -> None:
-    """The summary is the first paragraph of the docstring; the class is where the table says."""
-    arguments = COMMANDS[name].load()
-    assert COMMANDS[name].summary == " ".join((inspect.getdoc(arguments) or "").split("\n\n")[0].split())
-    work = getattr(importlib.import_module(f"rlbench_pin.cli.{COMMANDS[name].module}"), COMMANDS[name].name)
-    assert issubclass(work, arguments) and callable(work.run)
-
-
 def test_help_lists_every_command(capsys: Capture) -> None:
     """By name, with its summary, and the way to the version."""
     assert main(["--help"]) == 0
     out = " ".join(capsys.readouterr().out.replace("│", " ").split())
-    for name, home in COMMANDS.items():
-        assert f"• {name} {home.summary}" in out
+    for name, command in COMMANDS.items():
+        assert f"• {name} {summary(command)}" in out
     assert "rlbench-pin --version" in out
 
 
@@ -149,7 +137,7 @@ def test_what_the_system_refuses_is_an_exit_code(
         def run(self) -> int:
             raise problem
 
-    monkeypatch.setattr("rlbench_pin.cli.process.running.parse", lambda words: Failing())
+    monkeypatch.setattr("rlbench_pin.cli.running.parse", lambda words: Failing())
     begun: list[bool] = []
     assert run(["list"], lambda: begun.append(True)) == code
     err = capsys.readouterr().err

@@ -57,8 +57,8 @@ def test_names_that_are_no_text(tmp_path: Path) -> None:
 
 def test_the_installed_program_starts() -> None:
     """The module that pip puts beside the package, and `python -m`."""
-    command = Path(__file__).parents[3] / "rlbench_pin" / "cli" / "process" / "rlbench_pin_command.py"
+    command = Path(__file__).parents[2] / "rlbench_pin" / "cli" / "rlbench_pin_command.py"
     for program in ([sys.executable, str(command)], PROGRAM):
-        env = {**os.environ, "PYTHONPATH": str(command.parents[3])}
+        env = {**os.environ, "PYTHONPATH": str(command.parents[2])}
         done = subprocess.run([*program, "--version"], capture_output=True, text=True, env=env, timeout=120)
         assert (done.returncode, done.stdout, done.stderr) == (0, f"rlbench-pin {__version__}\n", "")

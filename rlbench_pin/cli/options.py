@@ -1,15 +1,23 @@
-"""Kinds of words on a command line as help shows them, and checks that a command is asked for something at all."""
+"""Types of command line arguments, their checks, the files that commands write, and the engine that does the work."""
 
 from __future__ import annotations
 
+import errno
+import json
+import os
+import tempfile
 from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
 from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS, PRODUCTS
+
+if TYPE_CHECKING:
+    from rlbench_pin.processes import Engine
 
 TaskName = Annotated[str, tyro.conf.arg(metavar="TASK")]
 """A task."""
@@ -90,3 +98,64 @@ def checked_names(words: Iterable[str], split: Callable[[Iterable[str]], tuple[s
     if not names:
         raise TaskEnvironmentError(f"No task was named. Use `{usage}`; `rlbench-pin list` prints the tasks.")
     return names
+
+
+def storing(path: Path) -> AbstractContextManager[None]:
+    """Return a context in which system errors become StorageError; see `datasets.storage.storing`."""
+    from rlbench_pin.datasets import storage
+
+    return storage.storing(path)
+
+
+def write_whole(path: Path, content: bytes) -> Path:
+    """Write a file that is complete or not there; see `datasets.storage.write_whole`."""
+    from rlbench_pin.datasets import storage
+
+    return storage.write_whole(path, content)
+
+
+def check_folder(folder: Path) -> None:
+    """Make a folder and see whether files can be written there, before hours of work.
+
+    Raises:
+        StorageError: They cannot.
+    """
+    with storing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+
+
+def check_file(path: Path) -> None:
+    """See whether a file can be written, before the work that it is for; its folder is made.
+
+    Raises:
+        StorageError: It cannot.
+    """
+    with storing(path):
+        if path.is_dir():
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+        check_folder(path.parent)
+
+
+def write_json(path: Path, content: object) -> None:
+    """Write a file for programs.
+
+    Raises:
+        StorageError: It cannot be written.
+    """
+    write_whole(path, (json.dumps(content, indent=1) + "\n").encode())
+
+
+def make_engine(name: EngineName, workers: int) -> Engine:
+    """Return the engine that does the work.
+
+    Raises:
+        MissingExtra: Ray is not installed.
+    """
+    from rlbench_pin import processes
+
+    if name == "processes":
+        return processes.ProcessEngine(workers) if workers else processes.SerialEngine()
+    engine: Engine = processes.RayEngine(max(1, workers))
+    return engine
