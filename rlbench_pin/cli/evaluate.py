@@ -68,7 +68,7 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Evaluate:
-    """Evaluate a policy on tasks: success with its interval, collisions, limits. Use `--resume` to continue after an interruption.
+    """Evaluate a policy on tasks: success with its interval, collisions, limits. `--resume` continues after an interruption.
 
     The results file is the same to the byte, however many workers there are; `rlbench-pin results FILE...` shows and compares
     what is in it. The arguments that belong to controllers stand at the end.
