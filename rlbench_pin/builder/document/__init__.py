@@ -1,10 +1,13 @@
-"""A task that is being edited: its two files as text, undone without end, saved together or not at all."""
+"""A task that is being edited: its two files as text, undone without limit, saved together or not at all."""
 
 from __future__ import annotations
 
-from rlbench_pin.builder.document.behaviour import (
+from rlbench_pin.builder.document.behaviour import Behaviour
+from rlbench_pin.builder.document.document import TaskDocument
+from rlbench_pin.builder.document.drafts import Draft, DraftKeeper
+from rlbench_pin.builder.document.errors import ChangedOnDisk, DocumentError, EditRefused, HasDependants, TaskFilesError
+from rlbench_pin.builder.document.forms import (
     Argument,
-    Behaviour,
     ConditionForm,
     ConditionKind,
     Named,
@@ -14,9 +17,6 @@ from rlbench_pin.builder.document.behaviour import (
     Written,
     condition_kinds,
 )
-from rlbench_pin.builder.document.document import TaskDocument
-from rlbench_pin.builder.document.drafts import Draft, DraftKeeper
-from rlbench_pin.builder.document.errors import ChangedOnDisk, DocumentError, EditRefused, HasDependants, TaskFilesError
 
 __all__ = [
     "Argument",

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.builder.document import TaskDocument
-from rlbench_pin.builder.document.history import Change, History
+from rlbench_pin.builder.document.texts import Change, History
 from tests.builder.document.conftest import Opener
 from tests.builder.document.random_edits import EDITS, edit_at_random
 

@@ -7,7 +7,7 @@ from dataclasses import fields
 import pytest
 
 from rlbench_pin.builder.document import TaskDocument
-from rlbench_pin.builder.document.scene_text.layout import layout_of
+from rlbench_pin.builder.document.scene_text import layout_of
 from rlbench_pin.scene import read_scene
 from rlbench_pin.tasks import LIBRARY, library_names
 from tests.builder.document.conftest import Opener
