@@ -10,19 +10,22 @@ from dataclasses import dataclass, field, replace
 from keyword import iskeyword
 from typing import Any, Literal, get_args
 
-from rlbench_pin.builder.document.conditions import FAILURE, SUCCESS, Conditions, read_conditions, with_conditions
-from rlbench_pin.builder.document.errors import EditRefused
-from rlbench_pin.builder.document.forms import (
+from rlbench_pin.builder.document.conditions import (
+    FAILURE,
+    SUCCESS,
     ConditionForm,
+    Conditions,
     Named,
-    SpawnForm,
     Written,
     check_form,
     expression,
     kind_of,
     named_element,
+    read_conditions,
+    with_conditions,
 )
-from rlbench_pin.builder.document.placements import read_placements, with_placements
+from rlbench_pin.builder.document.errors import EditRefused
+from rlbench_pin.builder.document.placements import SpawnForm, read_placements, with_placements
 from rlbench_pin.builder.document.python_text import (
     INDENT,
     Binding,

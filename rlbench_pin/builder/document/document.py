@@ -253,7 +253,7 @@ class TaskDocument:
             table: `body`, `joint`, `frame`, `region`, `sensor` or `waypoint` (behind the last).
             values: Keys of the record.
         """
-        return self._edit(f"add {table}", lambda scene, python: operations.added(scene, python, table, values)).name
+        return self._edit(f"add {table}", operations.added, table, values).name
 
     def set(self, name: str, key: str, value: Any, merge: str = "") -> None:
         """Change one key of an element. A pose is given in the frame of the parent.
@@ -268,16 +268,15 @@ class TaskDocument:
 
     def set_several(self, name: str, values: Mapping[str, Any], merge: str = "") -> None:
         """Change several keys of an element in one step, such as `path` and `arc`, which go together."""
-        words = f"{', '.join(values)} of {name}"
-        self._edit(f"change {words}", lambda scene, python: operations.changed(scene, python, name, values), merge)
+        self._edit(f"change {', '.join(values)} of {name}", operations.changed, name, values, merge=merge)
 
     def set_placement(self, key: str, value: Any, merge: str = "") -> None:
         """Change one key of `[placement]`; None is its default. A pose is given in the world, as in `spec`."""
-        self._edit(f"change {key}", lambda scene, python: operations.placement_changed(scene, python, key, value), merge)
+        self._edit(f"change {key}", operations.placement_changed, key, value, merge=merge)
 
     def duplicate(self, name: str) -> str:
         """Add a copy of an element at the same place, with the joints of a body; return its name."""
-        return self._edit(f"duplicate {name}", lambda scene, python: operations.duplicated(scene, python, name)).name
+        return self._edit(f"duplicate {name}", operations.duplicated, name).name
 
     def delete(self, name: str, with_dependants: bool = False) -> None:
         """Delete an element; later waypoints are renumbered.
@@ -285,25 +284,23 @@ class TaskDocument:
         Raises:
             HasDependants: Another element hangs on it, or the Python names it.
         """
-        edit = operations.deleted
-        self._edit(f"delete {name}", lambda scene, python: edit(scene, python, name, with_dependants=with_dependants))
+        self._edit(f"delete {name}", operations.deleted, name, with_dependants)
 
     def insert_waypoint(self, index: int, values: Mapping[str, Any]) -> str:
         """Add a waypoint before the one of that number; later ones are renumbered wherever they are named."""
-        edit = operations.waypoint_inserted
-        return self._edit("insert waypoint", lambda scene, python: edit(scene, python, index, values)).name
+        return self._edit("insert waypoint", operations.waypoint_inserted, index, values).name
 
     def move_waypoint(self, name: str, index: int) -> str:
         """Give a waypoint another number, and return its new name; all are renumbered wherever they are named."""
-        return self._edit(f"reorder {name}", lambda scene, python: operations.waypoint_moved(scene, python, name, index)).name
+        return self._edit(f"reorder {name}", operations.waypoint_moved, name, index).name
 
     def attach(self, name: str, parent: str, pose: Any, merge: str = "") -> None:
         """Give an element another parent, and a pose in its frame that is exact to 1e-9."""
-        self._edit(f"parent of {name}", lambda scene, python: operations.attached(scene, python, name, parent, pose), merge)
+        self._edit(f"parent of {name}", operations.attached, name, parent, pose, merge=merge)
 
     def rename(self, old: str, new: str) -> tuple[str, ...]:
         """Rename an element wherever it is named; return the lines of Python that name it in a way that was left."""
-        return self._edit(f"rename {old}", lambda scene, python: operations.renamed_everywhere(scene, python, old, new)).left
+        return self._edit(f"rename {old}", operations.renamed_everywhere, old, new).left
 
     def set_scene_text(self, text: str, merge: str = "") -> None:
         """Replace the text of the scene, also by one that is not valid."""
@@ -339,13 +336,13 @@ class TaskDocument:
         self._read()
         return name
 
-    def _edit(self, name: str, edit: Callable[[SceneText, str], Edited], merge: str = "") -> Edited:
+    def _edit(self, label: str, operation: Callable[..., Edited], *arguments: Any, merge: str = "") -> Edited:
         """Make an edit by form, which must not break a valid scene."""
-        edited = edit(self._reading.scene, self.python_text)
+        edited = operation(self._reading.scene, self.python_text, *arguments)
         reading = _Reading(self._pair, edited.texts, self._reading)
         if reading.error is not None and self._reading.error is None:
             raise reading.error
-        self._history.add(name, edited.texts, merge)
+        self._history.add(label, edited.texts, merge)
         self._reading, self._left = reading, edited.left
         return edited
 

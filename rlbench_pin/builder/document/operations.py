@@ -122,7 +122,7 @@ def duplicated(scene: SceneText, python: str, name: str) -> Edited:
     return Edited((text, python), new)
 
 
-def deleted(scene: SceneText, python: str, name: str, *, with_dependants: bool = False) -> Edited:
+def deleted(scene: SceneText, python: str, name: str, with_dependants: bool) -> Edited:
     """Delete an element, perhaps with its descendants and what forms say of them; later waypoints are renumbered."""
     scene.find(name)
     hanging = dependants(scene, name)

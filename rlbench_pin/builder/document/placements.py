@@ -6,12 +6,9 @@ import ast
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from rlbench_pin.builder.document.forms import (
+from rlbench_pin.builder.document.conditions import (
     Named,
     Reader,
-    Rotation,
-    SpawnedForm,
-    SpawnForm,
     Written,
     expression,
     list_expression,
@@ -23,6 +20,35 @@ from rlbench_pin.builder.document.texts import Replacement
 
 _BOUNDARY, _NO_ROTATION = "SpawnBoundary", "NO_ROTATION"
 _ZERO = (0.0, 0.0, 0.0)
+Rotation = tuple[float, float, float]
+"""Roll, pitch, yaw [rad]."""
+
+
+@dataclass(frozen=True)
+class SpawnedForm:
+    """An element that is placed at random.
+
+    Attributes:
+        thing: A body or a frame.
+        min_rotation: Lower bound of the rotation; None for any yaw.
+        max_rotation: Upper bound of the rotation; None for any yaw.
+        min_distance: Least distance from elements that were placed before [m]; None for 1 cm.
+        ignore_collisions: Whether collisions with elements that were placed before are allowed.
+    """
+
+    thing: Named | Written
+    min_rotation: Rotation | None = None
+    max_rotation: Rotation | None = None
+    min_distance: float | None = None
+    ignore_collisions: bool = False
+
+
+@dataclass(frozen=True)
+class SpawnForm:
+    """Names of regions, and the elements that are placed in them in order."""
+
+    regions: tuple[str, ...]
+    things: tuple[SpawnedForm, ...] = ()
 
 
 @dataclass(eq=False)

@@ -12,7 +12,7 @@ import fcntl
 import json
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from hashlib import sha256
@@ -31,12 +31,6 @@ _PATIENCE = 5.0
 """How long to wait for another builder that writes into the same folder [s]."""
 Contents = tuple[bytes | None, bytes | None]
 """Of the scene file and the Python file; None for one that does not exist."""
-Listener = Callable[[str], None]
-"""Called right after each step of a save with a description of it."""
-
-
-def _ignore(step: str) -> None:
-    pass
 
 
 @dataclass(frozen=True)
@@ -93,13 +87,12 @@ def changed_files(pair: Pair, known: Contents) -> tuple[Path, ...]:
     return tuple(file for file, content, expected in files if content != expected)
 
 
-def write_pair(pair: Pair, contents: tuple[bytes, bytes], listen: Listener = _ignore, *, known: Contents | None = None) -> None:
+def write_pair(pair: Pair, contents: tuple[bytes, bytes], *, known: Contents | None = None) -> None:
     """Write both files; if it is killed, either none has changed, or the next `recover` finishes it.
 
     Args:
         pair: The paths.
         contents: The new contents.
-        listen: Called after each step.
         known: The contents that the writer has read; None overwrites any.
 
     Raises:
@@ -111,12 +104,11 @@ def write_pair(pair: Pair, contents: tuple[bytes, bytes], listen: Listener = _ig
         with alone_in(pair.folder):
             if known is not None and (changed := changed_files(pair, known)):
                 raise ChangedOnDisk(changed)
-            before = [None if content is None else _digest(content) for content in _on_disk(pair)]
+            before = [_digest(content) for content in _on_disk(pair)]
             texts = [content.decode() for content in contents]
             journal = json.dumps({"format": _JOURNAL_FORMAT, "before": before, "files": texts}).encode()
-            _write_beside(pair.journal, journal, listen)
-            _put_in_place(pair.journal, listen)
-            _finish(pair, contents, listen)
+            write_whole(pair.journal, journal)
+            _finish(pair, contents)
     except OSError as error:
         raise StorageError(pair.folder, error) from error
 
@@ -153,8 +145,8 @@ def _locked(descriptor: int) -> bool:
 
 def write_whole(path: Path, content: bytes) -> None:
     """Replace one file atomically, or raise OSError."""
-    _write_beside(path, content, _ignore)
-    _put_in_place(path, _ignore)
+    _write_beside(path, content)
+    _put_in_place(path)
 
 
 def recover(pair: Pair) -> tuple[bytes, bytes] | None:
@@ -184,40 +176,35 @@ def _recovered(pair: Pair) -> tuple[bytes, bytes] | None:
         return None
     before, contents = found
     now = _on_disk(pair)
-    foreign = any(
-        is_now != wanted and (None if is_now is None else _digest(is_now)) != was
-        for is_now, wanted, was in zip(now, contents, before, strict=True)
-    )
+    foreign = any(is_now != wanted and _digest(is_now) != was for is_now, wanted, was in zip(now, contents, before, strict=True))
     if foreign:
         pair.journal.unlink(missing_ok=True)
         return contents
-    _finish(pair, contents, _ignore)
+    _finish(pair, contents)
     return None
 
 
-def _finish(pair: Pair, contents: tuple[bytes, bytes], listen: Listener) -> None:
+def _finish(pair: Pair, contents: tuple[bytes, bytes]) -> None:
     """Replace both files; a failure before the first is replaced leaves nothing behind."""
     try:
         for path, content in zip(pair.files, contents, strict=True):
-            _write_beside(path, content, listen)
+            _write_beside(path, content)
     except BaseException:
         for path in pair.files:
             _part(path).unlink(missing_ok=True)
         pair.journal.unlink(missing_ok=True)
         raise
     for path in pair.files:
-        _put_in_place(path, listen)
+        _put_in_place(path)
     pair.journal.unlink(missing_ok=True)
     _sync_folder(pair.folder)
-    listen("the journal is gone")
 
 
-def _write_beside(path: Path, content: bytes, listen: Listener) -> None:
+def _write_beside(path: Path, content: bytes) -> None:
     """Write the new content of a file to a temporary file beside it, and flush it to the disk."""
     part = _part(path)
     try:
         with part.open("wb") as file:
-            listen(f"{part.name} is empty")
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
@@ -225,13 +212,11 @@ def _write_beside(path: Path, content: bytes, listen: Listener) -> None:
         with suppress(OSError):
             part.unlink(missing_ok=True)
         raise
-    listen(f"{part.name} is written")
 
 
-def _put_in_place(path: Path, listen: Listener) -> None:
+def _put_in_place(path: Path) -> None:
     _part(path).replace(path)
     _sync_folder(path.parent)
-    listen(f"{path.name} is replaced")
 
 
 def _sync_folder(folder: Path) -> None:
@@ -271,8 +256,8 @@ def _part(path: Path) -> Path:
     return path.with_name(f".{path.name.removeprefix('.')}.part")
 
 
-def _digest(content: bytes) -> str:
-    return sha256(content).hexdigest()
+def _digest(content: bytes | None) -> str | None:
+    return None if content is None else sha256(content).hexdigest()
 
 
 # Texts ------------------------------------------------------------------------------------------------------------------------
