@@ -116,7 +116,7 @@ class Behaviour:
             ast.get_docstring(task.node),
             _read_sentences(task),
             _read_count(task),
-            _read_flag(task, _CHANCE),
+            _read_chance(task),
             _read_graspable(task),
             read_conditions(task, SUCCESS),
             read_conditions(task, FAILURE),
@@ -186,7 +186,7 @@ def _with_field(task: TaskClass, name: str, value: Any) -> str | None:
         case "variation_count":
             return _with_count(task, value)
         case "solved_by_chance":
-            return _with_flag(task, _CHANCE, value)
+            return _with_chance(task, value)
         case "graspable":
             return _with_graspable(task, value)
         case "placements":
@@ -229,7 +229,7 @@ def _is_about(part: object, names: Collection[str]) -> bool:
     return isinstance(part, str) and part.partition("/")[0] in names
 
 
-# Docstrings, number of variations, flags --------------------------------------------------------------------------------------
+# Docstrings and constants of the class ----------------------------------------------------------------------------------------
 
 
 def _with_docstring(source: Source, node: ast.Module | ast.ClassDef, text: str) -> str:
@@ -269,17 +269,17 @@ def _with_count(task: TaskClass, count: int) -> str:
     return source.edited([source.below(task.node.body[-1], f"\n{text}")])
 
 
-def _read_flag(task: TaskClass, name: str) -> bool | None:
-    """Return a flag of the class, False when it is missing; None when it is computed."""
-    value = _flag(task, name)
-    if value is None:
+def _read_chance(task: TaskClass) -> bool | None:
+    """Return the flag `solved_by_chance` of the class, False when it is missing; None when it is computed."""
+    assignment = _chance(task)
+    if assignment is None:
         return False
-    node = value.value
+    node = assignment.value
     return node.value if isinstance(node, ast.Constant) and isinstance(node.value, bool) else None
 
 
-def _with_flag(task: TaskClass, name: str, value: bool) -> str:
-    source, node = task.source, _flag(task, name)
+def _with_chance(task: TaskClass, value: bool) -> str:
+    source, node = task.source, _chance(task)
     if node is not None and value and node.value is not None:
         return source.edited([(*source.span(node.value), "True")])
     if node is not None:
@@ -289,14 +289,14 @@ def _with_flag(task: TaskClass, name: str, value: bool) -> str:
         return source.edited([(start, end, "")])
     first = task.node.body[0]
     if ast.get_docstring(task.node, clean=False) is None:
-        return source.edited([source.above(first, f"    {name} = {value}\n\n")])
-    return source.edited([source.below(first, f"\n    {name} = {value}\n")])
+        return source.edited([source.above(first, f"    {_CHANCE} = {value}\n\n")])
+    return source.edited([source.below(first, f"\n    {_CHANCE} = {value}\n")])
 
 
-def _flag(task: TaskClass, name: str) -> ast.Assign | ast.AnnAssign | None:
+def _chance(task: TaskClass) -> ast.Assign | ast.AnnAssign | None:
     for node in task.node.body:
         targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
-        if isinstance(node, ast.Assign | ast.AnnAssign) and [ast.unparse(target) for target in targets] == [name]:
+        if isinstance(node, ast.Assign | ast.AnnAssign) and [ast.unparse(target) for target in targets] == [_CHANCE]:
             return node
     return None
 

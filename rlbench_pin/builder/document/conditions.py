@@ -229,7 +229,7 @@ class Reader:
             found[keyword.arg] = keyword.value
         return found
 
-    def elements_above(self, line: int) -> dict[Named, str]:
+    def elements_above(self, line: float = math.inf) -> dict[Named, str]:
         """Return the elements of the scene that have names in the Python above a line, preferably attributes of `self`."""
         bound = sorted(self.bindings.items(), key=lambda item: item[0].startswith("self."))
         found = ((named_element(binding.value), name) for name, binding in bound if binding.statement.lineno < line)
@@ -361,7 +361,7 @@ def with_conditions(task: TaskClass, register: str, new: Sequence[ConditionForm 
     """Return the Python in which a task registers other conditions."""
     found, source = _registered(task, register), task.source
     if found is None:
-        names = Reader(source, task.bindings(task.init)).elements_above(source.line_count + 1)
+        names = Reader(source, task.bindings(task.init)).elements_above()
         call = laid_out(f"self.{register}({list_expression(new, names)})", task.init_indent, len(task.init_indent))
         return source.edited([source.below(task.init.body[-1], f"{task.init_indent}{call}\n")])
     statement = next((n for n in ast.walk(task.node) if isinstance(n, ast.Expr) and n.value is found.call), None)

@@ -79,7 +79,7 @@ def with_placements(task: TaskClass, new: Sequence[SpawnForm]) -> str | None:
         return None
     last = body_of(episode)[-1]
     indent = " " * last.col_offset
-    names = Reader(source, task.bindings(None)).elements_above(source.line_count + 1)
+    names = Reader(source, task.bindings(None)).elements_above()
     changes: list[Replacement] = []
     for boundary, form in zip(found, new, strict=False):
         changes += _changed(task, boundary, form, last, names)

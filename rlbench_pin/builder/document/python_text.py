@@ -32,6 +32,7 @@ _BY_NUMBER = frozenset(
     }
 )
 """Calls whose first argument is the number of a waypoint."""
+_LINE_END = r"\r\n?|\n"
 _WAYPOINT = re.compile(r"waypoint(\d+)")
 _VOCABULARY = "rlbench_pin.tasks"
 
@@ -68,7 +69,7 @@ class Source:
     @cached_property
     def _starts(self) -> list[int]:
         """Starts of lines as Python counts them, and the end of the text."""
-        return [0, *(found.end() for found in re.finditer("\r\n?|\n", self.text)), len(self.text)]
+        return [0, *(found.end() for found in re.finditer(_LINE_END, self.text)), len(self.text)]
 
     def _place(self, line: int, column: int) -> int:
         """Return the place in the text of a line and a column in bytes."""
@@ -89,12 +90,10 @@ class Source:
         first = min([node.lineno, *(decorator.lineno for decorator in getattr(node, "decorator_list", []))])
         return self._starts[first - 1], self._starts[node.end_lineno or node.lineno]
 
-    def line(self, number: int) -> str:
-        return self.text[self._starts[number - 1] : self._starts[number]].rstrip("\r\n")
-
-    @property
-    def line_count(self) -> int:
-        return len(self._starts) - 1
+    @cached_property
+    def lines(self) -> list[str]:
+        """The lines without their ends."""
+        return re.split(_LINE_END, self.text)
 
     def edited(self, replacements: Iterable[Replacement]) -> str:
         return replaced(self.text, replacements)
@@ -469,7 +468,7 @@ def renamed_in_python(source: Source, names: Mapping[str, str]) -> tuple[str, tu
     ]
     lines = {line for name in names for line in _patterns(source, name)}
     words = re.compile(rf"\b({'|'.join(map(re.escape, names))})\b")
-    lines |= {n for n in range(1, source.line_count + 1) if len(words.findall(source.line(n))) > changed[n]}
+    lines |= {n for n, line in enumerate(source.lines, start=1) if len(words.findall(line)) > changed[n]}
     text = source.edited(found)
     return text, _shown(Source(text), lines)
 
@@ -528,4 +527,4 @@ def _has_value(written: str, value: str) -> bool:
 
 
 def _shown(source: Source, lines: Iterable[int]) -> tuple[str, ...]:
-    return tuple(f"{line}: {source.line(line).strip()}" for line in sorted(lines))
+    return tuple(f"{line}: {source.lines[line - 1].strip()}" for line in sorted(lines))
