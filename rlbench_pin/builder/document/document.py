@@ -73,11 +73,11 @@ class _Reading:
     """
 
     def __init__(self, pair: Pair, texts: Texts, before: _Reading | None = None) -> None:
-        self._pair, self._texts = pair, texts
+        self.texts, self._name = texts, pair.name
         self.error: RlbenchPinError | None = None
         self.spec: SceneSpec | None = None if before is None else before.spec
         self.parsed: SceneText | None = None
-        if before is not None and before.has_scene(texts[0]):
+        if before is not None and before.texts[0] == texts[0]:
             self.error, self.parsed = before.error, before.parsed
             return
         try:
@@ -85,9 +85,6 @@ class _Reading:
             self.spec = scene_from_raw(self.parsed.raw, pair.files[0])
         except RlbenchPinError as error:
             self.error = error
-
-    def has_scene(self, text: str) -> bool:
-        return self._texts[0] == text
 
     @property
     def scene(self) -> SceneText:
@@ -99,12 +96,12 @@ class _Reading:
 
     @cached_property
     def problems(self) -> tuple[Problem, ...]:
-        scene = () if self.error is None else (scene_problem(self._texts[0], self.error),)
-        return (*scene, *python_problems(self._texts[1], self._pair.name, self.spec if self.error is None else None))
+        scene = () if self.error is None else (scene_problem(self.texts[0], self.error),)
+        return (*scene, *python_problems(self.texts[1], self._name, self.spec if self.error is None else None))
 
     @cached_property
     def behaviour(self) -> Behaviour:
-        return Behaviour.of(self._texts[1])
+        return Behaviour.of(self.texts[1])
 
 
 class TaskDocument:

@@ -181,7 +181,9 @@ def attached(scene: SceneText, python: str, name: str, parent: str, pose: Any) -
     scene = detached(scene, name)
     entry = scene.find(name)
     if entry.table not in POSED_TABLES:
-        raise EditRefused(f"attach '{name}' to '{parent}'", "it has no pose.", "Choose a body, frame, region, sensor or waypoint.")
+        raise EditRefused(
+            f"attach '{name}' to '{parent}'", "it has no pose.", "Choose a body, frame, region, sensor or waypoint."
+        )
     place = exact_pose_keys(pose, has_rpy=scene.has_short_forms)
     keys = {"parent": None if as_text(parent, "parent") == ROOT else parent, **place}
     keys = {key: value for key, value in keys.items() if value is not None or key in entry.raw}

@@ -25,7 +25,6 @@ from rlbench_pin.values import as_text
 
 LARGEST_FILE = 4_000_000
 """Largest size of a file of a task [bytes]."""
-_LARGEST_JOURNAL = 16 * LARGEST_FILE
 _JOURNAL_FORMAT = 1
 _PATIENCE = 5.0
 """How long to wait for another builder that writes into the same folder [s]."""
@@ -230,8 +229,6 @@ def _sync_folder(folder: Path) -> None:
 def _journal_of(pair: Pair) -> tuple[list[str | None], tuple[bytes, bytes]] | None:
     """Return the digests and contents of a journal; None when there is none, or it is invalid."""
     try:
-        if pair.journal.stat().st_size > _LARGEST_JOURNAL:
-            return None
         journal = json.loads(pair.journal.read_bytes())
         if journal["format"] != _JOURNAL_FORMAT:
             return None
