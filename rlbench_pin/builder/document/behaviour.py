@@ -5,10 +5,10 @@ from __future__ import annotations
 import ast
 import re
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from keyword import iskeyword
-from typing import Any, Literal, get_args
+from typing import Any
 
 from rlbench_pin.builder.document.conditions import (
     FAILURE,
@@ -50,17 +50,6 @@ from rlbench_pin.errors import InvalidValue
 from rlbench_pin.tasks import Task
 from rlbench_pin.values import as_choice, as_flag, as_names, as_record, as_several, as_text, as_whole
 
-Field = Literal[
-    "title",
-    "description",
-    "instructions",
-    "variation_count",
-    "solved_by_chance",
-    "graspable",
-    "success",
-    "failure",
-    "placements",
-]
 Sentences = tuple[tuple[str, ...], ...]
 """One group for all variations, or one for each."""
 _CHANCE, _GRASPABLE = "solved_by_chance", "register_graspable_objects"
@@ -72,161 +61,6 @@ _PLAIN_F_STRING = re.compile(r"""f(["'])(?!\1)(.*)\1""")
 _ESCAPED_QUOTE = re.compile(r"""\\(["'])""")
 _FIELD = re.compile(r"\{([^{}]*)\}")
 _TABLE, _TABLE_WORDS = "SENTENCES", '"""What is said in each variation."""'
-
-
-@dataclass(frozen=True)
-class Behaviour:
-    """What forms show of the Python; a field is None where it is not written in a form that can be edited.
-
-    Attributes:
-        title: Docstring of the file.
-        description: Docstring of the class: what varies, and what counts as success.
-        instructions: The sentences: one group for all variations, or one for each.
-        variation_count: Number of variations.
-        solved_by_chance: Whether random actions may reach the goal now and then.
-        graspable: Names of the bodies that the gripper may hold, `<body>/<link>` for one link alone.
-        success: Conditions that must hold at the same instant.
-        failure: Conditions that end an episode without success when all hold at the same instant.
-        placements: Elements that are placed at random in regions.
-        python: The text that this was read from.
-    """
-
-    title: str | None = None
-    description: str | None = None
-    instructions: Sentences | None = None
-    variation_count: int | None = None
-    solved_by_chance: bool | None = None
-    graspable: tuple[str, ...] | None = None
-    success: Conditions | None = None
-    failure: Conditions | None = None
-    placements: tuple[SpawnForm, ...] | None = None
-    python: str = field(default="", repr=False, compare=False)
-
-    @classmethod
-    def of(cls, text: str) -> Behaviour:
-        """Read a Python file; all fields are None where it is not valid, or has no task."""
-        source = source_or_none(text)
-        if source is None:
-            return cls(python=text)
-        title, task = ast.get_docstring(source.tree), TaskClass.of(source)
-        if task is None:
-            return cls(title=title, python=text)
-        return cls(
-            title,
-            ast.get_docstring(task.node),
-            _read_sentences(task),
-            _read_count(task),
-            _read_chance(task),
-            _read_graspable(task),
-            read_conditions(task, SUCCESS),
-            read_conditions(task, FAILURE),
-            read_placements(task),
-            text,
-        )
-
-    def written(self, name: str, value: Any) -> str:
-        """Return the Python in which a field has another value; the same text when it has it already.
-
-        Raises:
-            EditRefused: The Python is not of a form that can be edited so.
-            InvalidValue: The value is not of the kind of the field.
-        """
-        as_choice(name, "field", get_args(Field))
-        wanted = _checked(name, value)
-        if getattr(self, name) is None:
-            raise EditRefused(f"change {name}", "the Python does not say it in a form that can be edited.", "Edit the text.")
-        if getattr(self, name) == wanted:
-            return self.python
-        old = Source(self.python)
-        task = TaskClass.of(old)
-        text = _with_docstring(old, old.tree, wanted) if task is None else _with_field(task, name, wanted)
-        if text is None:
-            raise EditRefused(f"change {name}", "the Python cannot say it in a form that can be edited.", "Edit the text.")
-        try:
-            new = _without_idle_names(old, Source(text))
-            new = _with_shared_lookups(old, new)
-            return Source(with_imports(old, new)).text
-        except PythonSyntaxError as error:
-            raise EditRefused(f"change {name}", f"it would not be Python any more: {error}.", "Edit the text.") from error
-
-
-def _checked(name: str, value: Any) -> Any:
-    """Return a value as a field has it."""
-    match name:
-        case "title" | "description":
-            return as_text(value, name).strip()
-        case "variation_count":
-            return as_whole(value, name, least=1)
-        case "solved_by_chance":
-            return as_flag(value, name)
-        case "graspable":
-            return tuple(as_names(value, name))
-        case "instructions":
-            groups = as_several(value, name)
-            if not groups:
-                raise InvalidValue(name, value, "has to have one group of sentences at least")
-            return tuple(tuple(as_text(sentence, "sentence") for sentence in as_several(group, name)) for group in groups)
-        case "placements":
-            return tuple(as_record(item, SpawnForm, f"entry {k} of {name}") for k, item in enumerate(as_several(value, name)))
-    forms = as_several(value, name)
-    for number, item in enumerate(forms):
-        if not isinstance(item, Written):
-            check_form(as_record(item, ConditionForm, f"entry {number} of {name}"))
-    return forms
-
-
-def _with_field(task: TaskClass, name: str, value: Any) -> str | None:
-    match name:
-        case "title":
-            return _with_docstring(task.source, task.source.tree, value)
-        case "description":
-            return _with_docstring(task.source, task.node, value)
-        case "instructions":
-            return _with_sentences(task, value)
-        case "variation_count":
-            return _with_count(task, value)
-        case "solved_by_chance":
-            return _with_chance(task, value)
-        case "graspable":
-            return _with_graspable(task, value)
-        case "placements":
-            return with_placements(task, value)
-    return with_conditions(task, SUCCESS if name == "success" else FAILURE, value)
-
-
-def without_names(python: str, names: Collection[str]) -> str:
-    """Return the Python whose forms name none of these elements of the scene any more; what no form can edit stays."""
-    for name in _NAMING:
-        behaviour = Behaviour.of(python)
-        parts = getattr(behaviour, name)
-        kept = tuple(part for part in (_without(part, names) for part in parts or ()) if part is not None)
-        if parts is None or kept == parts:
-            continue
-        try:
-            python = behaviour.written(name, kept)
-        except EditRefused:
-            continue
-    return python
-
-
-def _without(part: Any, names: Collection[str]) -> Any:
-    """Return a part of a field without what names elements; None where nothing is left."""
-    if isinstance(part, SpawnForm):
-        things = tuple(spawned for spawned in part.things if not _is_about(spawned.thing, names))
-        regions = tuple(region for region in part.regions if region not in names)
-        return replace(part, regions=regions, things=things) if regions and (things or not part.things) else None
-    return None if _is_about(part, names) else part
-
-
-def _is_about(part: object, names: Collection[str]) -> bool:
-    """Whether a name, or a condition with all its arguments, names one of the elements."""
-    if isinstance(part, Named):
-        return part.name in names or part.name.partition("/")[0] in names
-    if isinstance(part, ConditionForm):
-        return _is_about(part.arguments, names)
-    if isinstance(part, Mapping | tuple):
-        return any(_is_about(value, names) for value in (part.values() if isinstance(part, Mapping) else part))
-    return isinstance(part, str) and part.partition("/")[0] in names
 
 
 # Docstrings and constants of the class ----------------------------------------------------------------------------------------
@@ -538,3 +372,150 @@ def _is_free(task: TaskClass, name: str) -> bool:
     own |= {node.name for node in ast.walk(task.node) if isinstance(node, ast.FunctionDef)}
     own |= {node.id for node in ast.walk(task.node) if isinstance(node, ast.Name)}
     return name not in own | _TAKEN and not hasattr(Task, name) and not iskeyword(name)
+
+
+# Fields -----------------------------------------------------------------------------------------------------------------------
+
+_FIELDS: Mapping[str, tuple[Callable[[TaskClass], Any], Callable[[TaskClass, Any], str | None]]] = {
+    "title": (
+        lambda task: ast.get_docstring(task.source.tree),
+        lambda task, text: _with_docstring(task.source, task.source.tree, text),
+    ),
+    "description": (
+        lambda task: ast.get_docstring(task.node),
+        lambda task, text: _with_docstring(task.source, task.node, text),
+    ),
+    "instructions": (_read_sentences, _with_sentences),
+    "variation_count": (_read_count, _with_count),
+    "solved_by_chance": (_read_chance, _with_chance),
+    "graspable": (_read_graspable, _with_graspable),
+    "success": (lambda task: read_conditions(task, SUCCESS), lambda task, forms: with_conditions(task, SUCCESS, forms)),
+    "failure": (lambda task: read_conditions(task, FAILURE), lambda task, forms: with_conditions(task, FAILURE, forms)),
+    "placements": (read_placements, with_placements),
+}
+"""Field -> how it is read and written; None where it is not written in a form that can be edited."""
+
+
+@dataclass(frozen=True)
+class Behaviour:
+    """What forms show of the Python; a field is None where it is not written in a form that can be edited.
+
+    Attributes:
+        title: Docstring of the file.
+        description: Docstring of the class: what varies, and what counts as success.
+        instructions: The sentences: one group for all variations, or one for each.
+        variation_count: Number of variations.
+        solved_by_chance: Whether random actions may reach the goal now and then.
+        graspable: Names of the bodies that the gripper may hold, `<body>/<link>` for one link alone.
+        success: Conditions that must hold at the same instant.
+        failure: Conditions that end an episode without success when all hold at the same instant.
+        placements: Elements that are placed at random in regions.
+        python: The text that this was read from.
+    """
+
+    title: str | None = None
+    description: str | None = None
+    instructions: Sentences | None = None
+    variation_count: int | None = None
+    solved_by_chance: bool | None = None
+    graspable: tuple[str, ...] | None = None
+    success: Conditions | None = None
+    failure: Conditions | None = None
+    placements: tuple[SpawnForm, ...] | None = None
+    python: str = field(default="", repr=False, compare=False)
+
+    @classmethod
+    def of(cls, text: str) -> Behaviour:
+        """Read a Python file; all fields are None where it is not valid, or has no task."""
+        source = source_or_none(text)
+        if source is None:
+            return cls(python=text)
+        task = TaskClass.of(source)
+        if task is None:
+            return cls(title=ast.get_docstring(source.tree), python=text)
+        return cls(**{name: read(task) for name, (read, _) in _FIELDS.items()}, python=text)
+
+    def written(self, name: str, value: Any) -> str:
+        """Return the Python in which a field has another value; the same text when it has it already.
+
+        Raises:
+            EditRefused: The Python is not of a form that can be edited so.
+            InvalidValue: The value is not of the kind of the field.
+        """
+        as_choice(name, "field", tuple(_FIELDS))
+        wanted = _checked(name, value)
+        if getattr(self, name) is None:
+            raise EditRefused(f"change {name}", "the Python does not say it in a form that can be edited.", "Edit the text.")
+        if getattr(self, name) == wanted:
+            return self.python
+        old = Source(self.python)
+        task = TaskClass.of(old)
+        text = _with_docstring(old, old.tree, wanted) if task is None else _FIELDS[name][1](task, wanted)
+        if text is None:
+            raise EditRefused(f"change {name}", "the Python cannot say it in a form that can be edited.", "Edit the text.")
+        try:
+            new = _without_idle_names(old, Source(text))
+            new = _with_shared_lookups(old, new)
+            return Source(with_imports(old, new)).text
+        except PythonSyntaxError as error:
+            raise EditRefused(f"change {name}", f"it would not be Python any more: {error}.", "Edit the text.") from error
+
+
+def _checked(name: str, value: Any) -> Any:
+    """Return a value as a field has it."""
+    match name:
+        case "title" | "description":
+            return as_text(value, name).strip()
+        case "variation_count":
+            return as_whole(value, name, least=1)
+        case "solved_by_chance":
+            return as_flag(value, name)
+        case "graspable":
+            return tuple(as_names(value, name))
+        case "instructions":
+            groups = as_several(value, name)
+            if not groups:
+                raise InvalidValue(name, value, "has to have one group of sentences at least")
+            return tuple(tuple(as_text(sentence, "sentence") for sentence in as_several(group, name)) for group in groups)
+        case "placements":
+            return tuple(as_record(item, SpawnForm, f"entry {k} of {name}") for k, item in enumerate(as_several(value, name)))
+    forms = as_several(value, name)
+    for number, item in enumerate(forms):
+        if not isinstance(item, Written):
+            check_form(as_record(item, ConditionForm, f"entry {number} of {name}"))
+    return forms
+
+
+def without_names(python: str, names: Collection[str]) -> str:
+    """Return the Python whose forms name none of these elements of the scene any more; what no form can edit stays."""
+    for name in _NAMING:
+        behaviour = Behaviour.of(python)
+        parts = getattr(behaviour, name)
+        kept = tuple(part for part in (_without(part, names) for part in parts or ()) if part is not None)
+        if parts is None or kept == parts:
+            continue
+        try:
+            python = behaviour.written(name, kept)
+        except EditRefused:
+            continue
+    return python
+
+
+def _without(part: Any, names: Collection[str]) -> Any:
+    """Return a part of a field without what names elements; None where nothing is left."""
+    if isinstance(part, SpawnForm):
+        things = tuple(spawned for spawned in part.things if not _is_about(spawned.thing, names))
+        regions = tuple(region for region in part.regions if region not in names)
+        return replace(part, regions=regions, things=things) if regions and (things or not part.things) else None
+    return None if _is_about(part, names) else part
+
+
+def _is_about(part: object, names: Collection[str]) -> bool:
+    """Whether a name, or a condition with all its arguments, names one of the elements."""
+    if isinstance(part, Named):
+        return part.name in names or part.name.partition("/")[0] in names
+    if isinstance(part, ConditionForm):
+        return _is_about(part.arguments, names)
+    if isinstance(part, Mapping | tuple):
+        return any(_is_about(value, names) for value in (part.values() if isinstance(part, Mapping) else part))
+    return isinstance(part, str) and part.partition("/")[0] in names
