@@ -1,24 +1,34 @@
-"""Undo and redo without end: what each edit changed in the two texts."""
+"""The two texts of a task: stretches that are replaced, and undo and redo without limit."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 Texts = tuple[str, str]
 """Content of the scene file and of the Python file."""
+Replacement = tuple[int, int, str]
+"""Start, end, and the text that replaces what is between them."""
+
+
+def replaced(text: str, replacements: Iterable[Replacement]) -> str:
+    """Return a text with stretches replaced that do not overlap; several for the same stretch are joined in order."""
+    joined: dict[tuple[int, int], str] = {}
+    for start, end, new in replacements:
+        joined[start, end] = joined.get((start, end), "") + new
+    for (start, end), new in sorted(joined.items(), reverse=True):
+        text = f"{text[:start]}{new}{text[end:]}"
+    return text
 
 
 @dataclass(frozen=True)
 class Change:
-    """What differs between two texts: one stretch, before and after."""
+    """The difference of two texts: one stretch at `start`, before and after."""
 
     start: int
-    """Where it begins."""
     old: str
-    """What stood there."""
     new: str
-    """What stands there."""
 
     @classmethod
     def between(cls, old: str, new: str) -> Change:
@@ -31,45 +41,33 @@ class Change:
         return cls(start, old[start : len(old) - same], new[start : len(new) - same])
 
     def applied(self, text: str) -> str:
-        """Return the text after the change."""
         return f"{text[: self.start]}{self.new}{text[self.start + len(self.old) :]}"
 
     def reverted(self, text: str) -> str:
-        """Return the text before the change."""
         return f"{text[: self.start]}{self.old}{text[self.start + len(self.new) :]}"
 
 
 @dataclass(frozen=True)
 class Step:
-    """One edit."""
+    """One edit: its name, the key under which it merges with the next one, and the changes of both texts."""
 
     name: str
-    """What people call it."""
     merge: str
-    """Edits of the same key that follow one another are one; empty for an edit of its own."""
     changes: tuple[Change, Change]
-    """Of the scene and of the Python."""
 
     def applied(self, texts: Texts) -> Texts:
-        """Return the texts after the edit."""
         return self.changes[0].applied(texts[0]), self.changes[1].applied(texts[1])
 
     def reverted(self, texts: Texts) -> Texts:
-        """Return the texts before the edit."""
         return self.changes[0].reverted(texts[0]), self.changes[1].reverted(texts[1])
 
 
 class History:
-    """The two texts and how they came to be.
-
-    Args:
-        texts: The texts at the beginning.
-    """
+    """The two texts with the steps that are done and undone; `count` grows with each edit, undo and redo."""
 
     def __init__(self, texts: Texts) -> None:
         self.texts = texts
         self.count = 0
-        """Grows with each edit, undo and redo."""
         self._done: list[Step] = []
         self._undone: list[Step] = []
 
@@ -80,16 +78,16 @@ class History:
 
     @property
     def redoable(self) -> str:
-        """Name of the edit that `redo` makes again, empty when there is none."""
+        """Name of the edit that `redo` repeats, empty when there is none."""
         return self._undone[-1].name if self._undone else ""
 
     def add(self, name: str, texts: Texts, merge: str = "") -> None:
-        """Make an edit; one that changes nothing is none.
+        """Add an edit, unless it changes nothing.
 
         Args:
             name: What people call it.
             texts: The texts after it.
-            merge: An edit of the same key right before becomes one with it.
+            merge: The edit becomes one with the edit right before it if both have this key; empty for an edit of its own.
         """
         if texts == self.texts:
             return
@@ -104,21 +102,21 @@ class History:
             self._done.append(Step(name, merge, changes))
 
     def undo(self) -> str:
-        """Take the last edit back, and return its name; empty when there is none."""
+        """Take the last edit back and return its name; empty when there is none."""
         if not self._done:
             return ""
         step = self._done.pop()
-        self.texts = step.reverted(self.texts)
         self._undone.append(step)
+        self.texts = step.reverted(self.texts)
         self.count += 1
         return step.name
 
     def redo(self) -> str:
-        """Make the edit again that was taken back last, and return its name; empty when there is none."""
+        """Repeat the edit that was undone last and return its name; empty when there is none."""
         if not self._undone:
             return ""
         step = self._undone.pop()
-        self.texts = step.applied(self.texts)
         self._done.append(step)
+        self.texts = step.applied(self.texts)
         self.count += 1
         return step.name

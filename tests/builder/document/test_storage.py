@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import random
 import signal
+import sys
 import threading
 import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -18,8 +21,8 @@ from rlbench_pin.errors import InvalidValue, StorageError
 from tests.builder.document.conftest import Opener
 
 OLD, NEW = (b"format = 2\n", b"x = 1\n"), (b"format = 2\n# new\n", b"x = 2\n")
-STEPS = 10
-"""Steps of a save: a journal and two files, each begun, written and in place; then the journal goes."""
+STEPS = ("open", "os.rename", "open", "open", "os.rename", "os.rename", "os.remove")
+"""Steps of a save: the journal and two files, each written and put in place; then the journal is removed."""
 
 
 def _pair(folder: Path) -> Pair:
@@ -32,37 +35,43 @@ def _contents(pair: Pair) -> tuple[bytes, ...]:
     return tuple(path.read_bytes() for path in pair.files)
 
 
-def _killed_save(pair: Pair, last: int) -> None:
-    """Save in another process, which is killed right after a step."""
+def _writes(heard: Callable[[str], object]) -> None:
+    """Call back before each file is opened for writing, replaced or removed, as long as this process lives."""
+
+    def listen(event: str, args: tuple[object, ...]) -> None:
+        if event in ("os.rename", "os.remove") or (event == "open" and args[1] == "w"):
+            heard(event)
+
+    sys.addaudithook(listen)
+
+
+def _killed_save(pair: Pair, step: int) -> None:
+    """Save in another process, which is killed right before a step."""
     process = os.fork()
     if process == 0:
-        steps = iter(range(last))
-
-        def listen(step: str) -> None:
-            if next(steps, None) is None:
-                os.kill(os.getpid(), signal.SIGKILL)
-
-        write_pair(pair, NEW, listen)
+        steps = iter(range(step))
+        _writes(lambda event: os.kill(os.getpid(), signal.SIGKILL) if next(steps, None) is None else None)
+        write_pair(pair, NEW)
         os._exit(0)
     assert os.WIFSIGNALED(os.waitpid(process, 0)[1])
 
 
-@pytest.mark.parametrize("last", range(STEPS))
-def test_a_save_that_is_killed_is_finished_or_dropped(tmp_path: Path, last: int) -> None:
-    """After each step: what is opened next is old in both files, or new in both, and nothing else is left in the folder."""
+@pytest.mark.parametrize("step", range(len(STEPS)))
+def test_a_save_that_is_killed_is_finished_or_dropped(tmp_path: Path, step: int) -> None:
+    """Before each step: what is opened next is old in both files, or new in both, and nothing else is left in the folder."""
     pair = _pair(tmp_path)
-    _killed_save(pair, last)
+    _killed_save(pair, step)
     document = TaskDocument.open(pair.files[0])
-    assert _contents(pair) == (OLD if last < 2 else NEW) and not document.unsaved
+    assert _contents(pair) == (OLD if step < 2 else NEW) and not document.unsaved
     assert sorted(file.name for file in tmp_path.iterdir()) == ["thing.py", "thing.toml"]
 
 
-@pytest.mark.parametrize("last", range(STEPS))
-def test_a_first_save_that_is_killed_leaves_both_files_or_none(tmp_path: Path, last: int) -> None:
+@pytest.mark.parametrize("step", range(len(STEPS)))
+def test_a_first_save_that_is_killed_leaves_both_files_or_none(tmp_path: Path, step: int) -> None:
     """A task of that name cannot be begun anew over what was being saved."""
     pair = Pair(tmp_path, "thing")
-    _killed_save(pair, last)
-    if last < 2:
+    _killed_save(pair, step)
+    if step < 2:
         assert TaskDocument.new(tmp_path, "thing").unsaved
         assert list(tmp_path.iterdir()) == []
         return
@@ -73,16 +82,24 @@ def test_a_first_save_that_is_killed_leaves_both_files_or_none(tmp_path: Path, l
 
 
 def test_a_save_has_these_steps(tmp_path: Path) -> None:
-    """So that the test above leaves none out."""
-    steps: list[str] = []
-    write_pair(_pair(tmp_path), NEW, steps.append)
-    assert len(steps) == STEPS and len(set(steps)) == STEPS
+    """So that the tests above leave none out."""
+    pair = _pair(tmp_path)
+    read, write = os.pipe()
+    process = os.fork()
+    if process == 0:
+        _writes(lambda event: os.write(write, f"{event} ".encode()))
+        write_pair(pair, NEW)
+        os._exit(0)
+    os.close(write)
+    with os.fdopen(read) as events:
+        assert tuple(events.read().split()) == STEPS
+    os.waitpid(process, 0)
 
 
 def test_files_that_were_changed_after_a_kill_stay(tmp_path: Path) -> None:
     """They are not overwritten: what was being saved is an edit that can be undone."""
     pair = _pair(tmp_path)
-    _killed_save(pair, 5)
+    _killed_save(pair, 4)
     pair.files[1].write_text("x = 3\n")
     document = TaskDocument.open(pair.files[0])
     assert pair.files[1].read_text() == "x = 3\n" and pair.files[0].read_bytes() == OLD[0]
@@ -130,16 +147,19 @@ def test_saves_that_are_killed_at_any_instant_lose_nothing(tmp_path: Path) -> No
         assert sorted(file.name for file in tmp_path.iterdir()) == ["thing.py", "thing.toml"]
 
 
-def test_a_save_that_fails_leaves_what_was_there(tmp_path: Path) -> None:
+def test_a_save_that_fails_leaves_what_was_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """With an error of ours, and nothing else in the folder."""
-    pair = _pair(tmp_path)
+    pair, sync, synced = _pair(tmp_path), os.fsync, itertools.count()
 
-    def listen(step: str) -> None:
-        if step == ".thing.py.part is written":
+    def full(descriptor: int) -> None:
+        if next(synced) == 3:  # the journal and its folder, the scene, the Python
             raise OSError(28, "No space left on device")
+        sync(descriptor)
 
+    monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(StorageError, match="No space left"):
-        write_pair(pair, NEW, listen)
+        write_pair(pair, NEW)
+    assert next(synced) == 4
     assert _contents(pair) == OLD
     assert sorted(file.name for file in tmp_path.iterdir()) == ["thing.py", "thing.toml"]
 
