@@ -154,8 +154,8 @@ class Window:
             self.view.point_out(session.selected, session.status.verdicts, session.status.paths)
         self._viser.flush()
         with self.panels["Header"].update() as panel:
-            self.drafts.show(panel)
             show_header(panel, session)
+            self.drafts.show(panel)  # last, so that undo, redo and save keep their handles when it goes
         with self.panels["Tree"].update() as panel:
             show_tree(panel, session)
             panel.dropdown("Grippers at waypoints", self.view.grippers, GRIPPERS, self._set_grippers)
