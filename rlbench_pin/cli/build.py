@@ -53,7 +53,7 @@ class Build:
         with LocalServer(self.port, title=f"{document.name} - task builder") as server, StageClient() as stage:
             window = Window(server.viser, document, stage)
             if self.trust:
-                window.session.post(window.watch.allow)
+                window.session.post(window.world.allow_code)
             try:
                 print(f"'{document.name}' in {document.folder}")
                 announce(server.address, self.browser)
