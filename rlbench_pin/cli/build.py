@@ -14,8 +14,8 @@ from rlbench_pin.tasks.registry import LIBRARY
 try:
     from rlbench_pin.builder.document import TaskDocument
     from rlbench_pin.builder.server import LocalServer
-    from rlbench_pin.builder.stage import StageClient
     from rlbench_pin.builder.view import Window
+    from rlbench_pin.builder.worker import WorkerClient
 except ModuleNotFoundError as _error:
     raise MissingExtra("The task builder", _error.name or "viser", "builder") from _error
 
@@ -31,8 +31,8 @@ class Build(arguments.Build):
         """Serve until Ctrl-C."""
         check_port(self)
         document = self._document()
-        with LocalServer(self.port, title=f"{document.name} - task builder") as server, StageClient() as stage:
-            window = Window(server.viser, document, stage)
+        with LocalServer(self.port, title=f"{document.name} - task builder") as server, WorkerClient() as worker:
+            window = Window(server.viser, document, worker)
             if self.trust:
                 window.session.post(window.watch.allow)
             try:

@@ -8,7 +8,7 @@ from pathlib import Path
 from rlbench_pin.checking.pages.demo_sheet import demo_sheet
 from rlbench_pin.cli.arguments import view as arguments
 from rlbench_pin.cli.process.files import check_file, write_whole
-from rlbench_pin.cli.process.pages import check_port, live_module, serve
+from rlbench_pin.cli.process.pages import check_port, live_module, live_page, wait_for_end
 from rlbench_pin.cli.process.words import check_at_least
 from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.tasks import find_task, own_tasks
@@ -40,8 +40,13 @@ class View(arguments.View):
     def _live(self) -> int:
         if self.out is not None:
             raise TaskEnvironmentError("--out names a picture, and --live shows a page. Leave one of them out.")
-        opened, port = live_module().LiveView, self.page.port
+        live = live_module()
         if Path(self.task).is_dir():
-            own = own_tasks(self.task_file)
-            return serve(opened.of_dataset(Path(self.task), own, self.trust_task_files, port), self.page.browser)
-        return serve(opened.of_task(find_task(self.task), self.seed, self.variation, port), self.page.browser)
+            own, title = own_tasks(self.task_file), self.task
+            page = live_page(lambda server: live.DatasetView(server, self.task, own, self.trust_task_files), title, self.page)
+        else:
+            task = find_task(self.task)
+            page = live_page(lambda server: live.TaskView(server, task, self.seed, self.variation), task.get_name(), self.page)
+        with page:
+            wait_for_end()
+        return 0

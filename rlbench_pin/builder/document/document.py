@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from rlbench_pin.builder.contracts import Problem, TaskText
+from rlbench_pin.builder.contracts import TaskText
 from rlbench_pin.builder.document import operations
 from rlbench_pin.builder.document.behaviour import Behaviour
 from rlbench_pin.builder.document.errors import TaskFilesError
@@ -19,6 +19,7 @@ from rlbench_pin.builder.document.storage import Contents, Pair, changed_files, 
 from rlbench_pin.scene import SceneSpec
 from rlbench_pin.tasks.task_file import name_fault
 from rlbench_pin.values import as_path, as_text
+from rlbench_pin.viewer.recording import Problem
 
 
 class TaskDocument:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import cached_property
 
-from rlbench_pin.builder.contracts import Problem
 from rlbench_pin.builder.document.behaviour import Behaviour
 from rlbench_pin.builder.document.errors import EditRefused, TaskFilesError
 from rlbench_pin.builder.document.history import Texts
@@ -16,6 +15,7 @@ from rlbench_pin.errors import InvalidValue, RlbenchPinError, SceneFileError
 from rlbench_pin.scene import SceneSpec
 from rlbench_pin.scene.reader import scene_from_raw
 from rlbench_pin.values import as_text
+from rlbench_pin.viewer.recording import Problem
 
 
 class Reading:

@@ -9,19 +9,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rlbench_pin.builder.contracts import (
-    Frame,
-    Judgement,
-    OpenedTask,
-    PlannedPath,
-    Problem,
-    ReachSpot,
-    Recording,
-    TaskText,
-    WaypointVerdict,
-)
+from rlbench_pin.builder.contracts import Judgement, OpenedTask, PlannedPath, ReachSpot, TaskText, WaypointVerdict
 from rlbench_pin.scene import SceneSpec
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.viewer.recording import Frame, Problem, Recording
 
 
 class Document(Protocol):
@@ -175,7 +166,7 @@ class Document(Protocol):
 
 
 class Stage(Protocol):
-    """The world in a process of its own; see `builder.stage`. Every call may raise what went wrong there."""
+    """The world in a process of its own; see `builder.worker`. Every call may raise what went wrong there."""
 
     def open(self, text: TaskText, *, run_task: bool) -> OpenedTask:
         """Build the world of a task; without `run_task` its Python is not run."""
@@ -209,12 +200,8 @@ class Stage(Protocol):
         """Let time pass."""
         ...
 
-    def pictures(self, size: int = 128) -> Mapping[str, NDArray[np.uint8]]:
-        """What the cameras see."""
-        ...
-
-    def pictures_at(self, frame: Frame, size: int = 128) -> Mapping[str, NDArray[np.uint8]]:
-        """What the cameras see in a frame of a recording."""
+    def images(self, size: int = 128, frame: Frame | None = None) -> Mapping[str, NDArray[np.uint8]]:
+        """Return what the cameras see, now or in a frame of a recording."""
         ...
 
     def judge(

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rlbench_pin.builder.figures import places_at_rest
 from rlbench_pin.builder.view.dropping import DropMark, Targets, hangs_on
 from rlbench_pin.builder.view.gizmo import Phase
 from rlbench_pin.builder.view.posing import in_frame, tidy
@@ -17,6 +16,7 @@ from rlbench_pin.builder.view.watch import Watch
 from rlbench_pin.scene import BodySpec, SceneSpec
 from rlbench_pin.scene.spec import ROOT
 from rlbench_pin.spatial import IDENTITY, TABLE_HEIGHT, FloatArray, compose, inverse, pose_to_matrix, rotation_distance
+from rlbench_pin.viewer.places import places_at_rest
 
 _EMPTY = np.zeros((0, 3))
 

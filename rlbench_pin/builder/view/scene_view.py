@@ -8,15 +8,17 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from viser import SceneApi
 
-from rlbench_pin.builder.contracts import Frame, PlannedPath, WaypointVerdict
-from rlbench_pin.builder.figures import Figures, Places, places_at_rest
-from rlbench_pin.builder.playback.player import NEAREST
+from rlbench_pin.builder.contracts import PlannedPath, WaypointVerdict
 from rlbench_pin.builder.view.gizmo import Gizmo, OnDrag
 from rlbench_pin.builder.view.shapes import CurvePoses, Shapes
 from rlbench_pin.robot import DEFAULT_ROBOT, RobotModel, robot_description
 from rlbench_pin.scene import BodySpec, SceneSpec
 from rlbench_pin.scene.spec import ROOT
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.viewer.figures import Figures
+from rlbench_pin.viewer.places import Places, places_at_rest
+from rlbench_pin.viewer.player import NEAREST
+from rlbench_pin.viewer.recording import Frame
 
 PATH = (30, 90, 200)
 GREEN, AMBER, RED, WHITE = (60, 180, 75), (255, 170, 0), (220, 50, 47), (170, 180, 190)

@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 
 from rlbench_pin.builder.contracts import OpenedTask, PlannedPath, WaypointVerdict
 from rlbench_pin.builder.document import Behaviour, HasDependants
-from rlbench_pin.builder.figures import Places, places_at_rest
 from rlbench_pin.builder.view.contracts import Document
 from rlbench_pin.builder.view.snapping import Snap
 from rlbench_pin.builder.view.worker import Worker
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.scene import SceneSpec
 from rlbench_pin.scene.spec import ROOT, PosedSpec
+from rlbench_pin.viewer.places import Places, places_at_rest
 
 _LOG = logging.getLogger(__name__)
 _EMPTY = SceneSpec(format=2)

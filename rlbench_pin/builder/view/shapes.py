@@ -8,9 +8,9 @@ from typing import TypeAlias
 import numpy as np
 from viser import BoxHandle, CylinderHandle, FrameHandle, IcosphereHandle, LineSegmentsHandle, SceneApi
 
-from rlbench_pin.builder.figures import Places
 from rlbench_pin.scene import FrameSpec, RegionSpec, SceneSpec, SensorSpec, WaypointSpec
 from rlbench_pin.spatial import FloatArray, compose
+from rlbench_pin.viewer.places import Places
 
 REGION, SENSOR, CHOSEN = (50, 110, 220), (150, 70, 200), (255, 200, 0)
 _THIN = 0.002

@@ -6,8 +6,6 @@ import threading
 
 from viser import ViserServer
 
-from rlbench_pin.builder.contracts import Frame
-from rlbench_pin.builder.playback.player import Player
 from rlbench_pin.builder.view.contracts import Document, Stage
 from rlbench_pin.builder.view.drafts import Drafts
 from rlbench_pin.builder.view.dragging import Dragging
@@ -27,6 +25,8 @@ from rlbench_pin.builder.view.watch import Watch
 from rlbench_pin.builder.view.widgets import Button, Check, Choice, Item, Panel
 from rlbench_pin.builder.view.widgets.haste import have_presses_wait
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.viewer.player import Player
+from rlbench_pin.viewer.recording import Frame
 
 CAMERA, LOOK_AT = (1.05, -0.6, 1.5), (0.18, 0.0, 0.85)
 """Where one looks from at first [m], and at what."""

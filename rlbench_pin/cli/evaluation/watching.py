@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 
-from rlbench_pin.cli.process.pages import PageOptions, announce, check_port, live_module
+from rlbench_pin.cli.process.pages import PageOptions, check_port, live_module, live_page
 from rlbench_pin.evaluation.run import EpisodeRunner, EvaluationConfig
 
 MakeRunner = Callable[[EvaluationConfig], EpisodeRunner]
@@ -25,7 +25,6 @@ def watched(wanted: PageOptions, title: str) -> Iterator[MakeRunner]:
     if not wanted.live:
         yield EpisodeRunner
         return
-    module = live_module()
-    with module.LiveView.of_evaluation(title, wanted.port) as page:
-        announce(page.address, wanted.browser)
-        yield partial(module.LiveRunner, view=page.view)
+    live = live_module()
+    with live_page(live.EvaluationView, title, wanted) as view:
+        yield partial(live.LiveRunner, view=view)

@@ -11,8 +11,8 @@ from selenium.webdriver import Chrome
 
 from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.builder.server import LocalServer
-from rlbench_pin.builder.stage import StageClient
 from rlbench_pin.builder.view import Window
+from rlbench_pin.builder.worker import WorkerClient
 from rlbench_pin.tasks.registry import LIBRARY
 from tests.builder.browser.page import Page, start_browser
 
@@ -89,7 +89,7 @@ def sit(browser: Chrome, request: pytest.FixtureRequest) -> Iterator[Sit]:
     ends: list[Callable[[], object]] = []
 
     def open_desk(document: TaskDocument) -> Desk:
-        server, stage = LocalServer(), StageClient()
+        server, stage = LocalServer(), WorkerClient()
         ends.extend([server.stop, stage.close])
         window = Window(server.viser, document, stage)
         ends.append(window.close)

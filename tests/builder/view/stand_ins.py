@@ -8,19 +8,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from rlbench_pin.builder.contracts import (
-    Frame,
-    Judgement,
-    OpenedTask,
-    PlannedPath,
-    ReachSpot,
-    Recording,
-    TaskText,
-    WaypointVerdict,
-)
+from rlbench_pin.builder.contracts import Judgement, OpenedTask, PlannedPath, ReachSpot, TaskText, WaypointVerdict
 from rlbench_pin.builder.view.contracts import Stage
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.viewer.recording import Frame, Recording
 
 
 @dataclass
@@ -83,14 +75,10 @@ class StageStandIn(Stage):
         self._ask(f"simulate {seconds}")
         return self.recording
 
-    def pictures(self, size: int = 128) -> Mapping[str, NDArray[np.uint8]]:
+    def images(self, size: int = 128, frame: Frame | None = None) -> Mapping[str, NDArray[np.uint8]]:
         """Return a black picture."""
-        self._ask("pictures")
+        self._ask("images")
         return {"front": np.zeros((size, size, 3), np.uint8)}
-
-    def pictures_at(self, frame: Frame, size: int = 128) -> Mapping[str, NDArray[np.uint8]]:
-        """Return a black picture."""
-        return self.pictures(size)
 
     def judge(
         self,

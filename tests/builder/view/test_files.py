@@ -8,13 +8,13 @@ from urllib.parse import unquote
 import pytest
 from viser import ViserServer
 
-from rlbench_pin.builder.contracts import Problem
 from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.builder.view.panels.texts import problem_html, text_items
 from rlbench_pin.builder.view.panels.tree import header_items
 from rlbench_pin.builder.view.widgets import Button, Code, Fold, Note
 from rlbench_pin.builder.view.widgets.code import CodeField, numbered
 from rlbench_pin.builder.view.widgets.makers import shape
+from rlbench_pin.viewer.recording import Problem
 from tests.builder.view.conftest import Show, settle
 from tests.builder.view.stand_ins import StageStandIn
 

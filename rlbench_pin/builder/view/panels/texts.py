@@ -7,9 +7,9 @@ import re
 from collections.abc import Callable, Sequence
 from html import escape
 
-from rlbench_pin.builder.contracts import FileKind, Problem
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.widgets import Button, Code, Fold, Item, Markup, Note
+from rlbench_pin.viewer.recording import FileKind, Problem
 
 _AROUND = 2
 _AT_COLUMN = re.compile(r"at line \d+, column (\d+)")

@@ -8,12 +8,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rlbench_pin.builder.contracts import Frame, Recording
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.watch import Watch
 from rlbench_pin.builder.view.widgets import Button, Check, Fold, Item, Note, Number, Picture, Row
 from rlbench_pin.builder.view.widgets.signs import NOTHING, sign
 from rlbench_pin.scene import BodySpec
+from rlbench_pin.viewer.recording import Frame, Recording
 
 _PICTURE = 160
 _LARGEST_SEED = 2**31 - 1
@@ -152,7 +152,7 @@ class Tryout:
         frame, stage = self._frame, self._watch.stage
 
         def ask() -> None:
-            pictures = stage.pictures(_PICTURE) if frame is None else stage.pictures_at(frame, _PICTURE)
+            pictures = stage.images(_PICTURE, frame)
             self._session.post(lambda: self._show_pictures(pictures))
 
         self._watch.work("taking pictures", ask, "pictures")

@@ -7,10 +7,10 @@ from itertools import product
 
 import numpy as np
 
-from rlbench_pin.builder.figures import Places, places_at_rest
 from rlbench_pin.builder.view.snapping import body_triangles, resting_on
 from rlbench_pin.scene import BodySpec, SceneSpec
 from rlbench_pin.spatial import IDENTITY, TABLE_HEIGHT
+from rlbench_pin.viewer.places import Places, places_at_rest
 
 _STEP = 0.05
 _GAP = 0.01

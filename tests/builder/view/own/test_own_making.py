@@ -16,13 +16,13 @@ import trimesh
 from viser import ViserServer
 
 from rlbench_pin.builder.document import TaskDocument
-from rlbench_pin.builder.stage import StageClient
 from rlbench_pin.builder.view import Window
 from rlbench_pin.builder.view.own.making import Making
 from rlbench_pin.builder.view.own.solids import OwnAsset
 from rlbench_pin.builder.view.own.workshop import Order
 from rlbench_pin.builder.view.panels.bodies import body_items
 from rlbench_pin.builder.view.widgets import Button, Fold, Item, Slider, Upload
+from rlbench_pin.builder.worker import WorkerClient
 from rlbench_pin.cli.main import main
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.scene import read_scene
@@ -242,7 +242,7 @@ def test_an_own_urdf_is_simulated_and_judged(tmp_path: Path) -> None:
     document.add("body", keys)
     document.set("cabinet/hinge", "position", 1.0)
     document.save()
-    with StageClient() as stage:
+    with WorkerClient() as stage:
         opened = stage.open(document.text, run_task=True)
         assert opened.problems == ()
         stage.reset(1)
