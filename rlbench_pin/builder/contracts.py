@@ -78,7 +78,7 @@ class PlannedPath:
 
 
 @dataclass(frozen=True)
-class Judgement:
+class ValidationLine:
     """A line of the validator's panel."""
 
     name: str

@@ -34,7 +34,7 @@ class Build(arguments.Build):
         with LocalServer(self.port, title=f"{document.name} - task builder") as server, WorkerClient() as worker:
             window = Window(server.viser, document, worker)
             if self.trust:
-                window.session.post(window.watch.allow)
+                window.session.post(window.world.allow_code)
             try:
                 print(f"'{document.name}' in {document.folder}")
                 announce(server.address, self.browser)

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rlbench_pin.builder.contracts import (
-    Judgement,
     OpenedTask,
     PlannedPath,
     ReachSpot,
     TaskText,
+    ValidationLine,
     WaypointVerdict,
 )
 from rlbench_pin.builder.worker.encoding import decode, encode
@@ -189,34 +189,34 @@ class WorkerClient:
 
     # Validation ---------------------------------------------------------------------------------------------------------------
 
-    def judge(
+    def validate(
         self,
         episodes: int,
-        on_judgement: Callable[[Judgement], None] | None = None,
+        on_line: Callable[[ValidationLine], None] | None = None,
         on_progress: Callable[[int, int], None] | None = None,
-    ) -> tuple[Judgement, ...]:
+    ) -> tuple[ValidationLine, ...]:
         """Run the trials of `rlbench-pin check`.
 
         Args:
             episodes: Number of demonstrations.
-            on_judgement: Called with a line whenever it changes; `passed` is None until its part is done.
+            on_line: Called with a line whenever it changes; `passed` is None until its part is done.
             on_progress: Called with the numbers of finished and of all trials.
         """
         episodes = as_whole(episodes, "episodes", least=1, most=MOST_EPISODES)
         as_function(on_progress, "on_progress")
-        on_line = _on(Judgement, on_judgement)
+        on_sent_line = _on(ValidationLine, on_line)
 
         def noted(name: str, value: Any) -> None:
-            if name == "judgement":
-                on_line(name, value)
+            if name == "line":
+                on_sent_line(name, value)
             elif on_progress is not None:
                 on_progress(*value)
 
-        with self._validator_turn("judge") as question:
+        with self._validator_turn("validate") as question:
             if not self._run_task:
-                raise NothingOpen("judge", "its code was not allowed to run. Open it with run_task=True.")
-            answer = self._validator.ask("judge", {**question, "episodes": episodes}, self.limits.trial, noted)
-        return tuple(decode(Judgement, line) for line in answer)
+                raise NothingOpen("validate", "its code was not allowed to run. Open it with run_task=True.")
+            answer = self._validator.ask("validate", {**question, "episodes": episodes}, self.limits.trial, noted)
+        return tuple(decode(ValidationLine, line) for line in answer)
 
     def reach_map(self, layouts: int, on_spot: Callable[[ReachSpot], None] | None = None) -> tuple[ReachSpot, ...]:
         """Lay the task out for that many seeds, from 0 on, and return which waypoints the arm reaches in each layout."""
@@ -233,7 +233,7 @@ class WorkerClient:
         """End what runs, from another thread; it raises WorkerStopped there.
 
         Args:
-            operation: End only this operation, such as `judge`; empty: all.
+            operation: End only this operation, such as `validate`; empty: all.
 
         Returns:
             Whether something ran.

@@ -18,7 +18,7 @@ from typing import Any
 from rlbench_pin.builder.worker.encoding import decode, encode
 from rlbench_pin.builder.worker.problems import Pair
 from rlbench_pin.builder.worker.process import NothingOpen
-from rlbench_pin.builder.worker.validation import judge
+from rlbench_pin.builder.worker.validation import validate
 from rlbench_pin.builder.worker.world import TaskWorld
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.evaluation.policies.policy_server import Channel, WireError
@@ -48,7 +48,7 @@ class Host:
             "simulate": lambda q: self._world.simulate(q["seconds"], self._note("frame")),
             "images": self._images,
             "reach_map": lambda q: self._world.reach_map(q["layouts"], self._note("spot")),
-            "judge": self._judge,
+            "validate": self._validate,
         }
 
     def stop(self) -> None:
@@ -96,9 +96,9 @@ class Host:
         frame = None if question["frame"] is None else decode(Frame, question["frame"])
         return self._world.images(question["size"], frame)
 
-    def _judge(self, question: Question) -> Any:
+    def _validate(self, question: Question) -> Any:
         python, progress = Path(question["python"]), self._note("progress")
-        return judge(python, question["episodes"], self._note("judgement"), lambda *done: progress(done))
+        return validate(python, question["episodes"], self._note("line"), lambda *done: progress(done))
 
 
 def _pair(question: Question) -> Pair:

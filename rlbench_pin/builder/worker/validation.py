@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from rlbench_pin.builder.contracts import Judgement
+from rlbench_pin.builder.contracts import ValidationLine
 from rlbench_pin.checking import Item, Part, TaskReport, Trial, summarise
 from rlbench_pin.checking.judge import MAX_DRIFT, MAX_PENETRATION
 from rlbench_pin.checking.plan import CheckPlan
@@ -43,36 +43,36 @@ def items_of(task: str, episodes: int) -> list[Item]:
     return [item for part in _ORDER for item in plan.items(task, _AT_ONCE.get(part, 1)) if item.part == part]
 
 
-def judge(
+def validate(
     python: Path,
     episodes: int,
-    on_judgement: Callable[[Judgement], None],
+    on_line: Callable[[ValidationLine], None],
     on_progress: Callable[[int, int], None],
-) -> tuple[Judgement, ...]:
+) -> tuple[ValidationLine, ...]:
     """Do all trials and return the lines of the panel.
 
     Args:
         python: The task file.
         episodes: Number of demonstrations.
-        on_judgement: Called with a line whenever it changes.
+        on_line: Called with a line whenever it changes.
         on_progress: Called with the numbers of finished and of all trials.
     """
-    items, trials, known = items_of(str(python), episodes), [], dict[str, Judgement]()
+    items, trials, known = items_of(str(python), episodes), [], dict[str, ValidationLine]()
     task, total = find_task(str(python)), sum(len(item.seeds) for item in items)
     on_progress(0, total)
     for number, item in enumerate(items):
         trials += work(item)
         report = summarise(task.get_name(), trials, task.solved_by_chance, task.variations_share_goals)
         left = {later.part for later in items[number + 1 :]}
-        for line in judgements(report, trials, left):
+        for line in validation_lines(report, trials, left):
             if known.get(line.name) != line:
                 known[line.name] = line
-                on_judgement(line)
+                on_line(line)
         on_progress(sum(len(done.seeds) for done in items[: number + 1]), total)
     return tuple(known.values())
 
 
-def judgements(report: TaskReport, trials: Sequence[Trial], left: set[Part]) -> Iterator[Judgement]:
+def validation_lines(report: TaskReport, trials: Sequence[Trial], left: set[Part]) -> Iterator[ValidationLine]:
     """Yield the lines of the parts that have begun.
 
     Args:
@@ -84,9 +84,9 @@ def judgements(report: TaskReport, trials: Sequence[Trial], left: set[Part]) -> 
     for line in _LINES:
         if line.part in begun:
             found = tuple((t.seed, t.variation, cause) for t in trials if t.part == line.part for cause in line.failures(t))
-            yield Judgement(line.name, None if line.part in left else report.passes(line.name), line.amount(report), found)
+            yield ValidationLine(line.name, None if line.part in left else report.passes(line.name), line.amount(report), found)
     errors = tuple((trial.seed, trial.variation, trial.error) for trial in trials if trial.error)
-    yield Judgement("errors", None if left and not errors else not errors, f"{len(errors)} trials", errors)
+    yield ValidationLine("errors", None if left and not errors else not errors, f"{len(errors)} trials", errors)
 
 
 def _rate(rate: Rate) -> str:

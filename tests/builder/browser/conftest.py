@@ -75,7 +75,7 @@ class Desk:
     def settle(self) -> None:
         """Wait until everything was done that was asked for."""
         assert self.session.edits.wait(120.0)
-        assert self.window.watch.wait(120.0)
+        assert self.window.world.wait(120.0)
         assert self.session.edits.wait(120.0)
 
 
@@ -89,9 +89,9 @@ def sit(browser: Chrome, request: pytest.FixtureRequest) -> Iterator[Sit]:
     ends: list[Callable[[], object]] = []
 
     def open_desk(document: TaskDocument) -> Desk:
-        server, stage = LocalServer(), WorkerClient()
-        ends.extend([server.stop, stage.close])
-        window = Window(server.viser, document, stage)
+        server, worker = LocalServer(), WorkerClient()
+        ends.extend([server.stop, worker.close])
+        window = Window(server.viser, document, worker)
         ends.append(window.close)
         ends.append(lambda: browser.get("about:blank"))
         page = Page(browser, server.viser, PICTURES / request.node.name)

@@ -95,7 +95,7 @@ def test_what_makes_no_sense_is_refused(client: WorkerClient, saucepan: TaskText
         lambda: client.reset(0, -1),
         lambda: client.images(100_000),
         lambda: client.reach_map(0),
-        lambda: client.judge(0),
+        lambda: client.validate(0),
         lambda: client.open(TaskText("../x", saucepan.folder, "", ""), run_task=False),
     ):
         with pytest.raises(InvalidValue):
@@ -105,7 +105,7 @@ def test_what_makes_no_sense_is_refused(client: WorkerClient, saucepan: TaskText
     with pytest.raises(WorkerFault, match=r"configuration"):
         client.follow(pose, q[:3])
     with pytest.raises(NothingOpen, match="not allowed to run"):
-        client.judge(1)
+        client.validate(1)
     assert len(client.reach()) == 3
 
 
@@ -206,17 +206,17 @@ def test_it_is_judged_while_it_is_edited(client: WorkerClient, saucepan: TaskTex
         if done > 3:
             begun.set()
 
-    def judge() -> None:
+    def validate() -> None:
         try:
-            client.judge(1, lambda line: lines.append(line.name), progress)
+            client.validate(1, lambda line: lines.append(line.name), progress)
         except WorkerStopped as error:
             raised.append(error)
 
-    thread = threading.Thread(target=judge)
+    thread = threading.Thread(target=validate)
     thread.start()
     assert begun.wait(60.0)
     assert len(client.reach()) == 3
-    assert client.cancel("judge")
+    assert client.cancel("validate")
     thread.join(30.0)
     assert [type(error) for error in raised] == [WorkerStopped]
     assert {"instructions", "rest", "drift"} <= set(lines)

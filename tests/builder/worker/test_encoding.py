@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rlbench_pin.builder.contracts import Judgement, OpenedTask, PlannedPath, ReachSpot, TaskText, WaypointVerdict
+from rlbench_pin.builder.contracts import OpenedTask, PlannedPath, ReachSpot, TaskText, ValidationLine, WaypointVerdict
 from rlbench_pin.builder.worker.encoding import decode, encode
 from rlbench_pin.evaluation.policies.policy_server import pack, unpack
 from rlbench_pin.scene.spec import BodySpec
@@ -44,7 +44,7 @@ _RECORDS = (
     WaypointVerdict("waypoint1", "unreachable", "far", _POSE, None, Failure("far")),
     PlannedPath("waypoint0", np.zeros((0, 3)), "", "no way"),
     PlannedPath("waypoint0", np.ones((4, 3)), "straight"),
-    Judgement("first try", None, "3/4", ((7, 0, "no path"),)),
+    ValidationLine("first try", None, "3/4", ((7, 0, "no path"),)),
     ReachSpot((0.1, 0.2, 3.1), (True, False), ((0.1, 0.2), (0.3, 0.4)), True),
     TaskText("pick", Path("/tmp/x"), "format = 2", "import numpy"),
 )
@@ -72,5 +72,5 @@ def test_a_record_arrives_as_it_was_sent(sent: object) -> None:
 def test_what_is_no_record_is_refused() -> None:
     """Another map, or a field that there is not."""
     for wrong in ({"nothing": 1}, "text", 3):
-        with pytest.raises(ValueError, match="no Judgement"):
-            decode(Judgement, wrong)
+        with pytest.raises(ValueError, match="no ValidationLine"):
+            decode(ValidationLine, wrong)

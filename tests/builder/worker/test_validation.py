@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rlbench_pin.builder.worker.validation import items_of, judgements
+from rlbench_pin.builder.worker.validation import items_of, validation_lines
 from rlbench_pin.checking import TaskReport, Trial, summarise
 from rlbench_pin.checking.judge import Rest
 from rlbench_pin.checking.plan import CheckPlan
@@ -72,7 +72,7 @@ def _report(trials: list[Trial]) -> TaskReport:
 def test_a_good_task_passes_every_line() -> None:
     """And each is there, with a figure and without failures."""
     trials = list(_good().values())
-    lines = list(judgements(_report(trials), trials, set()))
+    lines = list(validation_lines(_report(trials), trials, set()))
     assert _report(trials).faults == ()
     assert all(line.passed is True and line.failures == () and line.figure for line in lines)
     assert {"instructions", "first try", "replay", "keys", "rest", "flail", "repeat", "reach", "drift", "overlap"} <= {
@@ -85,7 +85,7 @@ def test_a_fault_of_the_report_is_a_line_that_fails(fault: str) -> None:
     """Exactly the lines that are about it, with seed, variation and cause."""
     wrong, expected = _WRONG[fault]
     trials = list((_good() | {wrong.part: wrong}).values())
-    lines = {line.name: line for line in judgements(_report(trials), trials, set())}
+    lines = {line.name: line for line in validation_lines(_report(trials), trials, set())}
     assert {name for name, line in lines.items() if line.passed is False} == set(expected)
     assert _report(trials).faults
     for name, cause in expected.items():
@@ -99,14 +99,14 @@ def test_out_of_reach_is_said_and_no_fault() -> None:
     """As in the report: a reset draws another layout."""
     unreached = Reach((0.0, 0.0, 0.0), (0, 1), (True, False), ((0.0, 0.0), (0.1, 0.0)), True)
     trials = list((_good() | {"reach": ReachTrial(**_WHO, reach=unreached)}).values())
-    (line,) = (line for line in judgements(_report(trials), trials, set()) if line.name == "reach")
+    (line,) = (line for line in validation_lines(_report(trials), trials, set()) if line.name == "reach")
     assert (line.passed, line.figure, line.failures) == (True, "0/1", ((3, 1, "out of reach: waypoint1"),))
 
 
 def test_what_is_not_done_is_not_judged() -> None:
     """Its lines have a figure and no verdict; those of parts that were not begun are not there."""
     trials: list[Trial] = [_failed(1)]
-    lines = {line.name: line for line in judgements(_report(trials), trials, {"demos", "random"})}
+    lines = {line.name: line for line in validation_lines(_report(trials), trials, {"demos", "random"})}
     assert lines["first try"].passed is None
     assert lines["first try"].figure == "0/1"
     assert "flail" not in lines
