@@ -143,7 +143,7 @@ def _drift(trial: IdleTrial) -> str:
 def _overlap(trial: IdleTrial) -> str:
     assert trial.rest is not None
     too_deep = trial.rest.penetration > MAX_PENETRATION
-    return f"things overlap by {_millimetres(trial.rest.penetration)} at the reset" if too_deep else ""
+    return f"objects overlap by {_millimetres(trial.rest.penetration)} at the reset" if too_deep else ""
 
 
 def _held(trial: IdleTrial) -> str:

@@ -264,7 +264,7 @@ class TaskWorld:
         except RAISED:  # a condition of the task's own
             return Failure(str(error), problem=own)
 
-    # Judging ---------------------------------------------------------------------------------------------------------------
+    # Reach map ---------------------------------------------------------------------------------------------------------------
 
     def reach_map(self, layouts: int, on_spot: Callable[[ReachSpot], None]) -> tuple[ReachSpot, ...]:
         """Lay the task out so many times and see which waypoints can be reached; a layout without a place is left out."""
@@ -406,7 +406,7 @@ def _without_places(scene: SceneSpec) -> SceneSpec:
 
 def _depth(scene: SceneSpec, name: str) -> int:
     """Return the number of ancestors of an item."""
-    parents = {thing.name: thing.parent.partition("/")[0] for thing in scene.posed()}
+    parents = {item.name: item.parent.partition("/")[0] for item in scene.posed()}
     depth = 0
     while name in parents:
         name, depth = parents[name], depth + 1
