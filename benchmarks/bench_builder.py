@@ -24,8 +24,8 @@ from viser import TransformControlsHandle, ViserServer
 
 from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.builder.server import LocalServer
-from rlbench_pin.builder.stage import StageClient
 from rlbench_pin.builder.view import Window
+from rlbench_pin.builder.worker import WorkerClient
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks.registry import LIBRARY
 
@@ -149,12 +149,12 @@ def browser_page(server: LocalServer) -> Iterator[Desk]:
 @contextlib.contextmanager
 def builder_page() -> Iterator[tuple[Desk, Window]]:
     """Open the builder with a task whose one body is violet."""
-    with tempfile.TemporaryDirectory() as folder, LocalServer() as server, StageClient() as stage:
+    with tempfile.TemporaryDirectory() as folder, LocalServer() as server, WorkerClient() as worker:
         for ending in (".toml", ".py"):
             shutil.copy(LIBRARY / f"{TASK}{ending}", folder)
         document = TaskDocument.open(Path(folder) / f"{TASK}.toml")
         document.set(BODY, "color", VIOLET)
-        window = Window(server.viser, document, stage)
+        window = Window(server.viser, document, worker)
         try:
             with browser_page(server) as desk:
                 desk.page.quiet()

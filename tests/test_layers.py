@@ -16,6 +16,7 @@ ROOT = Path(__file__).resolve().parents[1] / PACKAGE
 ROWS: tuple[tuple[str, ...], ...] = (
     ("cli", "compat"),
     ("builder", "baselines"),
+    ("viewer",),
     ("checking", "evaluation", "recording", "gym"),
     ("environment",),
     ("tasks",),
@@ -54,7 +55,7 @@ HOMES: dict[str, tuple[str, ...]] = {
     "small_gicp": ("baselines",),
     "tyro": ("cli",),
     "tqdm": ("cli",),
-    "PIL": ("checking", "recording", "sim", "datasets", "compat", "builder"),
+    "PIL": ("checking", "recording", "sim", "datasets", "compat", "builder", "viewer"),
     "ray": ("processes",),
     "matplotlib": ("baselines", "evaluation"),
     "zarr": ("datasets",),
@@ -63,8 +64,8 @@ HOMES: dict[str, tuple[str, ...]] = {
     "torch": ("baselines",),
     "safetensors": ("baselines",),
     "stable_baselines3": ("baselines",),
-    "trimesh": ("builder",),
-    "viser": ("builder",),
+    "trimesh": ("builder", "viewer"),
+    "viser": ("builder", "viewer"),
     "manifold3d": (),
     "pickle": ("datasets", "errors"),  # foreign files; may evidence of errors travel?
 }

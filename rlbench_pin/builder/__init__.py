@@ -1,1 +1,1 @@
-"""The task builder: a task is made in the browser, judged, and kept as the two files that a person would write."""
+"""The task builder: a task is made in the browser, validated, and kept as the two files that a person would write."""

@@ -1,33 +1,18 @@
-"""Plain records that the parts of the builder exchange: what is wrong where, and what the stage has seen."""
+"""Records that the parts of the builder exchange: the text of a task, and the results of the worker process."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
-from rlbench_pin.scene.spec import BodySpec
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.viewer.recording import Failure, Problem
 
-FileKind = Literal["scene", "task"]
-"""`<task>.toml` or `<task>.py`."""
 Standing = Literal["free", "collides", "unreachable"]
-"""Of a waypoint: the hand gets there, gets there but touches something, does not get there."""
-
-
-@dataclass(frozen=True)
-class Problem:
-    """Something that is wrong in one of the two files."""
-
-    file: FileKind
-    """Which file."""
-    line: int | None
-    """Line, from 1; None when it concerns the whole file."""
-    message: str
-    """What is wrong, what was possible, and the next step."""
+"""Of a waypoint: the gripper reaches it, reaches it but is in contact, does not reach it."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +31,7 @@ class TaskText:
 
 @dataclass(frozen=True)
 class OpenedTask:
-    """What the stage says of a task that it has built."""
+    """The content of a task that the worker process has built."""
 
     variations: int
     """How many there are."""
@@ -61,79 +46,8 @@ class OpenedTask:
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
-    """The world at the end of one control tick."""
-
-    time: float
-    """Since the reset [s]."""
-    poses: Mapping[str, FloatArray]
-    """`<body>/<link>` -> pose (7,) of the link's URDF frame in the world, for each link of every body of the scene, also those
-    that do not collide."""
-    arm: FloatArray
-    """Joint positions of the arm [rad], shape (n,)."""
-    fingers: FloatArray
-    """Joint positions of the fingers [m]."""
-    velocities: FloatArray
-    """Joint velocities of the arm [rad/s], shape (n,)."""
-    torques: FloatArray
-    """Joint torques of the arm [Nm], shape (n,)."""
-    held: tuple[bool, ...]
-    """Whether each success condition holds, in their order."""
-    success: bool
-    """Whether the goal is reached."""
-    colors: Mapping[str, tuple[float, float, float, float]] = field(default_factory=dict)
-    """`<body>/<link>` -> rgba in 0..1, of the links that were painted since their file was read."""
-
-
-@dataclass(frozen=True, eq=False)
-class Failure:
-    """Why a demonstration or a waypoint failed."""
-
-    cause: str
-    """In words, with the next step."""
-    waypoint: str = ""
-    """On the way to which."""
-    pairs: tuple[tuple[str, str], ...] = ()
-    """What touches what: names of links."""
-    nearest: FloatArray | None = None
-    """The nearest pose (7,) that the tip reaches, where one is known."""
-    problem: Problem | None = None
-    """The line of the task's own code that raised it, where it did."""
-
-
-@dataclass(frozen=True)
-class Leg:
-    """A part of a demonstration: the motion to one waypoint."""
-
-    waypoint: str
-    """Where it leads."""
-    begins: int
-    """Number of the frame at which it begins."""
-    method: str
-    """How it was planned."""
-
-
-@dataclass(frozen=True, eq=False)
-class Recording:
-    """A demonstration or another stretch of simulation, frame by frame."""
-
-    frames: tuple[Frame, ...]
-    """One for each control tick, the reset first."""
-    conditions: tuple[str, ...]
-    """What `Frame.held` is about."""
-    instruction: str = ""
-    """The first sentence of the episode."""
-    legs: tuple[Leg, ...] = ()
-    """In order."""
-    failure: Failure | None = None
-    """None when the goal was reached."""
-    added: tuple[BodySpec, ...] = ()
-    """Bodies that were added to the world, each under its name in `Frame.poses`; where they are in a frame, they are there."""
-
-
-@dataclass(frozen=True, eq=False)
 class WaypointVerdict:
-    """Whether the hand gets to a waypoint."""
+    """Whether the gripper reaches a waypoint."""
 
     waypoint: str
     """Its name."""
@@ -164,7 +78,7 @@ class PlannedPath:
 
 
 @dataclass(frozen=True)
-class Judgement:
+class ValidationLine:
     """A line of the validator's panel."""
 
     name: str

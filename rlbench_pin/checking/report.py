@@ -116,7 +116,11 @@ class TaskReport:
     @property
     def faults(self) -> tuple[str, ...]:
         """What is wrong, empty when the task passes."""
-        return _faults(self)
+        return tuple(fault for _, passed, fault in _checks(self) if not passed)
+
+    def passes(self, check: str) -> bool:
+        """Return whether the task passes one check, such as `first try`."""
+        return all(passed for name, passed, _ in _checks(self) if name == check)
 
     def as_dict(self) -> dict[str, object]:
         """Plain data for JSON."""
@@ -214,31 +218,35 @@ def _of_contract(trials: Sequence[Trial]) -> dict[str, Any]:
     }
 
 
-def _faults(report: TaskReport) -> tuple[str, ...]:
-    """Return what is wrong, empty when the task passes."""
+def _checks(report: TaskReport) -> tuple[tuple[str, bool, str], ...]:
+    """Return name, result and fault of each check."""
     pairs = shared_instructions(report.words)
     poor = poor_instructions(report.words)
-    checks = (
-        (not report.errors, "raises an error"),
-        (report.first_try.value >= FIRST_TRY_FLOOR, f"first try below {FIRST_TRY_FLOOR:.0%}"),
+    return (
+        ("errors", not report.errors, "raises an error"),
+        ("first try", report.first_try.value >= FIRST_TRY_FLOOR, f"first try below {FIRST_TRY_FLOOR:.0%}"),
         (
+            "unseen",
             report.unseen.value >= FIRST_TRY_FLOOR or not report.unseen.of,
             f"first try on unseen seeds below {FIRST_TRY_FLOOR:.0%}",
         ),
-        (report.within_tries.count == report.within_tries.of, "a seed failed every try"),
-        (report.replay.value >= REPLAY_FLOOR or not report.replay.of, f"replay below {REPLAY_FLOOR:.0%}"),
-        (report.key_frames.value >= KEY_FRAMES_FLOOR or not report.key_frames.of, f"key frames below {KEY_FRAMES_FLOOR:.0%}"),
-        (report.idle.count == 0, "resting succeeds"),
-        (report.random.count == 0 or report.by_chance, "flailing succeeds"),
-        (report.repeat.count == report.repeat.of, "a reset or a demonstration does not repeat"),
-        (not report.left_over, "an episode leaves something behind"),
-        (report.drift.value <= MAX_DRIFT, f"{report.drift.what} moves by itself"),
-        (report.penetration.value <= MAX_PENETRATION, "things overlap at a reset"),
-        (not report.held, "something is held at a reset"),
-        (not poor, f"variation {poor[0] if poor else ''} lacks instructions, or repeats one"),
-        (not pairs or report.shared_goals, f"variations {pairs[0] if pairs else ''} have the same instructions"),
+        ("in tries", report.within_tries.count == report.within_tries.of, "a seed failed every try"),
+        ("replay", report.replay.value >= REPLAY_FLOOR or not report.replay.of, f"replay below {REPLAY_FLOOR:.0%}"),
+        (
+            "keys",
+            report.key_frames.value >= KEY_FRAMES_FLOOR or not report.key_frames.of,
+            f"key frames below {KEY_FRAMES_FLOOR:.0%}",
+        ),
+        ("rest", report.idle.count == 0, "resting succeeds"),
+        ("flail", report.random.count == 0 or report.by_chance, "flailing succeeds"),
+        ("repeat", report.repeat.count == report.repeat.of, "a reset or a demonstration does not repeat"),
+        ("left over", not report.left_over, "an episode leaves something behind"),
+        ("drift", report.drift.value <= MAX_DRIFT, f"{report.drift.what} moves by itself"),
+        ("overlap", report.penetration.value <= MAX_PENETRATION, "things overlap at a reset"),
+        ("held", not report.held, "something is held at a reset"),
+        ("instructions", not poor, f"variation {poor[0] if poor else ''} lacks instructions, or repeats one"),
+        ("instructions", not pairs or report.shared_goals, f"variations {pairs[0] if pairs else ''} have the same instructions"),
     )
-    return tuple(fault for passed, fault in checks if not passed)
 
 
 def _rate(successes: Sequence[bool]) -> Rate:

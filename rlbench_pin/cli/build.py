@@ -43,15 +43,15 @@ class Build:
         """Serve until Ctrl-C."""
         try:
             from rlbench_pin.builder.server import LocalServer
-            from rlbench_pin.builder.stage import StageClient
             from rlbench_pin.builder.view import Window
+            from rlbench_pin.builder.worker import WorkerClient
         except ModuleNotFoundError as error:
             raise MissingExtra("The task builder", error.name or "viser", "builder") from error
 
         check_port(self)
         document = self._document()
-        with LocalServer(self.port, title=f"{document.name} - task builder") as server, StageClient() as stage:
-            window = Window(server.viser, document, stage)
+        with LocalServer(self.port, title=f"{document.name} - task builder") as server, WorkerClient() as worker:
+            window = Window(server.viser, document, worker)
             if self.trust:
                 window.session.post(window.world.allow_code)
             try:

@@ -30,7 +30,7 @@ from rlbench_pin.cli.options import (
     make_engine,
     write_json,
 )
-from rlbench_pin.cli.pages import PageOptions, announce, check_port, live_module
+from rlbench_pin.cli.pages import PageOptions, check_port, live_module, live_page
 from rlbench_pin.errors import TaskEnvironmentError
 
 if TYPE_CHECKING:
@@ -356,7 +356,6 @@ def watched(wanted: PageOptions, title: str) -> Iterator[Callable[[EvaluationCon
     if not wanted.live:
         yield EpisodeRunner
         return
-    module = live_module()
-    with module.LiveView.of_evaluation(title, wanted.port) as page:
-        announce(page.address, wanted.browser)
-        yield partial(module.LiveRunner, view=page.view)
+    live = live_module()
+    with live_page(live.EvaluationView, title, wanted) as view:
+        yield partial(live.LiveRunner, view=view)

@@ -1,4 +1,4 @@
-"""Pages that commands serve until Ctrl-C."""
+"""Pages that commands serve until Ctrl-C: the builder's modules, which need viser, are imported when one is asked for."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ import signal
 import sys
 import threading
 import webbrowser
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,12 +33,12 @@ class PageOptions:
 
 
 def live_module() -> Any:
-    """Return `rlbench_pin.builder.playback.live`.
+    """Return `rlbench_pin.viewer.live`.
 
     Raises:
         MissingExtra: viser is not installed.
     """
-    return importlib.import_module("rlbench_pin.builder.playback.live")
+    return importlib.import_module("rlbench_pin.viewer.live")
 
 
 def check_port(page: Any) -> None:
@@ -58,12 +60,26 @@ def has_screen() -> bool:
     return sys.platform in ("darwin", "win32") or any(os.environ.get(name) for name in _DISPLAYS)
 
 
-def serve(view: Any, browser: bool) -> int:
-    """Print the address of a page, and keep it until Ctrl-C, which comes as KeyboardInterrupt."""
-    with view:
-        announce(view.address, browser)
-        wait_for_end()
-    return 0
+@contextmanager
+def live_page(show: Callable[[Any], Any], title: str, page: PageOptions) -> Iterator[Any]:
+    """Serve a page for the duration of a block, and print its address.
+
+    Args:
+        show: Draws the view into a viser server and returns it; it is yielded.
+        title: Title of the page.
+        page: Port, and whether a browser is opened.
+
+    Raises:
+        ServerError: The port is in use.
+    """
+    server_module = importlib.import_module("rlbench_pin.builder.server")
+    with server_module.LocalServer(page.port, title=title) as server:
+        view = show(server.viser)
+        try:
+            announce(server.address, page.browser)
+            yield view
+        finally:
+            view.close()
 
 
 def wait_for_end() -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import tyro
 
 from rlbench_pin.cli.options import Files, MaybePath, Viewed, check_at_least, check_file, write_whole
-from rlbench_pin.cli.pages import PageOptions, check_port, live_module, serve
+from rlbench_pin.cli.pages import PageOptions, check_port, live_module, live_page, wait_for_end
 from rlbench_pin.errors import TaskEnvironmentError
 
 FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG"}
@@ -64,8 +64,13 @@ class View:
 
         if self.out is not None:
             raise TaskEnvironmentError("--out names a picture, and --live shows a page. Leave one of them out.")
-        opened, port = live_module().LiveView, self.page.port
+        live = live_module()
         if Path(self.task).is_dir():
-            own = own_tasks(self.task_file)
-            return serve(opened.of_dataset(Path(self.task), own, self.trust_task_files, port), self.page.browser)
-        return serve(opened.of_task(find_task(self.task), self.seed, self.variation, port), self.page.browser)
+            own, title = own_tasks(self.task_file), self.task
+            page = live_page(lambda server: live.DatasetView(server, self.task, own, self.trust_task_files), title, self.page)
+        else:
+            task = find_task(self.task)
+            page = live_page(lambda server: live.TaskView(server, task, self.seed, self.variation), task.get_name(), self.page)
+        with page:
+            wait_for_end()
+        return 0

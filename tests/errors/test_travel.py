@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 
 import rlbench_pin
-from rlbench_pin.builder.contracts import Problem
 from rlbench_pin.errors import InfeasibleControl, MissingExtra, NoIkSolution, RlbenchPinError, StorageError, WaypointError
 from rlbench_pin.processes import WorkerDeath
 from rlbench_pin.recording.config import WorkItem
+from rlbench_pin.viewer.recording import Problem
 
 SKIPPED = ("rlbench_pin.compat.",)
 """Modules that need the known names, and a program; a test in a process of its own looks at their errors."""

@@ -1,36 +1,30 @@
 """Conversion of an uploaded file to an asset, in a subprocess with bounded time and memory.
 
-The subprocess runs `python -m rlbench_pin.builder.custom_assets.conversion`. Its standard input is the job as one line of JSON,
-then the file. Its standard output is lines of JSON: `{"note": ...}`, at the end `{"error": ...}` or
-`{"urdf": ..., "files": [[name, size], ...]}` followed by the content of the files.
+The owner sends `{"job": ..., "data": ...}`. The subprocess answers with `{"note": ...}` for each step, at the end with
+`{"error": ...}` or `{"urdf": ..., "files": ...}`.
 """
 
 from __future__ import annotations
 
-import json
-import os
-import resource
-import signal
-import subprocess
-import sys
-import tempfile
+import select
 import threading
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import IO, Any
 
 from rlbench_pin.builder.custom_assets.folder import MESHES, archive_meshes, folder_meshes
 from rlbench_pin.builder.custom_assets.mesh_asset import CustomAsset, mesh_asset
 from rlbench_pin.builder.custom_assets.uploads import UploadRefused, read_archive, read_mesh
 from rlbench_pin.builder.custom_assets.urdf_asset import OnNote, urdf_asset
 from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.evaluation.policies.policy_server import Channel, WireError
+from rlbench_pin.processes.child import ChildProcess, connect_to_owner, limit_memory
 
 LONGEST = 180.0
 """Time limit of a conversion [s]."""
 MEMORY = 6 * 2**30
-"""Address space of the subprocess [bytes]."""
+"""Address space of the subprocess in addition to its libraries [bytes]."""
 
 
 @dataclass(frozen=True)
@@ -99,14 +93,9 @@ class Conversion:
         longest: float = LONGEST,
     ) -> None:
         self._job, self._on_note, self._on_end, self._longest = job, on_note, on_end, longest
-        self._ended, self._step, self._over = "", f"Reading '{job.name}'", threading.Event()
-        self._errors = tempfile.TemporaryFile()  # noqa: SIM115  # closed when the process has ended
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "rlbench_pin.builder.custom_assets.conversion"],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors, start_new_session=True,
-        )  # fmt: skip
+        self._ended = ""
+        self._child = ChildProcess("rlbench_pin.builder.custom_assets.conversion")
         threading.Thread(target=self._run, args=(data,), name="conversion", daemon=True).start()
-        threading.Thread(target=self._watch, name="conversion clock", daemon=True).start()
 
     @property
     def name(self) -> str:
@@ -116,7 +105,7 @@ class Conversion:
     @property
     def process_id(self) -> int:
         """Process id of the subprocess."""
-        return self._process.pid
+        return self._child.pid
 
     def stop(self) -> None:
         """End the conversion."""
@@ -124,101 +113,69 @@ class Conversion:
 
     def _end(self, why: str) -> None:
         self._ended = self._ended or why
-        self._process.kill()
-
-    def _watch(self) -> None:
-        """Report the duration every second; end the subprocess at the time limit."""
-        start = time.monotonic()
-        while (left := start + self._longest - time.monotonic()) > 0.0:
-            if self._over.wait(min(1.0, left)):
-                return
-            self._on_note(f"{self._step}: {time.monotonic() - start:.0f} s of at most {self._longest:g} s")
-        self._end(f"it takes longer than {self._longest:g} s")
+        self._child.end()
 
     def _run(self, data: bytes) -> None:
+        channel = Channel(self._child.connection)
         try:
-            found: CustomAsset | RlbenchPinError = self._exchange(data)
+            found: CustomAsset | RlbenchPinError = self._exchange(channel, data)
         except RlbenchPinError as error:
             found = error
-        except (OSError, ValueError, KeyError) as error:
-            found = self._failure(error)
+        except TimeoutError:
+            self._end(f"it takes longer than {self._longest:g} s")
+            found = self._failure()
+        except (EOFError, OSError, WireError, KeyError):
+            found = self._failure()
         finally:
-            self._over.set()
-            self._process.kill()
-            self._process.wait()
-            self._errors.close()
+            self._child.end()
+            channel.close()
         self._on_end(found)
 
-    def _exchange(self, data: bytes) -> CustomAsset:
-        """Send the file, and return the answer."""
-        stdin, stdout = self._process.stdin, self._process.stdout
-        assert stdin is not None
-        assert stdout is not None
-        with stdin:
-            stdin.write(json.dumps(asdict(self._job)).encode() + b"\n")
-            stdin.write(data)
-        with stdout:
-            while "note" in (answer := json.loads(stdout.readline())):
-                self._step = str(answer["note"])
-                self._on_note(self._step)
+    def _exchange(self, channel: Channel, data: bytes) -> CustomAsset:
+        """Send the file, report the duration every second, and return the answer; end the subprocess at the time limit."""
+        start, step = time.monotonic(), f"Reading '{self.name}'"
+        channel.send({"job": asdict(self._job), "data": data}, self._longest)
+        while (left := start + self._longest - time.monotonic()) > 0.0:
+            if not select.select([self._child.connection], [], [], min(1.0, left))[0]:
+                self._on_note(f"{step}: {time.monotonic() - start:.0f} s of at most {self._longest:g} s")
+                continue
+            answer = channel.receive(left)
             if "error" in answer:
                 raise RlbenchPinError(str(answer["error"]))
-            return CustomAsset(str(answer["urdf"]), {str(name): _exactly(stdout, int(size)) for name, size in answer["files"]})
+            if "urdf" in answer:
+                return CustomAsset(str(answer["urdf"]), {str(name): bytes(content) for name, content in answer["files"].items()})
+            step = str(answer["note"])
+            self._on_note(step)
+        raise TimeoutError
 
-    def _failure(self, error: Exception) -> UploadRefused:
+    def _failure(self) -> UploadRefused:
         """Return why the subprocess ended without an answer."""
-        code = self._process.wait()
+        how = self._child.end(patience=2.0)
         if self._ended:
             hint = "Reduce it first: fewer triangles, fewer parts." if "longer" in self._ended else ""
             return UploadRefused(self.name, self._ended, hint)
-        self._errors.seek(0)
-        last = self._errors.read().decode(errors="replace").strip().rpartition("\n")[2][:200]
-        cause = signal.Signals(-code).name if code < 0 else last or f"exit {code}, {error}"
-        return UploadRefused(self.name, f"the process that read it ended ({cause})")
-
-
-def _exactly(stream: IO[bytes], size: int) -> bytes:
-    content = stream.read(size)
-    if len(content) != size:
-        raise ValueError("the answer is too short")
-    return content
+        printed = self._child.printed().rpartition("\n")[2][:200]
+        return UploadRefused(self.name, f"the process that read it ended: {how} {printed}".strip())
 
 
 # In the subprocess ---------------------------------------------------------------------------------------------------
 
 
-def _end_with(owner: int) -> None:
-    """End this process when its parent has ended."""
-    while os.getppid() == owner:
-        time.sleep(0.5)
-    os._exit(1)
-
-
 def main() -> None:
     """Convert one file."""
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
-    answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # libraries print to standard error
-
-    def say(message: dict[str, Any]) -> None:
-        answers.write(json.dumps(message).encode() + b"\n")
-        answers.flush()
-
-    words = json.loads(sys.stdin.buffer.readline())
-    job = Job(**{**words, "color": tuple(words["color"])})
+    connection, _ = connect_to_owner()
+    limit_memory(MEMORY)
+    channel = Channel(connection)
+    question = channel.receive()
+    job = Job(**{**question["job"], "color": tuple(question["job"]["color"])})
     try:
-        asset = convert(job, sys.stdin.buffer.read(), lambda text: say({"note": text}))
+        asset = convert(job, question["data"], lambda text: channel.send({"note": text}))
     except RlbenchPinError as error:
-        say({"error": str(error)})
+        channel.send({"error": str(error)})
     except (MemoryError, RecursionError) as error:
-        say({"error": f"'{job.name}' is refused: reading it takes too much memory ({type(error).__name__})."})
+        channel.send({"error": f"'{job.name}' is refused: reading it takes too much memory ({type(error).__name__})."})
     else:
-        say({"urdf": asset.urdf, "files": [[name, len(content)] for name, content in asset.files.items()]})
-        for content in asset.files.values():
-            answers.write(content)
-        answers.flush()
+        channel.send({"urdf": asset.urdf, "files": dict(asset.files)})
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
-from rlbench_pin.builder.contracts import Problem, TaskText
+from rlbench_pin.builder.contracts import TaskText
 from rlbench_pin.builder.document import operations
 from rlbench_pin.builder.document.behaviour import Behaviour
 from rlbench_pin.builder.document.errors import EditRefused, TaskFilesError
@@ -33,6 +33,7 @@ from rlbench_pin.scene.reader import scene_from_raw
 from rlbench_pin.tasks import camel_case
 from rlbench_pin.tasks.task_file import name_fault
 from rlbench_pin.values import as_path, as_text
+from rlbench_pin.viewer.recording import Problem
 
 _NEW_SCENE = """\
 format = 2                                  # lengths [m], angles [rad], heights from the table top

@@ -7,7 +7,6 @@ import re
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
-from rlbench_pin.builder.contracts import Problem
 from rlbench_pin.builder.document.python_text import Lookup, PythonSyntaxError, Source, lookups
 from rlbench_pin.builder.document.scene_text import SceneText
 from rlbench_pin.errors import AssetInvalid, AssetNotFound, RlbenchPinError, SceneFileError, nearest_name
@@ -15,6 +14,7 @@ from rlbench_pin.scene import SceneSpec, resolve_asset
 from rlbench_pin.scene.snapshot import ROOM
 from rlbench_pin.tasks import camel_case
 from rlbench_pin.urdf import read_urdf
+from rlbench_pin.viewer.recording import Problem
 
 _AT_LINE = re.compile(r"\(at line (\d+), column \d+\)")
 _ENTRY = re.compile(r"\[\[(\w+)\]\] '(.*?)'(?:, key '(.*?)')?$")

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from rlbench_pin.assets import ASSETS
-from rlbench_pin.builder.figures.chain import link_poses
 from rlbench_pin.errors import InvalidValue, RlbenchPinError
 from rlbench_pin.robot.surfaces import shape_surface
 from rlbench_pin.spatial import FloatArray, pose_to_matrix
 from rlbench_pin.urdf import read_urdf
 from rlbench_pin.values import as_choice, as_number, as_text
+from rlbench_pin.viewer.places import link_poses
 
 SIZE = 128
 """Width and height of a thumbnail [px]."""

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from viser import BoxHandle, SceneApi
 
-from rlbench_pin.builder.figures import places_at_rest
 from rlbench_pin.builder.view.placing import (
     DropTargets,
     body_triangles,
@@ -26,6 +25,7 @@ from rlbench_pin.builder.view.world_sync import WorldSync
 from rlbench_pin.scene import BodySpec
 from rlbench_pin.scene.spec import ROOT
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, compose, inverse, pose_to_matrix, rotation_distance
+from rlbench_pin.viewer.places import places_at_rest
 
 _YELLOW = (255, 200, 0)
 

@@ -7,9 +7,9 @@ import re
 from collections.abc import Callable
 from html import escape
 
-from rlbench_pin.builder.contracts import FileKind, Problem
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.widgets import Panel
+from rlbench_pin.viewer.recording import FileKind, Problem
 
 _CONTEXT_LINES = 2
 _COLUMN = re.compile(r"at line \d+, column (\d+)")

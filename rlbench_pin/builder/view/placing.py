@@ -9,13 +9,13 @@ from typing import Literal
 
 import numpy as np
 
-from rlbench_pin.builder.figures import Places, places_at_rest
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.robot.surfaces import shape_surface
 from rlbench_pin.scene import BodySpec, SceneSpec, resolve_asset
 from rlbench_pin.scene.spec import ROOT, PosedSpec
 from rlbench_pin.spatial import IDENTITY, TABLE_HEIGHT, FloatArray, PoseLike, compose, inverse, pose_at, pose_to_matrix
 from rlbench_pin.urdf import read_urdf
+from rlbench_pin.viewer.places import Places, places_at_rest
 
 Vector3 = tuple[float, float, float]
 Snap = Literal["free", "grid", "table", "surface below"]

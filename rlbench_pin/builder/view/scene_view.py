@@ -18,13 +18,15 @@ from viser import (
     TransformControlsHandle,
 )
 
-from rlbench_pin.builder.contracts import Frame, PlannedPath, ReachSpot, WaypointVerdict
-from rlbench_pin.builder.figures import Figures, Places, places_at_rest
-from rlbench_pin.builder.playback.player import NEAREST
+from rlbench_pin.builder.contracts import PlannedPath, ReachSpot, WaypointVerdict
 from rlbench_pin.robot import DEFAULT_ROBOT, RobotModel, robot_description
 from rlbench_pin.scene import BodySpec, FrameSpec, RegionSpec, SceneSpec, SensorSpec
 from rlbench_pin.scene.spec import ROOT
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, compose
+from rlbench_pin.viewer.figures import Figures
+from rlbench_pin.viewer.places import Places, places_at_rest
+from rlbench_pin.viewer.player import NEAREST
+from rlbench_pin.viewer.recording import Frame
 
 Phase = Literal["start", "update", "end"]
 OnDrag = Callable[[FloatArray, Phase], None]

@@ -3,80 +3,20 @@
 from __future__ import annotations
 
 import logging
-import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from rlbench_pin.builder.contracts import OpenedTask, PlannedPath, WaypointVerdict
 from rlbench_pin.builder.document import Behaviour, HasDependants, TaskDocument
-from rlbench_pin.builder.figures import Places, places_at_rest
 from rlbench_pin.builder.view.placing import Snap
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.scene import SceneSpec
 from rlbench_pin.scene.spec import ROOT, PosedSpec
+from rlbench_pin.viewer.job_thread import Job, JobThread
+from rlbench_pin.viewer.places import Places, places_at_rest
 
 _LOG = logging.getLogger(__name__)
 _EMPTY = SceneSpec(format=2)
-Job = Callable[[], None]
-
-
-class JobThread:
-    """Runs jobs in a thread of its own, in order.
-
-    Args:
-        name: Name of the thread.
-        on_error: Receives what a job raises, in the thread, which goes on with the next job.
-    """
-
-    def __init__(self, name: str, on_error: Callable[[Exception], None]) -> None:
-        self._on_error = on_error
-        self._jobs: dict[object, Job] = {}
-        self._count = 0
-        self._wake, self._stopped, self._busy = threading.Condition(), False, False
-        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
-        self._thread.start()
-
-    def post(self, job: Job, kind: str = "") -> None:
-        """Add a job. It replaces a waiting one of the same kind; an empty kind replaces none."""
-        with self._wake:
-            if self._stopped:
-                return
-            self._count += 1
-            self._jobs.pop(kind, None)
-            self._jobs[kind or self._count] = job
-            self._wake.notify_all()
-
-    def wait(self, timeout: float) -> bool:
-        """Wait until all jobs are done [s]; return False after a timeout."""
-        with self._wake:
-            return self._wake.wait_for(lambda: not self._jobs and not self._busy, timeout)
-
-    def stop(self, timeout: float = 5.0) -> None:
-        """End after the present job, and drop waiting ones."""
-        with self._wake:
-            self._stopped = True
-            self._jobs.clear()
-            self._wake.notify_all()
-        if threading.current_thread() is not self._thread:
-            self._thread.join(timeout)
-
-    def _run(self) -> None:
-        while (job := self._take()) is not None:
-            try:
-                job()
-            except Exception as error:  # the thread goes on after any error
-                self._on_error(error)
-            with self._wake:
-                self._busy = False
-                self._wake.notify_all()
-
-    def _take(self) -> Job | None:
-        with self._wake:
-            self._wake.wait_for(lambda: bool(self._jobs) or self._stopped)
-            if self._stopped:
-                return None
-            self._busy = True
-            return self._jobs.pop(next(iter(self._jobs)))
 
 
 @dataclass

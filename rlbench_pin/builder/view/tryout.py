@@ -7,12 +7,12 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rlbench_pin.builder.contracts import Frame, Recording
-from rlbench_pin.builder.playback.player import Player
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.widgets import Panel
 from rlbench_pin.builder.view.world_sync import WorldSync
 from rlbench_pin.scene import BodySpec
+from rlbench_pin.viewer.player import Player
+from rlbench_pin.viewer.recording import Frame, Recording
 
 _IMAGE_SIZE = 160
 _LARGEST_SEED = 2**31 - 1
@@ -94,14 +94,14 @@ class Tryout:
     def reset(self) -> None:
         """Start the episode of the present seed and variation."""
         seed, variation = self.seed, self.variation
-        self._world.work(f"resetting to seed {seed}", lambda: self._load(self._world.stage.reset(seed, variation)), "reset")
+        self._world.work(f"resetting to seed {seed}", lambda: self._load(self._world.worker.reset(seed, variation)), "reset")
 
     def simulate(self, seconds: float) -> None:
         """Simulate for a duration [s]."""
 
         def request() -> None:
             self._begin()
-            self._finish(self._world.stage.simulate(seconds, self._player.add))
+            self._finish(self._world.worker.simulate(seconds, self._player.add))
 
         self._world.work(f"simulating {seconds:g} s", request, "simulate")
 
@@ -110,13 +110,13 @@ class Tryout:
         seed, variation = self.seed, self.variation
 
         def request() -> None:
-            start = self._world.stage.reset(seed, variation)
+            start = self._world.worker.reset(seed, variation)
             if start.failure is not None:
                 self._load(start)
                 return
             self._on_added(start.added)
             self._begin()
-            self._finish(self._world.stage.demonstrate(seed, variation, self._player.add))
+            self._finish(self._world.worker.demonstrate(seed, variation, self._player.add))
 
         self._world.work(f"demonstrating seed {seed}", request, "demonstrate")
 
@@ -127,14 +127,14 @@ class Tryout:
 
     def stop(self) -> None:
         """Stop the present work of the worker process."""
-        self._world.stage.cancel()
+        self._world.worker.cancel()
 
     def take_images(self) -> None:
         """Render the cameras."""
-        frame, stage = self._frame, self._world.stage
+        frame, worker = self._frame, self._world.worker
 
         def request() -> None:
-            images = stage.pictures(_IMAGE_SIZE) if frame is None else stage.pictures_at(frame, _IMAGE_SIZE)
+            images = worker.images(_IMAGE_SIZE, frame)
             self._session.post(lambda: self._show_images(images))
 
         self._world.work("rendering images", request, "images")

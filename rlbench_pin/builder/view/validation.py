@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from rlbench_pin.builder.contracts import Judgement, ReachSpot, TaskText
+from rlbench_pin.builder.contracts import ReachSpot, TaskText, ValidationLine
 from rlbench_pin.builder.view.files import all_problems
-from rlbench_pin.builder.view.session import JobThread, Session
+from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.tryout import show_permission
 from rlbench_pin.builder.view.widgets import Panel, Sign
 from rlbench_pin.builder.view.world_sync import WorldSync
 from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.viewer.job_thread import JobThread
 
 _SIGNS: dict[bool | None, Sign] = {True: "good", False: "bad", None: "busy"}
 _MOST_FAILURES = 8
@@ -38,7 +39,7 @@ class Validation:
     ) -> None:
         self._session, self._world, self._open_at, self._on_spots = session, world, open_at, on_spots
         self._episodes = 10
-        self.lines: dict[str, Judgement] = {}
+        self.lines: dict[str, ValidationLine] = {}
         self.work, self._share, self._fault = "", 0.0, ""
         self._validated: tuple[TaskText, int] | None = None
         self._spots: list[ReachSpot] = []
@@ -97,7 +98,7 @@ class Validation:
             folder.sign("unknown", "something touches the arm at home", str(blocked))
             folder.button("Remove the map", clear, disabled=bool(self.work))
 
-    def _show_line(self, panel: Panel, line: Judgement) -> None:
+    def _show_line(self, panel: Panel, line: ValidationLine) -> None:
         panel.sign(_SIGNS[line.passed], line.figure, line.name)
         for seed, variation, cause in line.failures[:_MOST_FAILURES]:
             label = f"Open seed {seed}, variation {variation}"
@@ -149,7 +150,7 @@ class Validation:
         self.lines, self._fault, self._validated = {}, "", None
         text, episodes = self._session.document.text, self._episodes
 
-        def add(line: Judgement) -> None:
+        def add(line: ValidationLine) -> None:
             self.lines[line.name] = line
             self._session.changed()
 
@@ -157,12 +158,12 @@ class Validation:
             self._share = done / max(1, total)
             self._session.changed()
 
-        def take(lines: Sequence[Judgement]) -> None:
+        def take(lines: Sequence[ValidationLine]) -> None:
             self.lines, self._validated = {line.name: line for line in lines}, (text, episodes)
 
         def request() -> None:
             post = self._session.post
-            lines = self._world.stage.judge(
+            lines = self._world.worker.validate(
                 episodes,
                 lambda line: post(lambda: add(line)),
                 lambda done, total: post(lambda: show_progress(done, total), "progress"),
@@ -182,14 +183,14 @@ class Validation:
             self._session.changed()
 
         def request() -> None:
-            self._world.stage.reach_map(_LAYOUTS, lambda spot: self._session.post(lambda: add(spot)))
+            self._world.worker.reach_map(_LAYOUTS, lambda spot: self._session.post(lambda: add(spot)))
 
         self._start(f"looking at {_LAYOUTS} layouts", request)
 
     def stop(self) -> None:
         """Stop the validator or the map."""
-        for operation in ("judge", "reach_map"):
-            self._world.stage.cancel(operation)
+        for operation in ("validate", "reach_map"):
+            self._world.worker.cancel(operation)
 
     def _start(self, work: str, request: Callable[[], None]) -> None:
         self.work, self._share = work, 0.0

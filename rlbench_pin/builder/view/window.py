@@ -6,10 +6,7 @@ import threading
 
 from viser import ViserServer
 
-from rlbench_pin.builder.contracts import Frame
 from rlbench_pin.builder.document import TaskDocument
-from rlbench_pin.builder.playback.player import Player
-from rlbench_pin.builder.stage import StageClient
 from rlbench_pin.builder.view.adding import Adding
 from rlbench_pin.builder.view.behaviour import show_behaviour
 from rlbench_pin.builder.view.dragging import Dragging, DropMark
@@ -22,7 +19,10 @@ from rlbench_pin.builder.view.tryout import Tryout
 from rlbench_pin.builder.view.validation import Validation
 from rlbench_pin.builder.view.widgets import Panel, delay_presses
 from rlbench_pin.builder.view.world_sync import WorldSync
+from rlbench_pin.builder.worker import WorkerClient
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.viewer.player import Player
+from rlbench_pin.viewer.recording import Frame
 
 CAMERA, LOOK_AT = (1.05, -0.6, 1.5), (0.18, 0.0, 0.85)
 """Initial position and target of the camera [m]."""
@@ -36,7 +36,7 @@ class Window:
     Args:
         viser: The page.
         document: The task.
-        stage: The worker process that simulates it.
+        worker: The worker process that simulates it.
 
     Attributes:
         session: The edited task.
@@ -46,12 +46,12 @@ class Window:
         panels: The panels by name.
     """
 
-    def __init__(self, viser: ViserServer, document: TaskDocument, stage: StageClient) -> None:
+    def __init__(self, viser: ViserServer, document: TaskDocument, worker: WorkerClient) -> None:
         self._viser = viser
         self.session = Session(document, self._notify)
         self.drafts = Drafts(self.session)
         self.view = SceneView(viser.scene, self._pick, self._drag)
-        self.world = WorldSync(self.session, stage, self.view.follow)
+        self.world = WorldSync(self.session, worker, self.view.follow)
         self.drop_mark = DropMark(viser.scene)
         self.dragging = Dragging(self.session, self.view, self.world, self.drop_mark)
         self.adding = Adding(self.session, self.view.tip)

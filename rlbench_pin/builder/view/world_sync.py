@@ -8,11 +8,12 @@ from collections.abc import Callable
 import numpy as np
 
 from rlbench_pin.builder.contracts import OpenedTask, TaskText, WaypointVerdict
-from rlbench_pin.builder.stage import StageClient
-from rlbench_pin.builder.view.session import JobThread, Session, WorldStatus
+from rlbench_pin.builder.view.session import Session, WorldStatus
+from rlbench_pin.builder.worker import WorkerClient
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.robot import DEFAULT_ROBOT, robot_description
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.viewer.job_thread import JobThread
 
 _LOG = logging.getLogger(__name__)
 
@@ -22,15 +23,15 @@ class WorldSync:
 
     Args:
         session: The edited task.
-        stage: The worker process.
+        worker: The worker process.
         on_arm: Receives the joint positions (n,) of an arm that follows a dragged waypoint.
 
     Attributes:
         run_task: Whether the user has allowed the task's own module to run.
     """
 
-    def __init__(self, session: Session, stage: StageClient, on_arm: Callable[[FloatArray], None]) -> None:
-        self.session, self.stage, self._on_arm = session, stage, on_arm
+    def __init__(self, session: Session, worker: WorkerClient, on_arm: Callable[[FloatArray], None]) -> None:
+        self.session, self.worker, self._on_arm = session, worker, on_arm
         self.run_task = False
         self._requested: tuple[TaskText, bool] | None = None
         self._built: tuple[str, bool] | None = None
@@ -56,7 +57,7 @@ class WorldSync:
         opened = self._open(text, run_task)
         verdicts: tuple[WaypointVerdict, ...] = ()
         if not opened.problems and opened.waypoints:
-            verdicts = tuple(self.stage.reach())
+            verdicts = tuple(self.worker.reach())
 
         def show() -> None:
             status = self.session.status
@@ -67,9 +68,9 @@ class WorldSync:
 
     def _open(self, text: TaskText, run_task: bool) -> OpenedTask:
         if self._built == (text.python, run_task):
-            return self.stage.place(text.scene)
+            return self.worker.place(text.scene)
         self._built = None
-        opened = self.stage.open(text, run_task=run_task)
+        opened = self.worker.open(text, run_task=run_task)
         self._built = None if opened.problems else (text.python, run_task)
         return opened
 
@@ -102,7 +103,7 @@ class WorldSync:
             if begin and verdict is not None and verdict.configuration is not None:
                 start = verdict.configuration
             try:
-                self._followed, _ = self.stage.follow(pose, start)
+                self._followed, _ = self.worker.follow(pose, start)
             except RlbenchPinError as error:
                 self._show("", str(error))
                 return
@@ -114,7 +115,7 @@ class WorldSync:
         """Plan the path to each waypoint."""
 
         def request() -> None:
-            paths = tuple(self.stage.paths())
+            paths = tuple(self.worker.paths())
 
             def show() -> None:
                 self.session.status.paths = paths
@@ -141,5 +142,5 @@ class WorldSync:
 
     def stop(self) -> None:
         """End the thread of requests."""
-        self.stage.cancel()
+        self.worker.cancel()
         self._requests.stop()

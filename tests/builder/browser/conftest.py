@@ -11,8 +11,8 @@ from selenium.webdriver import Chrome
 
 from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.builder.server import LocalServer
-from rlbench_pin.builder.stage import StageClient
 from rlbench_pin.builder.view import Window
+from rlbench_pin.builder.worker import WorkerClient
 from rlbench_pin.tasks.registry import LIBRARY
 from tests.builder.browser.page import Page, start_browser
 
@@ -89,9 +89,9 @@ def sit(browser: Chrome, request: pytest.FixtureRequest) -> Iterator[Sit]:
     ends: list[Callable[[], object]] = []
 
     def open_desk(document: TaskDocument) -> Desk:
-        server, stage = LocalServer(), StageClient()
-        ends.extend([server.stop, stage.close])
-        window = Window(server.viser, document, stage)
+        server, worker = LocalServer(), WorkerClient()
+        ends.extend([server.stop, worker.close])
+        window = Window(server.viser, document, worker)
         ends.append(window.close)
         ends.append(lambda: browser.get("about:blank"))
         page = Page(browser, server.viser, PICTURES / request.node.name)

@@ -12,7 +12,6 @@ from scipy.ndimage import binary_dilation
 from selenium.webdriver import Chrome
 from viser import ClientHandle, ViserServer
 
-from rlbench_pin.builder.figures import Figures
 from rlbench_pin.builder.server import LocalServer
 from rlbench_pin.environment.observations.camera_config import CameraConfig
 from rlbench_pin.environment.observations.cameras import camera_view
@@ -23,6 +22,7 @@ from rlbench_pin.sim.world import World
 from rlbench_pin.spatial import compose
 from rlbench_pin.tasks import library_names
 from rlbench_pin.tasks.registry import LIBRARY
+from rlbench_pin.viewer.figures import Figures
 from tests.builder.browser.conftest import PICTURES
 from tests.builder.browser.page import Page, until
 

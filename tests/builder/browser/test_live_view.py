@@ -10,9 +10,9 @@ from selenium.webdriver import Chrome
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
-from rlbench_pin.builder.playback.live import TaskView
 from rlbench_pin.builder.server import LocalServer
 from rlbench_pin.tasks import find_task
+from rlbench_pin.viewer.live import TaskView
 from tests.builder.browser.conftest import PICTURES
 from tests.builder.browser.page import Page, until
 
@@ -44,8 +44,8 @@ def test_a_demonstration_is_played_and_stepped_through(page: Page, server: Local
         page.shows("frame 54 of 54")
         page.shows("goal reached")
         page.picture("end")
-        page.press("< leg")
-        until(lambda: "frame 1 of 54" in _instant(page), "the beginning of the leg")
+        page.press("< segment")
+        until(lambda: "frame 1 of 54" in _instant(page), "the beginning of the segment")
         page.press("step >")
         until(lambda: "frame 2 of 54" in _instant(page), "the second frame")
         assert view.page.player.timeline.index == 1

@@ -16,7 +16,7 @@ import pytest
 from rlbench_pin.builder.custom_assets.conversion import Conversion, Job
 from rlbench_pin.builder.custom_assets.mesh_asset import CustomAsset
 from rlbench_pin.builder.document import TaskDocument
-from rlbench_pin.builder.stage import StageClient
+from rlbench_pin.builder.worker import WorkerClient
 from rlbench_pin.cli.main import main
 from rlbench_pin.errors import RlbenchPinError
 from tests.builder.custom_assets.files import angle, cabinet, make, obj, put
@@ -111,11 +111,11 @@ def test_a_custom_urdf_is_simulated_and_validated(tmp_path: Path) -> None:
     document.add("body", keys)
     document.set("cabinet/hinge", "position", 1.0)
     document.save()
-    with StageClient() as stage:
-        opened = stage.open(document.text, run_task=True)
+    with WorkerClient() as worker:
+        opened = worker.open(document.text, run_task=True)
         assert opened.problems == ()
-        stage.reset(1)
-        frame = stage.simulate(0.3).frames[-1]
+        worker.reset(1)
+        frame = worker.simulate(0.3).frames[-1]
     assert {"cabinet/case", "cabinet/door_1", "cabinet/drawer"} <= set(frame.poses)
     turn = 2.0 * np.arctan2(frame.poses["cabinet/door_1"][5], frame.poses["cabinet/door_1"][6])
     turn -= 2.0 * np.arctan2(frame.poses["cabinet/case"][5], frame.poses["cabinet/case"][6])

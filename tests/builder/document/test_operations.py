@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from rlbench_pin.builder.figures import places_at_rest
 
 from rlbench_pin.builder.document import EditRefused, HasDependants
-from rlbench_pin.builder.figures import places_at_rest
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.spatial import compose, inverse
 from tests.builder.document.conftest import Opener

@@ -13,7 +13,7 @@ from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.builder.view import Window
 from rlbench_pin.builder.view.widgets import Control, Panel
 from rlbench_pin.tasks.registry import LIBRARY
-from tests.builder.view.stand_ins import StageStandIn
+from tests.builder.view.stand_ins import WorkerStandIn
 
 
 @pytest.fixture
@@ -28,7 +28,7 @@ def copied(tmp_path: Path) -> Callable[[str], TaskDocument]:
     return copy
 
 
-Show = Callable[[TaskDocument, StageStandIn], Window]
+Show = Callable[[TaskDocument, WorkerStandIn], Window]
 """Shows a document."""
 
 
@@ -37,9 +37,9 @@ def show() -> Iterator[Show]:
     """Show documents; everything is closed afterwards."""
     ends: list[Callable[[], object]] = []
 
-    def shown(document: TaskDocument, stage: StageStandIn) -> Window:
+    def shown(document: TaskDocument, worker: WorkerStandIn) -> Window:
         server = ViserServer("127.0.0.1", 0, verbose=False)
-        window = Window(server, document, stage)
+        window = Window(server, document, worker)
         ends.extend([server.stop, window.close])
         settle(window)
         return window

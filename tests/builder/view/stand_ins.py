@@ -1,30 +1,22 @@
-"""A stage without a world: it keeps what it is asked, and answers at once."""
+"""A worker without a world: it keeps what it is asked, and answers at once."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rlbench_pin.builder.contracts import (
-    Frame,
-    Judgement,
-    OpenedTask,
-    PlannedPath,
-    ReachSpot,
-    Recording,
-    TaskText,
-    WaypointVerdict,
-)
-from rlbench_pin.builder.stage import StageClient
+from rlbench_pin.builder.contracts import OpenedTask, PlannedPath, ReachSpot, TaskText, ValidationLine, WaypointVerdict
+from rlbench_pin.builder.worker import WorkerClient
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.viewer.recording import Frame, Recording
 
 
 @dataclass
-class StageStandIn(StageClient):
+class WorkerStandIn(WorkerClient):
     """Answers what it is told to; `asked` has the names of what was asked for."""
 
     waypoints: tuple[str, ...] = ()
@@ -33,7 +25,7 @@ class StageStandIn(StageClient):
     texts: list[str] = field(default_factory=list)
     fault: str = ""
     recording: Recording = field(default_factory=lambda: Recording((), ()))
-    lines: tuple[Judgement, ...] = ()
+    lines: tuple[ValidationLine, ...] = ()
 
     def _ask(self, name: str) -> None:
         self.asked.append(name)
@@ -83,23 +75,19 @@ class StageStandIn(StageClient):
         self._ask(f"simulate {seconds}")
         return self.recording
 
-    def pictures(self, size: int = 128) -> Mapping[str, NDArray[np.uint8]]:
-        """Return a black picture."""
-        self._ask("pictures")
+    def images(self, size: int = 128, frame: Frame | None = None) -> dict[str, NDArray[np.uint8]]:
+        """Return a black image."""
+        self._ask("images")
         return {"front": np.zeros((size, size, 3), np.uint8)}
 
-    def pictures_at(self, frame: Frame, size: int = 128) -> Mapping[str, NDArray[np.uint8]]:
-        """Return a black picture."""
-        return self.pictures(size)
-
-    def judge(
+    def validate(
         self,
         episodes: int,
-        on_judgement: Callable[[Judgement], None] | None = None,
+        on_line: Callable[[ValidationLine], None] | None = None,
         on_progress: Callable[[int, int], None] | None = None,
-    ) -> Sequence[Judgement]:
+    ) -> Sequence[ValidationLine]:
         """Return the lines."""
-        self._ask(f"judge {episodes}")
+        self._ask(f"validate {episodes}")
         return self.lines
 
     def reach_map(self, layouts: int, on_spot: Callable[[ReachSpot], None] | None = None) -> Sequence[ReachSpot]:

@@ -12,7 +12,7 @@ from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.builder.view import Window
 from rlbench_pin.spatial import compose
 from tests.builder.view.conftest import Show, call, control, controls, press, settle, text
-from tests.builder.view.stand_ins import StageStandIn
+from tests.builder.view.stand_ins import WorkerStandIn
 
 Copied = Callable[[str], TaskDocument]
 
@@ -57,7 +57,7 @@ def _drop(window: Window, name: str, place: np.ndarray) -> list[str]:
 def test_what_is_dropped_onto_a_body_hangs_on_it(copied: Copied, show: Show, name: str) -> None:
     """The body is marked meanwhile; the thing stays where it was let go, and one undo takes drag and parent back."""
     document = copied("pick_and_lift")
-    window, texts = show(document, StageStandIn()), document.text
+    window, texts = show(document, WorkerStandIn()), document.text
     window.session.drops_onto, window.session.snap = True, "free"
     block = window.session.places.of("distractor1")
     assert block is not None
@@ -75,7 +75,7 @@ def test_what_is_dropped_onto_a_body_hangs_on_it(copied: Copied, show: Show, nam
 def test_nothing_is_dropped_onto_itself_or_beside_bodies(copied: Copied, show: Show) -> None:
     """What hangs on a thing is no target, nor is the empty table; without the switch a drag is a drag."""
     document = copied("pick_and_lift")
-    window = show(document, StageStandIn())
+    window = show(document, WorkerStandIn())
     window.session.drops_onto = True
     there = window.session.places.of("block")
     assert there is not None
@@ -93,7 +93,7 @@ def test_nothing_is_dropped_onto_itself_or_beside_bodies(copied: Copied, show: S
 def test_a_chosen_parent_keeps_the_place_in_one_edit(copied: Copied, show: Show) -> None:
     """By the choice in the panel."""
     document = copied("setup_checkers")
-    window, texts = show(document, StageStandIn()), document.text
+    window, texts = show(document, WorkerStandIn()), document.text
     before = window.session.places.of("waypoint1")
     _select(window, "waypoint1")
     _choose(window, "Parent", "square0")
@@ -108,7 +108,7 @@ def test_a_chosen_parent_keeps_the_place_in_one_edit(copied: Copied, show: Show)
 def test_waypoints_change_places(copied: Copied, show: Show) -> None:
     """Earlier, later, to a number; the selection goes along, and the list shows them in order with the cause."""
     document = copied("pick_and_lift")
-    window = show(document, StageStandIn(("waypoint0", "waypoint1", "waypoint2", "waypoint3"), "unreachable"))
+    window = show(document, WorkerStandIn(("waypoint0", "waypoint1", "waypoint2", "waypoint3"), "unreachable"))
     before = document.spec
     _select(window, "waypoint1")
     listed = [c.values for c in controls(window.panels["Selected"]) if c.label.startswith("visit ")]
@@ -128,7 +128,7 @@ def test_waypoints_change_places(copied: Copied, show: Show) -> None:
 def test_a_curve_is_made_of_poses(copied: Copied, show: Show) -> None:
     """Poses are added, changed, put earlier and removed; a curve without any is refused."""
     document = copied("pick_and_lift")
-    window = show(document, StageStandIn())
+    window = show(document, WorkerStandIn())
     _select(window, "waypoint2")
     _choose(window, "Path", "curve")
     _choose(window, "Curve", "poses to pass")
@@ -155,7 +155,7 @@ def test_a_curve_is_made_of_poses(copied: Copied, show: Show) -> None:
 def test_deleting_what_others_need_is_asked_first(copied: Copied, show: Show) -> None:
     """The panel lists what would go; then conditions and grasps that name it go as well, and one undo brings all back."""
     document = copied("pick_and_lift")
-    window, texts = show(document, StageStandIn()), document.text
+    window, texts = show(document, WorkerStandIn()), document.text
     _select(window, "block")
     _press(window, "Delete")
     asked = text(window, "Selected")
@@ -175,7 +175,7 @@ def test_deleting_what_others_need_is_asked_first(copied: Copied, show: Show) ->
 def test_a_bad_name_is_refused(copied: Copied, show: Show, new: str) -> None:
     """Empty, taken, not a name, reserved: nothing has changed, and the thing stays selected."""
     document = copied("pick_and_lift")
-    window, texts = show(document, StageStandIn()), document.text
+    window, texts = show(document, WorkerStandIn()), document.text
     told: list[str] = []
     window.session._notify = lambda title, text, bad: told.append(text)
     _select(window, "block")

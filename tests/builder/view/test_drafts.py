@@ -13,7 +13,7 @@ from pathlib import Path
 from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.tasks.registry import LIBRARY
 from tests.builder.view.conftest import Show, press, settle, text
-from tests.builder.view.stand_ins import StageStandIn
+from tests.builder.view.stand_ins import WorkerStandIn
 
 Copied = Callable[[str], TaskDocument]
 _BUILDER = """
@@ -21,9 +21,9 @@ import sys, time
 from viser import ViserServer
 from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.builder.view import Window
-from tests.builder.view.stand_ins import StageStandIn
+from tests.builder.view.stand_ins import WorkerStandIn
 document = TaskDocument.open(sys.argv[1])
-window = Window(ViserServer("127.0.0.1", 0, verbose=False), document, StageStandIn())
+window = Window(ViserServer("127.0.0.1", 0, verbose=False), document, WorkerStandIn())
 for k in range(10**6):
     window.session.post(lambda: window.session.do(lambda d: d.set("block", "pose", (k / 1e4, 0.0, 0.0225, 0.0, 0.0, 0.0, 1.0))))
     time.sleep(0.05)
@@ -47,7 +47,7 @@ def test_a_killed_builder_leaves_its_edits(tmp_path: Path, show: Show) -> None:
         process.wait()
     assert scene.read_bytes() == saved
     document = TaskDocument.open(scene)
-    window = show(document, StageStandIn())
+    window = show(document, WorkerStandIn())
     assert "was not saved. It differs from the task in 1 lines of `pick_and_lift.toml`." in text(window, "Header")
     assert "changed since" not in text(window, "Header")
     press(window, "Header", "Take up the draft")
@@ -64,13 +64,13 @@ def test_a_killed_builder_leaves_its_edits(tmp_path: Path, show: Show) -> None:
 def test_a_draft_of_an_older_state_says_so(copied: Copied, show: Show) -> None:
     """And is dropped by its button."""
     document = copied("pick_and_lift")
-    window = show(document, StageStandIn())
+    window = show(document, WorkerStandIn())
     window.session.post(lambda: window.session.do(lambda d: d.set("block", "fixed", True)))
     settle(window)
     window.drafts.close()
     file = document.folder / "pick_and_lift.py"
     file.write_text(file.read_text() + "# newer\n")
-    again = show(TaskDocument.open(file), StageStandIn())
+    again = show(TaskDocument.open(file), WorkerStandIn())
     assert "The files have been changed since then" in text(again, "Header")
     press(again, "Header", "Drop the draft")
     assert "draft" not in text(again, "Header")
@@ -81,7 +81,7 @@ def test_a_broken_draft_is_told_in_the_page(copied: Copied, show: Show) -> None:
     """The task opens; saving goes on."""
     document = copied("pick_and_lift")
     (document.folder / ".pick_and_lift.draft").write_bytes(bytes(range(256)))
-    window = show(document, StageStandIn())
+    window = show(document, WorkerStandIn())
     assert ".pick_and_lift.draft.broken" in text(window, "Header")
     window.session.post(lambda: window.session.do(lambda d: d.set("block", "fixed", True)))
     window.session.post(lambda: window.session.do(lambda d: d.save()))

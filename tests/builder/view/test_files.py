@@ -8,12 +8,12 @@ from urllib.parse import unquote
 import pytest
 from viser import ViserServer
 
-from rlbench_pin.builder.contracts import Problem
 from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.builder.view.files import problem_html
 from rlbench_pin.builder.view.widgets import CodeField, line_numbers
+from rlbench_pin.viewer.recording import Problem
 from tests.builder.view.conftest import Show, control, settle, text
-from tests.builder.view.stand_ins import StageStandIn
+from tests.builder.view.stand_ins import WorkerStandIn
 
 
 @pytest.fixture
@@ -50,7 +50,7 @@ def test_what_was_typed_outlives_another_edit(viser: ViserServer) -> None:
 
 def test_saving_says_what_is_typed_and_not_applied(copied: Callable[[str], TaskDocument], show: Show) -> None:
     """The file gets what was applied; the page says that more is typed, until it is applied or discarded."""
-    window, told = show(copied("pick_and_lift"), StageStandIn()), list[str]()
+    window, told = show(copied("pick_and_lift"), WorkerStandIn()), list[str]()
     window.session._notify = lambda title, text, bad: told.append(f"{title}: {text}")
     field = control(window, "Files", "code", "pick_and_lift.toml").handle
     field._text.value = "typed"
@@ -69,7 +69,7 @@ def test_saving_says_what_is_typed_and_not_applied(copied: Callable[[str], TaskD
 def test_fields_keep_their_places_when_a_file_changes_on_disk(copied: Callable[[str], TaskDocument], show: Show) -> None:
     """The question comes behind them, so that what somebody is typing is not made anew."""
     document = copied("pick_and_lift")
-    window = show(document, StageStandIn())
+    window = show(document, WorkerStandIn())
     before = list(window.panels["Files"].controls)
     window.session.post(lambda: window.session.do(lambda d: d.set("block", "fixed", True)))
     settle(window)

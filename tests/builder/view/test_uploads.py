@@ -17,7 +17,7 @@ from tests.builder.custom_assets.files import angle, cabinet, obj
 from tests.builder.custom_assets.test_conversion import wait_for_end
 from tests.builder.custom_assets.test_hostile_files import TEXTS
 from tests.builder.view.conftest import Show, call, control, press, settle
-from tests.builder.view.stand_ins import StageStandIn
+from tests.builder.view.stand_ins import WorkerStandIn
 
 Copied = Callable[[str], TaskDocument]
 
@@ -47,7 +47,7 @@ def test_a_custom_urdf_is_in_the_scene(copied: Copied, show: Show) -> None:
     """Its files are beside the task, its joints have sliders, it is undone in one step, and what is saved can be read."""
     document = copied("pick_and_lift")
     before = document.text
-    window = show(document, StageStandIn())
+    window = show(document, WorkerStandIn())
     _upload(window, "Upload a URDF or ZIP", "My Cabinet.zip", cabinet())
     _finish(window)
     assert window.session.selected == "my_cabinet"
@@ -68,7 +68,7 @@ def test_a_custom_urdf_is_in_the_scene(copied: Copied, show: Show) -> None:
 def test_others_edit_while_a_file_is_made(copied: Copied, show: Show, told: list[str]) -> None:
     """One file at a time; edits go on, what is done is shown, and it can be stopped."""
     document = copied("pick_and_lift")
-    window = show(document, StageStandIn())
+    window = show(document, WorkerStandIn())
     _upload(window, "Upload a mesh", "angle.obj", obj(angle()))
     assert window.session.edits.wait(1.0)
     assert control(window, "Add", "button", "Stop")
@@ -87,7 +87,7 @@ def test_others_edit_while_a_file_is_made(copied: Copied, show: Show, told: list
 def test_a_hostile_file_is_told_in_the_page(copied: Copied, show: Show, told: list[str]) -> None:
     """Nothing is written, the scene stays, and the next file is taken."""
     document = copied("pick_and_lift")
-    window, before = show(document, StageStandIn()), document.text
+    window, before = show(document, WorkerStandIn()), document.text
     _upload(window, "Upload a URDF or ZIP", "bomb.urdf", b'<!DOCTYPE r [<!ENTITY a "b">]><robot/>')
     _finish(window)
     assert "entities" in told[-1]
@@ -104,7 +104,7 @@ def test_a_hostile_file_is_told_in_the_page(copied: Copied, show: Show, told: li
 def test_closing_ends_what_is_made(copied: Copied) -> None:
     """No process outlives its page."""
     server = ViserServer("127.0.0.1", 0, verbose=False)
-    window = Window(server, copied("pick_and_lift"), StageStandIn())
+    window = Window(server, copied("pick_and_lift"), WorkerStandIn())
     settle(window)
     _upload(window, "Upload a mesh", "angle.obj", obj(angle()))
     assert window.session.edits.wait(10.0)
@@ -123,7 +123,7 @@ def test_hostile_files_beside_the_task_are_told(copied: Copied, show: Show, told
     """A URDF file that is there already is looked at, too, before it is added."""
     document = copied("pick_and_lift")
     (document.folder / "x.urdf").write_text(TEXTS[kind][0])
-    window, before = show(document, StageStandIn()), document.text
+    window, before = show(document, WorkerStandIn()), document.text
     press(window, "Add", "Add x.urdf")
     assert document.text == before
     assert "x.urdf" in told[-1]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rlbench_pin.builder.contracts import Judgement
+from rlbench_pin.builder.contracts import ValidationLine
 from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.builder.view import Window
 from tests.builder.view.conftest import Show, call, control, press, settle, text
-from tests.builder.view.stand_ins import StageStandIn
+from tests.builder.view.stand_ins import WorkerStandIn
 
 Copied = Callable[[str], TaskDocument]
 
@@ -19,8 +19,8 @@ def _press(window: Window, label: str) -> None:
     settle(window)
 
 
-def _validated(copied: Copied, show: Show, *lines: Judgement) -> Window:
-    window = show(copied("pick_and_lift"), StageStandIn(("waypoint0",), lines=lines))
+def _validated(copied: Copied, show: Show, *lines: ValidationLine) -> Window:
+    window = show(copied("pick_and_lift"), WorkerStandIn(("waypoint0",), lines=lines))
     window.session.post(window.world.allow_code)
     settle(window)
     _press(window, "Validate")
@@ -29,7 +29,7 @@ def _validated(copied: Copied, show: Show, *lines: Judgement) -> Window:
 
 def test_a_verdict_counts_for_the_files_that_were_validated(copied: Copied, show: Show) -> None:
     """An edit makes it one of before; the edit undone, it counts again. Ten demonstrations are not a hundred."""
-    window = _validated(copied, show, Judgement("demonstrations", True, "10 of 10"))
+    window = _validated(copied, show, ValidationLine("demonstrations", True, "10 of 10"))
     assert window.validation.is_green
     assert "100 demonstrations validated (10 of the present files)" in text(window, "Validate")
     window.session.post(lambda: window.session.do(lambda d: d.set("block", "fixed", True)))
@@ -47,12 +47,12 @@ def test_a_verdict_counts_for_the_files_that_were_validated(copied: Copied, show
 def test_a_failure_opens_at_its_seed(copied: Copied, show: Show) -> None:
     """One click plays it; of many, it is said how many more there are."""
     failures = tuple((seed, seed % 3, f"cause {seed}") for seed in range(10))
-    window = _validated(copied, show, Judgement("demonstrations", False, "0 of 10", failures))
+    window = _validated(copied, show, ValidationLine("demonstrations", False, "0 of 10", failures))
     assert (
         not window.validation.is_green and "cause 7" in text(window, "Validate") and "... and 2 more." in text(window, "Validate")
     )
     _press(window, "Open seed 7, variation 1")
-    assert window.world.stage.asked[-1] == "demonstrate 7 1"  # type: ignore[attr-defined]
+    assert window.world.worker.asked[-1] == "demonstrate 7 1"  # type: ignore[attr-defined]
 
 
 def test_the_map_has_a_legend(copied: Copied, show: Show) -> None:
@@ -67,7 +67,7 @@ def test_the_map_has_a_legend(copied: Copied, show: Show) -> None:
 
 def test_what_is_missing_is_said_with_where_to_find_it(copied: Copied, show: Show, tmp_path) -> None:  # type: ignore[no-untyped-def]
     """Of an empty task nearly all."""
-    window = show(TaskDocument.new(tmp_path, "nothing_yet"), StageStandIn())
+    window = show(TaskDocument.new(tmp_path, "nothing_yet"), WorkerStandIn())
     said = text(window, "Validate")
     for missing in (
         "Waypoints for a demonstration (see Add)",
@@ -80,12 +80,12 @@ def test_what_is_missing_is_said_with_where_to_find_it(copied: Copied, show: Sho
 
 def test_seeds_are_walked_through(copied: Copied, show: Show) -> None:
     """Next, before (not below 0), random; each is laid out at once, and time passes in steps."""
-    stage = StageStandIn()
-    window = show(copied("pick_and_lift"), stage)
+    worker = WorkerStandIn()
+    window = show(copied("pick_and_lift"), worker)
 
     def pressed(label: str) -> str:
         press(window, "Try", label)
-        return stage.asked[-1]
+        return worker.asked[-1]
 
     assert [pressed("Next"), pressed("Next"), pressed("Before")] == ["reset 1 0", "reset 2 0", "reset 1 0"]
     assert [pressed("Before"), pressed("Before")] == ["reset 0 0", "reset 0 0"]

@@ -1,4 +1,4 @@
-"""The page shows what is edited, edits reach the text and the stage, and nothing that is broken ends it."""
+"""The page shows what is edited, edits reach the text and the worker, and nothing that is broken ends it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.builder.view import Window
 from rlbench_pin.builder.view.catalogue import primitive_urdf
 from tests.builder.view.conftest import Show, control, controls, press, settle
-from tests.builder.view.stand_ins import StageStandIn
+from tests.builder.view.stand_ins import WorkerStandIn
 
 Copied = Callable[[str], TaskDocument]
 
@@ -39,24 +39,24 @@ def _drag(window: Window, name: str, *moves: tuple[float, float, float]) -> None
 
 def test_edits_reach_the_stage(copied: Copied, show: Show) -> None:
     """Opened once without the task's own code; a moved thing is placed; changed Python is opened anew."""
-    document, stage = copied("pick_and_lift"), StageStandIn(("waypoint0",))
-    window = show(document, stage)
-    assert stage.asked == ["open False", "reach"]
+    document, worker = copied("pick_and_lift"), WorkerStandIn(("waypoint0",))
+    window = show(document, worker)
+    assert worker.asked == ["open False", "reach"]
     _do(window, lambda d: d.set("block", "pose", (0.1, 0.0, 0.0225, 0.0, 0.0, 0.0, 1.0)))
-    assert stage.asked[2:] == ["place", "reach"]
-    assert stage.texts[-1] == document.scene_text
+    assert worker.asked[2:] == ["place", "reach"]
+    assert worker.texts[-1] == document.scene_text
     _do(window, lambda d: d.set_python_text(d.python_text + "\n"))
-    assert stage.asked[4:] == ["open False", "reach"]
+    assert worker.asked[4:] == ["open False", "reach"]
     window.session.post(window.world.allow_code)
     settle(window)
-    assert stage.asked[6:] == ["open True", "reach"]
+    assert worker.asked[6:] == ["open True", "reach"]
 
 
 def test_a_drag_is_one_step_on_the_grid(copied: Copied, show: Show) -> None:
     """What is dragged snaps to centimetres; one undo takes the whole drag back, to the same bytes."""
     document = copied("pick_and_lift")
     before = document.text
-    window = show(document, StageStandIn(("waypoint0",)))
+    window = show(document, WorkerStandIn(("waypoint0",)))
     _drag(window, "block", (0.0, 0.03, 0.0), (0.0, 0.033, 0.0), (0.0, 0.02, 0.0))
     assert "pose = [0.0, 0.08, 0.0225]" in document.scene_text
     assert window.session.places.things["waypoint1"][1] == pytest.approx(0.08)
@@ -65,19 +65,19 @@ def test_a_drag_is_one_step_on_the_grid(copied: Copied, show: Show) -> None:
 
 
 def test_a_dragged_waypoint_takes_the_arm_along(copied: Copied, show: Show) -> None:
-    """The stage is asked to follow, from the configuration of the waypoint."""
-    stage = StageStandIn(("waypoint0", "waypoint1", "waypoint2", "waypoint3"))
-    window = show(copied("pick_and_lift"), stage)
+    """The worker is asked to follow, from the configuration of the waypoint."""
+    worker = WorkerStandIn(("waypoint0", "waypoint1", "waypoint2", "waypoint3"))
+    window = show(copied("pick_and_lift"), worker)
     home = window.view.tip()
     _drag(window, "waypoint1", (0.0, 0.05, 0.0))
-    assert "follow" in stage.asked
+    assert "follow" in worker.asked
     assert not np.allclose(window.view.tip(), home)
 
 
 def test_a_snapped_body_stands_on_the_table(copied: Copied, show: Show) -> None:
     """By its own geometry."""
     document = copied("pick_and_lift")
-    window = show(document, StageStandIn())
+    window = show(document, WorkerStandIn())
     window.session.snap = "table"
     _drag(window, "block", (0.0, 0.0, 0.3))
     assert document.scene_text == document.scene_text.replace("pose = [0.0, 0.0, 0.3", "")
@@ -86,17 +86,17 @@ def test_a_snapped_body_stands_on_the_table(copied: Copied, show: Show) -> None:
 
 def test_a_body_stands_on_what_is_below_it(copied: Copied, show: Show) -> None:
     """A block that is dragged over another one comes to lie on it."""
-    window = show(copied("pick_and_lift"), StageStandIn())
+    window = show(copied("pick_and_lift"), WorkerStandIn())
     window.session.snap = "surface below"
     _drag(window, "block", (0.0, 0.12, 0.2))
     assert window.session.places.things["block"][2] == pytest.approx(0.752 + 0.045 + 0.0225, abs=1e-6)
 
 
 def test_verdicts_colour_the_hands(copied: Copied, show: Show) -> None:
-    """Red where the stage says so."""
-    stage = StageStandIn(("waypoint0",), "unreachable")
+    """Red where the worker says so."""
+    worker = WorkerStandIn(("waypoint0",), "unreachable")
     server = ViserServer("127.0.0.1", 0, verbose=False)
-    window = Window(server, copied("pick_and_lift"), stage)
+    window = Window(server, copied("pick_and_lift"), worker)
     settle(window)
     hand = server.scene.get_handle_by_name("/ghosts/waypoint0")
     assert isinstance(hand, MeshHandle)
@@ -107,32 +107,32 @@ def test_verdicts_colour_the_hands(copied: Copied, show: Show) -> None:
 
 def test_the_page_outlives_a_broken_scene(copied: Copied, show: Show) -> None:
     """Malformed TOML is a problem at its line; the last scene stays in sight, and a mended text goes on."""
-    document, stage = copied("pick_and_lift"), StageStandIn()
-    window = show(document, stage)
+    document, worker = copied("pick_and_lift"), WorkerStandIn()
+    window = show(document, worker)
     good = document.scene_text
     _do(window, lambda d: d.set_scene_text(good.replace("[[region]]", "[[region]")))
     assert [p.file for p in document.problems] == ["scene"]
-    assert len(stage.asked) == 1
+    assert len(worker.asked) == 1
     assert window.session.element("block") is not None
     _do(window, lambda d: d.set_scene_text(good))
     assert not document.problems
 
 
 def test_the_page_outlives_a_broken_stage(copied: Copied, show: Show) -> None:
-    """What the stage raises is shown, and it is asked again after the next edit."""
-    document, stage = copied("pick_and_lift"), StageStandIn(fault="The simulation died.")
-    window = show(document, stage)
+    """What the worker raises is shown, and it is asked again after the next edit."""
+    document, worker = copied("pick_and_lift"), WorkerStandIn(fault="The simulation died.")
+    window = show(document, worker)
     assert window.session.status.fault == "The simulation died."
-    stage.fault = ""
+    worker.fault = ""
     _do(window, lambda d: d.set("block", "fixed", True))
-    assert stage.asked == ["open False", "open False"]
+    assert worker.asked == ["open False", "open False"]
     assert window.session.status.fault == ""
 
 
 def test_refused_edits_are_told_and_change_nothing(copied: Copied, show: Show) -> None:
     """Deleting what others need."""
     document = copied("pick_and_lift")
-    window = show(document, StageStandIn())
+    window = show(document, WorkerStandIn())
     before = document.text
     _do(window, lambda d: d.delete("block"))
     assert document.text == before
@@ -141,7 +141,7 @@ def test_refused_edits_are_told_and_change_nothing(copied: Copied, show: Show) -
 def test_files_changed_on_disk_are_read_again(copied: Copied, show: Show) -> None:
     """What an editor writes appears by itself; with edits that are not saved, somebody has to choose."""
     document = copied("pick_and_lift")
-    window = show(document, StageStandIn())
+    window = show(document, WorkerStandIn())
     file = document.folder / "pick_and_lift.toml"
     file.write_text(document.scene_text.replace("0.12", "0.13"))
     end = time.monotonic() + 10.0
@@ -157,8 +157,8 @@ def test_files_changed_on_disk_are_read_again(copied: Copied, show: Show) -> Non
 
 
 def test_moving_a_body_is_quick(copied: Copied, show: Show) -> None:
-    """The picture follows a drag without waiting for text or stage."""
-    window = show(copied("pick_and_lift"), StageStandIn())
+    """The picture follows a drag without waiting for text or worker."""
+    window = show(copied("pick_and_lift"), WorkerStandIn())
     frame = window._viser.scene.get_handle_by_name("/bodies/block/0")
     window.session.post(lambda: window.session.select("block"))
     settle(window)
@@ -177,7 +177,7 @@ def test_urdf_files_beside_the_task_can_be_added(copied: Copied, show: Show) -> 
     (document.folder / "own").mkdir()
     (document.folder / "own" / "brick.urdf").write_text(primitive_urdf("brick", "box", (0.1, 0.05, 0.04), 0.2, (1.0, 0.0, 0.0)))
     (document.folder / "broken.urdf").write_text("<robot")
-    window = show(document, StageStandIn())
+    window = show(document, WorkerStandIn())
     folder = control(window, "Add", "folder", "Custom URDF").children
     assert folder is not None
     assert {c.label for c in controls(folder) if c.key[0] == "button"} == {"Add broken.urdf", "Add own/brick.urdf"}

@@ -1,1 +1,0 @@
-"""What runs in the process of the stage: the world, and what is asked of it."""

@@ -1,0 +1,88 @@
+"""A thread that does the jobs of a page, one after the other; a world belongs to the thread that made it."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+Job = Callable[[], None]
+
+
+class Interrupted(Exception):
+    """The job is no longer wanted."""
+
+
+class JobThread:
+    """Runs jobs in a thread of its own, in the order in which they came.
+
+    Args:
+        name: Name of the thread.
+        on_error: Called in the thread with the exception of a job; the thread goes on with the next job.
+        at_end: Called in the thread when it ends.
+    """
+
+    def __init__(self, name: str, on_error: Callable[[Exception], None], at_end: Job = lambda: None) -> None:
+        self._on_error, self._at_end = on_error, at_end
+        self._jobs: dict[object, Job] = {}
+        self._posted = 0
+        self._changed, self._stopped, self._busy, self._interrupted = threading.Condition(), False, False, False
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+        self._thread.start()
+
+    def post(self, job: Job, kind: str = "", *, instead: bool = False) -> None:
+        """Add a job.
+
+        Args:
+            job: Called in the thread.
+            kind: A waiting job of the same kind is dropped; empty keeps all.
+            instead: Drop all waiting jobs, and let the present one end at its next `check`.
+        """
+        with self._changed:
+            if self._stopped:
+                return
+            if instead:
+                self._jobs.clear()
+                self._interrupted = self._busy
+            self._posted += 1
+            self._jobs.pop(kind, None)
+            self._jobs[kind or self._posted] = job
+            self._changed.notify_all()
+
+    def check(self) -> None:
+        """Raise Interrupted if the present job is to end; long jobs call this now and then."""
+        if self._interrupted or self._stopped:
+            raise Interrupted
+
+    def wait(self, timeout: float) -> bool:
+        """Wait at most `timeout` [s] until all jobs are done, and return whether they are."""
+        with self._changed:
+            return self._changed.wait_for(lambda: not self._jobs and not self._busy, timeout)
+
+    def stop(self, timeout: float = 10.0) -> None:
+        """Interrupt the present job, drop the waiting ones, and end the thread."""
+        with self._changed:
+            self._stopped = True
+            self._jobs.clear()
+            self._changed.notify_all()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(timeout)
+
+    def _run(self) -> None:
+        while (job := self._next()) is not None:
+            try:
+                job()
+            except Interrupted:
+                pass
+            except Exception as error:  # a page outlives the errors of a task
+                self._on_error(error)
+        self._at_end()
+
+    def _next(self) -> Job | None:
+        with self._changed:
+            self._busy = self._interrupted = False
+            self._changed.notify_all()
+            self._changed.wait_for(lambda: bool(self._jobs) or self._stopped)
+            if self._stopped:
+                return None
+            self._busy = True
+            return self._jobs.pop(next(iter(self._jobs)))

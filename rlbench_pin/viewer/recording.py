@@ -1,0 +1,439 @@
+"""Recordings of simulation, one frame per control tick: episodes, demonstrations, and stored demonstrations played again."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import TracebackType
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rlbench_pin.datasets import key_frames
+from rlbench_pin.environment.demonstrate import DemoPlayer
+from rlbench_pin.environment.listener import Listener
+from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.environment.task_environment import TaskEnvironment
+from rlbench_pin.errors import (
+    DatasetError,
+    DemoError,
+    InvalidActionError,
+    NoIkSolution,
+    PlanningError,
+    ResetError,
+    RlbenchPinError,
+    WaypointError,
+)
+from rlbench_pin.observation import CAMERAS, Demo
+from rlbench_pin.planning.plan import Plan
+from rlbench_pin.scene.spec import BodySpec
+from rlbench_pin.sim import Request, World
+from rlbench_pin.spatial import FloatArray
+from rlbench_pin.tasks import (
+    AllOf,
+    AnyOf,
+    Condition,
+    Detected,
+    DetectedSeveral,
+    FollowPath,
+    Grasped,
+    HasColor,
+    InOrder,
+    JointMoved,
+    ListEmpty,
+    NothingGrasped,
+    Task,
+    TipInside,
+    Waypoint,
+)
+
+FileKind = Literal["scene", "task"]
+"""`<task>.toml` or `<task>.py`."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Something that is wrong in one of the two files."""
+
+    file: FileKind
+    """Which file."""
+    line: int | None
+    """Line, from 1; None when it concerns the whole file."""
+    message: str
+    """What is wrong, what was possible, and the next step."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """The world at the end of one control tick."""
+
+    time: float
+    """Since the reset [s]."""
+    poses: Mapping[str, FloatArray]
+    """`<body>/<link>` -> pose (7,) of the link's URDF frame in the world, for each link of every body of the scene, also those
+    that do not collide."""
+    arm: FloatArray
+    """Joint positions of the arm [rad], shape (n,)."""
+    fingers: FloatArray
+    """Joint positions of the fingers [m]."""
+    velocities: FloatArray
+    """Joint velocities of the arm [rad/s], shape (n,)."""
+    torques: FloatArray
+    """Joint torques of the arm [Nm], shape (n,)."""
+    held: tuple[bool, ...]
+    """Whether each success condition holds, in their order."""
+    success: bool
+    """Whether the goal is reached."""
+    colors: Mapping[str, tuple[float, float, float, float]] = field(default_factory=dict)
+    """`<body>/<link>` -> rgba in 0..1, of the links that were painted since their file was read."""
+
+
+@dataclass(frozen=True, eq=False)
+class Failure:
+    """Why a demonstration or a waypoint failed."""
+
+    cause: str
+    """In words, with the next step."""
+    waypoint: str = ""
+    """On the way to which."""
+    pairs: tuple[tuple[str, str], ...] = ()
+    """What touches what: names of links."""
+    nearest: FloatArray | None = None
+    """The nearest pose (7,) that the tip reaches, where one is known."""
+    problem: Problem | None = None
+    """The line of the task's own code that raised it, where it did."""
+
+
+@dataclass(frozen=True)
+class Segment:
+    """The motion of a demonstration to one waypoint."""
+
+    waypoint: str
+    """Where it leads."""
+    begins: int
+    """Number of the frame at which it begins."""
+    method: str
+    """How it was planned."""
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """A demonstration or another stretch of simulation, frame by frame."""
+
+    frames: tuple[Frame, ...]
+    """One for each control tick, the reset first."""
+    conditions: tuple[str, ...]
+    """What `Frame.held` is about."""
+    instruction: str = ""
+    """The first sentence of the episode."""
+    segments: tuple[Segment, ...] = ()
+    """In order."""
+    failure: Failure | None = None
+    """None when the goal was reached."""
+    added: tuple[BodySpec, ...] = ()
+    """Bodies that were added to the world, each under its name in `Frame.poses`; where they are in a frame, they are there."""
+
+
+def evaluate_conditions(conditions: Sequence[Condition]) -> tuple[bool, ...]:
+    """Return whether each condition holds now; conditions that keep count are left as they were."""
+    before = [condition.state() for condition in conditions]
+    try:
+        return tuple(bool(condition.met()) for condition in conditions)
+    finally:
+        for condition, state in zip(conditions, before, strict=True):
+            condition.set_state(state)
+
+
+def success_texts(task: Task) -> tuple[str, ...]:
+    """Return the success conditions of a task as text, in order."""
+    return tuple(condition_text(condition) for condition in task.get_success_conditions())
+
+
+def missing_conditions(task: Task) -> tuple[str, ...]:
+    """Return the success conditions that do not hold now, as text."""
+    held = evaluate_conditions(task.get_success_conditions())
+    return tuple(text for text, holds in zip(success_texts(task), held, strict=True) if not holds)
+
+
+def condition_text(condition: Condition) -> str:
+    """Return a condition in a few words; for one that a task file defines, the name of its class."""
+    return next((text(condition) for kind, text in _TEXTS if isinstance(condition, kind)), type(condition).__name__)
+
+
+def _combined(words: str) -> Callable[[AllOf | AnyOf | InOrder], str]:
+    return lambda condition: f"{words} ({'; '.join(condition_text(member) for member in condition.members)})"
+
+
+_TEXTS: tuple[tuple[type[Condition], Callable[..., str]], ...] = (
+    (Detected, lambda c: f"{c.thing.name} {'outside' if c.negated else 'inside'} {c.sensor.name}"),
+    (
+        DetectedSeveral,
+        lambda c: f"at least {c.count} of {', '.join(thing.name for thing in c.things)} inside {c.sensor.name}",
+    ),
+    (TipInside, lambda c: f"tip inside {c.sensor.name}"),
+    (FollowPath, lambda c: f"{c.body.name} visits {len(c.points)} points in order"),
+    (Grasped, lambda c: f"{c.body.name} grasped"),
+    (NothingGrasped, lambda c: "nothing grasped"),
+    (HasColor, lambda c: f"{c.body.name} has colour {', '.join(f'{part:.3g}' for part in c.rgb)}"),
+    (JointMoved, lambda c: f"{c.joint.name} moved by more than {c.distance:.4g}"),
+    (ListEmpty, lambda c: "list of the task empty"),
+    (AllOf, _combined("all of")),
+    (AnyOf, _combined("any of")),
+    (InOrder, _combined("in order")),
+)
+
+
+_NUMBER = re.compile(r"-?\d+(\.\d+)?")
+
+
+def failure_of(error: RlbenchPinError, waypoint: str, task: Task) -> Failure:
+    """Return an error of a demonstration as a record, with the evidence of the planning errors that caused it.
+
+    Args:
+        error: What ended the demonstration.
+        waypoint: Name of the waypoint that was approached, or empty.
+        task: The running task; a DemoError lists the conditions that do not hold.
+    """
+    cause, missing = str(error), missing_conditions(task) if isinstance(error, DemoError) else ()
+    if isinstance(error, ResetError):  # count causes that differ in their numbers alone together
+        groups: dict[str, list[str]] = {}
+        for text in error.causes:
+            groups.setdefault(_NUMBER.sub("#", text), []).append(text)
+        causes = "; ".join(f"{len(alike)} x {alike[0]}" for alike in groups.values())
+        cause = f"No layout was found in {len(error.causes)} attempts: {causes}"
+    cause += f" What does not hold: {'; '.join(missing)}." if missing else ""
+    planning = [link for link in _chain(error) if isinstance(link, PlanningError)]
+    pairs = next((found for link in planning if (found := getattr(link, "pairs", ()))), ())
+    poses = [link.nearest for link in planning if isinstance(link, NoIkSolution) and link.nearest is not None]
+    nearest = np.array(poses[0], dtype=float) if poses else None
+    return Failure(cause, waypoint, tuple((str(first), str(second)) for first, second in pairs), nearest)
+
+
+def _chain(error: BaseException) -> Iterator[BaseException]:
+    """Yield an error and the errors that it was raised from, in turn."""
+    link: BaseException | None = error
+    while link is not None:
+        yield link
+        link = link.__cause__ or link.__context__
+
+
+OnFrame = Callable[[Frame], None]
+"""Called with every frame as it is recorded; an exception ends the simulation."""
+OnSegment = Callable[[Segment], None]
+"""Called when the motion to a waypoint is about to begin."""
+
+
+class FrameRecorder(Listener):
+    """Records the world at the beginning of a `with` block and after each control tick in it; changes nothing.
+
+    It does not advance conditions that keep count: whoever runs the episode evaluates the task in every tick, as actions and
+    demonstrations do.
+
+    Args:
+        runtime: The running task.
+        on_frame: Called with every frame.
+        on_segment: Called with every segment of a demonstration.
+
+    Attributes:
+        frames: The frames so far.
+        segments: The segments of a demonstration so far.
+        added: Bodies that were added to the world so far, by name.
+    """
+
+    def __init__(self, runtime: Runtime, on_frame: OnFrame | None = None, on_segment: OnSegment | None = None) -> None:
+        self._runtime, self._on_frame, self._on_segment = runtime, on_frame, on_segment
+        self._began = runtime.world.time
+        self.frames: list[Frame] = []
+        self.segments: list[Segment] = []
+        self.added: dict[str, BodySpec] = {}
+        self._listening = runtime.listening(self)
+
+    def __enter__(self) -> FrameRecorder:
+        self._listening.__enter__()
+        self._runtime.register_step_callback(self._keep)
+        self._began = self._runtime.world.time
+        self._keep()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None) -> None:
+        self._runtime.remove_step_callback(self._keep)
+        self._listening.__exit__(kind, error, traceback)
+
+    def frame(self) -> Frame:
+        """Return the world as it is now, without keeping it."""
+        runtime, robot = self._runtime, self._runtime.robot
+        held = evaluate_conditions(runtime.task.get_success_conditions())
+        return Frame(
+            time=runtime.world.time - self._began,
+            poses={f"{name}/{link}": body.link_pose(link) for name, body in runtime.world.bodies.items() for link in body.links},
+            arm=robot.joint_positions,
+            fingers=robot.fingers,
+            velocities=robot.joint_velocities,
+            torques=np.array(robot.joint_torques),
+            held=held,
+            success=bool(held) and all(held),
+            colors=_painted_links(runtime.world),
+        )
+
+    def on_leg(self, waypoint: Waypoint, plan: Plan) -> None:
+        """Add a segment of a demonstration."""
+        self.segments.append(Segment(waypoint.frame.name, len(self.frames) - 1, plan.report.method))
+        if self._on_segment is not None:
+            self._on_segment(self.segments[-1])
+
+    def recording(self, failure: Failure | None = None) -> Recording:
+        """Return what was recorded so far."""
+        texts, instruction = success_texts(self._runtime.task), next(iter(self._runtime.instructions), "")
+        return Recording(tuple(self.frames), texts, instruction, tuple(self.segments), failure, tuple(self.added.values()))
+
+    def _keep(self) -> None:
+        frame = self.frame()
+        self.added.update(self._runtime.world.spawned)
+        self.frames.append(frame)
+        if self._on_frame is not None:
+            self._on_frame(frame)
+
+
+def _painted_links(world: World) -> dict[str, tuple[float, float, float, float]]:
+    """Return `<body>/<link>` -> rgba of the links whose colour differs from their URDF file."""
+    return {
+        f"{name}/{link}": colors[index]
+        for name, body in world.bodies.items()
+        if (colors := body.colors)
+        for link, index in body.model.links.items()
+        if index in colors
+    }
+
+
+def record_reset(task_environment: TaskEnvironment, seed: int, variation: int) -> Recording:
+    """Reset a task and return the frame after it, with the reason if no start is found.
+
+    Args:
+        task_environment: The task.
+        seed: Seed of the episode.
+        variation: Its variation.
+    """
+    runtime, failure = task_environment.runtime, None
+    try:
+        task_environment.reset(seed=seed, variation=variation)
+    except ResetError as error:
+        failure = failure_of(error, "", runtime.task)
+    with FrameRecorder(runtime) as recorder:
+        return recorder.recording(failure)
+
+
+def record_demonstration(
+    task_environment: TaskEnvironment,
+    seed: int,
+    variation: int,
+    on_frame: OnFrame | None = None,
+    on_segment: OnSegment | None = None,
+) -> Recording:
+    """Reset a task, play its demonstration once and return every frame, with the reason if it fails.
+
+    Args:
+        task_environment: The task.
+        seed: Seed of the episode.
+        variation: Its variation.
+        on_frame: Called with every frame, the reset first; an error that it raises ends the demonstration and is passed on.
+        on_segment: Called with every segment as it begins.
+    """
+    runtime, start = task_environment.runtime, record_reset(task_environment, seed, variation)
+    if start.failure is not None:
+        return start
+    player = DemoPlayer(runtime, record=False)
+    with FrameRecorder(runtime, on_frame, on_segment) as recorder:
+        try:
+            player.play()
+        except (PlanningError, WaypointError, DemoError) as error:
+            waypoint = "" if player.waypoint is None else player.waypoint.frame.name
+            return recorder.recording(failure_of(error, waypoint, runtime.task))
+        return recorder.recording()
+
+
+def recording_of_demo(task_environment: TaskEnvironment, demo: Demo, on_frame: OnFrame | None = None) -> Recording:
+    """Restore the start of a stored demonstration, replay it, and return every frame.
+
+    It plays the recorded actions, or without them the recorded joint positions and gripper openings. A motion of the gripper
+    has one frame per control tick, however many were stored. The segments lead from key frame to key frame.
+
+    Args:
+        task_environment: Its task, with absolute joint positions and an opening as actions, as `make_environment` has them.
+        demo: The demonstration; images are not needed.
+        on_frame: Called with every frame, the start first; an error that it raises ends the motion and is passed on.
+
+    Raises:
+        TaskEnvironmentError: It is of another task, or its start cannot be restored.
+        DemoError: It holds neither actions nor joint positions.
+    """
+    actions = list(_actions(demo))
+    instructions, _ = task_environment.reset_to_demo(demo)
+    places, reached, refused = [0], False, ""
+    with FrameRecorder(task_environment.runtime, on_frame) as recorder:
+        for action in actions:
+            try:
+                reached = bool(task_environment.step(action)[1]) or reached
+            except InvalidActionError as error:
+                refused = f" An action was refused: {error}"
+                break
+            places.append(len(recorder.frames) - 1)
+        failure = None if reached else _missed(demo, recorder, places, refused, task_environment)
+        played = recorder.recording(failure)
+    sentence = next(iter(demo.instructions or instructions), played.instruction)
+    return Recording(played.frames, played.conditions, sentence, _segments(demo, places), failure, played.added)
+
+
+def _actions(demo: Demo) -> Iterator[FloatArray]:
+    """Yield joint positions [rad] and gripper opening for each frame but the first."""
+    for number, observation in enumerate(demo[1:], start=1):
+        if "joint_position_action" in observation.misc:
+            yield np.asarray(observation.misc["joint_position_action"], dtype=float)
+        elif observation.joint_positions is not None and observation.gripper_open is not None:
+            yield np.append(observation.joint_positions, observation.gripper_open)
+        else:
+            raise DemoError(
+                f"Frame {number} of the demonstration holds neither `joint_position_action` nor `joint_positions` with "
+                "`gripper_open`, so it cannot be played again. Record it live."
+            )
+
+
+def _segments(demo: Demo, places: list[int]) -> tuple[Segment, ...]:
+    """Return the segments to the key frames that were played; none if velocities or gripper openings are not stored."""
+    try:
+        ends = [index for index in key_frames(demo) if index < len(places)]
+    except DatasetError:
+        return ()
+    begins = [0, *ends[:-1]]
+    return tuple(Segment(f"key frame {number}", places[begin], "") for number, begin in enumerate(begins[: len(ends)], start=1))
+
+
+def _missed(demo: Demo, recorder: FrameRecorder, places: list[int], refused: str, task_environment: TaskEnvironment) -> Failure:
+    stored = [observation.joint_positions for observation in demo[: len(places)]]
+    apart = [
+        float(np.abs(recorder.frames[place].arm - q).max()) for place, q in zip(places, stored, strict=True) if q is not None
+    ]
+    by = f" Its joints come as far as {max(apart):.3g} rad from the stored ones." if apart else ""
+    missing = "; ".join(missing_conditions(task_environment.task))
+    return Failure(
+        f"Played again, the stored demonstration does not reach its goal.{by}{refused} What does not hold: {missing}. "
+        "It was recorded with another version of the task or of a library; `rlbench-pin record` makes a new one."
+    )
+
+
+def camera_images(runtime: Runtime, size: int = 160) -> dict[str, NDArray[np.uint8]]:
+    """Return the present image (size, size, 3) of each of the five cameras, with the shadows of the settings."""
+    config = runtime.observer.config
+    runtime.world.renderer.lighting = config.lighting
+    requests = [
+        Request(
+            replace(runtime.cameras[name].view(), size=(size, size)),
+            depth=False,
+            mask=False,
+            shadows=config.camera(name).draws_shadows,
+        )
+        for name in CAMERAS
+    ]
+    images = runtime.world.renderer.render_all(requests)
+    return {name: image.rgb for name, image in zip(CAMERAS, images, strict=True) if image.rgb is not None}
