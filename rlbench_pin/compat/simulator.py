@@ -9,7 +9,7 @@ from rlbench_pin.environment import ObservationConfig
 from rlbench_pin.environment.observations import CameraPlaces
 from rlbench_pin.environment.runtime import EmptyTable, Runtime, RuntimeT, build_runtime
 from rlbench_pin.planning.planner import PlannerConfig
-from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
+from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.sim import World
 from rlbench_pin.tasks import Task

@@ -16,7 +16,7 @@ from pydantic_core import PydanticUndefined
 from tomlkit.items import AoT, InlineTable, Table
 
 from rlbench_pin.errors import InvalidValue, SceneFileError, StorageError
-from rlbench_pin.scene.short_forms import ShortFormError, placement_for_file, write_out
+from rlbench_pin.scene.reader import ShortFormError, placement_for_file, write_out
 from rlbench_pin.scene.spec import (
     FORMAT,
     BodySpec,

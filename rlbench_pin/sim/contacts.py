@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rlbench_pin.sim.bodies.model import LoadedModel
 from rlbench_pin.sim.client import PhysicsClient, bullet
+from rlbench_pin.sim.loaded_model import LoadedModel
 from rlbench_pin.spatial import FloatArray
 
 TOUCH_DISTANCE = 5e-4

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from rlbench_pin.scene.model_files import resolve_asset
+from rlbench_pin.scene.reader import resolve_asset
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.urdf import read_urdf

@@ -14,9 +14,8 @@ from types import ModuleType
 
 from rlbench_pin.errors import AssetInvalid, AssetNotFound, InvalidValue, TaskError
 from rlbench_pin.front_door import class_name
-from rlbench_pin.scene.kinds import NAME_PATTERN
-from rlbench_pin.scene.model_files import resolve_asset
-from rlbench_pin.scene.reader import read_scene
+from rlbench_pin.scene.reader import read_scene, resolve_asset
+from rlbench_pin.scene.spec import NAME_PATTERN
 from rlbench_pin.tasks.task import Task, snake_case
 from rlbench_pin.urdf import read_urdf
 from rlbench_pin.values import as_path, as_several, as_text

@@ -29,7 +29,7 @@ from rlbench_pin.environment.randomization.config import DynamicsRandomizationCo
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.planning import PlannerConfig, PoseRegion, TorqueLimits
 from rlbench_pin.recording.config import PictureConfig, RecordConfig
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.description import robot_description
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.sim import CameraView, Light, Lighting
 

@@ -18,7 +18,7 @@ from rlbench_pin.builder.document.scene_text.poses import exact_pose_keys
 from rlbench_pin.builder.document.scene_text.records import written_keys
 from rlbench_pin.builder.document.scene_text.scene_text import PLACEMENT, POSED, TABLES, SceneText
 from rlbench_pin.errors import InvalidValue
-from rlbench_pin.scene.short_forms import placement_for_file
+from rlbench_pin.scene.reader import placement_for_file
 from rlbench_pin.scene.spec import ROOT, PlacementSpec
 from rlbench_pin.values import as_choice, as_text, as_whole
 

@@ -13,9 +13,9 @@ import trimesh
 from numpy.typing import NDArray
 from PIL import Image
 
-from rlbench_pin.robot.surfaces import shape_surface
-from rlbench_pin.sim.render.quads import Quad, read_quads
-from rlbench_pin.sim.render.raster.normals import creased_normals
+from rlbench_pin.robot.geometry import shape_surface
+from rlbench_pin.sim.render.raster.meshes import creased_normals
+from rlbench_pin.sim.room import Quad, read_quads
 from rlbench_pin.spatial import FloatArray, pose_to_matrix
 from rlbench_pin.urdf import UrdfShape
 

@@ -29,7 +29,7 @@ from rlbench_pin.builder.stage.link import Link, OnNote
 from rlbench_pin.builder.stage.session import Session
 from rlbench_pin.builder.stage.turns import Turns
 from rlbench_pin.builder.stage.wire import plain, record
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.description import robot_description
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_array, as_flag, as_function, as_number, as_pose, as_record, as_seed, as_text, as_whole
 

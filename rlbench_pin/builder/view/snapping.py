@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from rlbench_pin.errors import RlbenchPinError
-from rlbench_pin.robot.surfaces import shape_surface
+from rlbench_pin.robot.geometry import shape_surface
 from rlbench_pin.scene import BodySpec, SceneSpec, resolve_asset
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, pose_to_matrix
 from rlbench_pin.urdf import read_urdf

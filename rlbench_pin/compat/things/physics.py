@@ -8,7 +8,7 @@ from rlbench_pin.compat.things.element import Element, UnsupportedCall
 from rlbench_pin.compat.things.table import ObjectTable
 from rlbench_pin.compat.things.thing import Thing
 from rlbench_pin.errors import RlbenchPinError
-from rlbench_pin.robot import surfaces
+from rlbench_pin.robot import geometry
 from rlbench_pin.sim import Body
 from rlbench_pin.spatial import FloatArray, compose, pose_at, pose_to_matrix
 from rlbench_pin.urdf import UrdfOrigin, read_urdf
@@ -133,4 +133,4 @@ def _centre_of_mass(body: Body) -> tuple[FloatArray, FloatArray]:
 def volume(thing: Thing) -> float:
     """Return the volume of the solid parts [m^3]; where they overlap it counts twice."""
     parts = [part for parts, _ in thing.solids() for part in parts]
-    return float(np.sum([surfaces.part_volume(part) for part in parts]))
+    return float(np.sum([geometry.part_volume(part) for part in parts]))

@@ -16,7 +16,7 @@ from rlbench_pin.compat.things.table import ObjectTable
 from rlbench_pin.compat.things.thing import BodyThing, LinkThing, Thing
 from rlbench_pin.environment.runtime import EmptyTable
 from rlbench_pin.errors import AssetInvalid, RlbenchPinError
-from rlbench_pin.robot import surfaces
+from rlbench_pin.robot import geometry
 from rlbench_pin.scene.spec import WORLD, BodySpec
 from rlbench_pin.spatial import FloatArray, pose_to_se3, relative
 from rlbench_pin.urdf import read_urdf
@@ -80,7 +80,7 @@ def read_mesh(filename: str, scale: float) -> tuple[FloatArray, NDArray[np.int64
     file = Path(filename).expanduser().resolve()
     if file.suffix.lower() in (".ttm", ".ttt"):
         raise AssetInvalid(file, "it is a model of another simulator; export its shapes as obj or stl, and import those")
-    return surfaces.mesh_surface(file, scale)
+    return geometry.mesh_surface(file, scale)
 
 
 def spawn(table: ObjectTable, name: str, asset: Path, look: Look) -> Element:
@@ -177,13 +177,13 @@ def surface(thing: Thing) -> tuple[FloatArray, NDArray[np.int64], FloatArray]:
 
 def _surfaces(thing: Thing) -> list[tuple[FloatArray, NDArray[np.int64]]]:
     if not isinstance(thing, BodyThing | LinkThing):
-        return [surfaces.part_surface(part) for parts, _ in thing.solids() for part in parts]
+        return [geometry.part_surface(part) for parts, _ in thing.solids() for part in parts]
     links = thing.body.links if isinstance(thing, BodyThing) else (thing.link,)
     visuals = {link.name: link.visuals for link in read_urdf(thing.body.model.urdf).links}
     found = []
     for link in links:
         T_thing_link = pose_to_se3(relative(thing.body.link_pose(link), thing.pose))
         for shape in visuals[link]:
-            vertices, faces = surfaces.shape_surface(shape, thing.body.model.scale)
+            vertices, faces = geometry.shape_surface(shape, thing.body.model.scale)
             found.append((vertices @ T_thing_link.rotation.T + T_thing_link.translation, faces))
     return found

@@ -9,7 +9,7 @@ from rlbench_pin.errors import InvalidArgument
 from rlbench_pin.evaluation.challenge.references import find_learner
 from rlbench_pin.evaluation.challenge.splits import MetaSplit, meta_split
 from rlbench_pin.evaluation.run.config import LARGEST_START, MOST_EPISODES, SECONDS, EvaluationConfig
-from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
+from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.values import as_choice, as_flag, as_names, as_number, as_several, as_text, as_whole
 
 SHOTS = (1, 5, 20)

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from inspect import Parameter, signature
 from typing import Any
 
-from rlbench_pin.control.safety_records import SafetyConfig
+from rlbench_pin.control.safety_filter import SafetyConfig
 from rlbench_pin.environment.actions import (
     ActionMode,
     Discrete,

@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from rlbench_pin.robot.description import RobotDescription
-from rlbench_pin.sim.bodies.body import Body
-from rlbench_pin.sim.bodies.model import LoadedModel
+from rlbench_pin.sim.body import Body
 from rlbench_pin.sim.client import bullet
+from rlbench_pin.sim.loaded_model import LoadedModel
 from rlbench_pin.spatial import FloatArray, pose_to_se3, relative, se3_to_pose
 
 _FORCE = 200.0

@@ -10,12 +10,12 @@ import pinocchio as pin
 
 from rlbench_pin.errors import InvalidActionError, InvalidValue
 from rlbench_pin.robot import geometry
+from rlbench_pin.sim.arm.control import SimRobot
 from rlbench_pin.sim.arm.grasp import Attachment, Attachments
-from rlbench_pin.sim.arm.robot import SimRobot
-from rlbench_pin.sim.bodies.body import Body
+from rlbench_pin.sim.body import Body
 from rlbench_pin.sim.client import bullet
 from rlbench_pin.sim.contacts import touched_links
-from rlbench_pin.sim.sensor import volume_meets
+from rlbench_pin.sim.frames import volume_meets
 from rlbench_pin.spatial import FloatArray, pose_to_se3
 from rlbench_pin.values import as_number
 
@@ -48,7 +48,7 @@ class SimGripper:
 
     Args:
         robot: The arm that carries the hand.
-        find: Looks a body up by name.
+        find: Appearance a body up by name.
         bodies: Returns all bodies of the scene.
     """
 

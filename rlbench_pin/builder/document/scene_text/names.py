@@ -10,7 +10,7 @@ from rlbench_pin.builder.document.scene_text.arrays import detached
 from rlbench_pin.builder.document.scene_text.edits import replaced
 from rlbench_pin.builder.document.scene_text.scene_text import SceneText, Thing
 from rlbench_pin.builder.document.scene_text.values import literal
-from rlbench_pin.scene.checks import RESERVED
+from rlbench_pin.scene.reader import RESERVED
 
 _NUMBERED = re.compile(r"(.*[^0-9])([0-9]{1,9})")
 

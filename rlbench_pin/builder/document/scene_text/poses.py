@@ -11,7 +11,7 @@ import numpy as np
 from rlbench_pin.builder.document.scene_text.values import is_same, rounded_angle, rounded_length
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.scene import FrameSpec
-from rlbench_pin.scene.short_forms import ShortFormError, write_out
+from rlbench_pin.scene.reader import ShortFormError, write_out
 from rlbench_pin.spatial import FloatArray, euler_to_quaternion, pose_to_matrix
 
 Numbers = list[float]

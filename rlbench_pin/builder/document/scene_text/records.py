@@ -9,7 +9,7 @@ from rlbench_pin.builder.document.scene_text.poses import pose_keys, short_pose
 from rlbench_pin.builder.document.scene_text.scene_text import PLACEMENT
 from rlbench_pin.builder.document.scene_text.values import is_same, plain
 from rlbench_pin.errors import RlbenchPinError, UnknownName
-from rlbench_pin.scene.short_forms import ShortFormError, TablePlacement, write_out
+from rlbench_pin.scene.reader import ShortFormError, TablePlacement, write_out
 from rlbench_pin.scene.spec import ArcSpec, PlacementSpec, Spec, SpringSpec
 from rlbench_pin.scene.writer import TABLES
 from rlbench_pin.values import as_several

@@ -11,8 +11,7 @@ from typing import Any
 from rlbench_pin.builder.document.errors import EditRefused
 from rlbench_pin.builder.document.scene_text.layout import Section, layout_of
 from rlbench_pin.errors import UnknownName
-from rlbench_pin.scene.reader import raw_scene
-from rlbench_pin.scene.short_forms import ShortFormError, write_out
+from rlbench_pin.scene.reader import ShortFormError, raw_scene, write_out
 
 TABLES = ("body", "joint", "frame", "region", "sensor", "waypoint", "departure")
 """Arrays of tables, in the order in which a new file has them."""

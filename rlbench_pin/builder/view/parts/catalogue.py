@@ -15,7 +15,7 @@ from rlbench_pin.assets import ASSETS
 from rlbench_pin.builder.figures.chain import link_poses
 from rlbench_pin.builder.view.parts.raster import painted
 from rlbench_pin.errors import RlbenchPinError
-from rlbench_pin.robot.surfaces import shape_surface
+from rlbench_pin.robot.geometry import shape_surface
 from rlbench_pin.spatial import FloatArray, pose_to_matrix
 from rlbench_pin.urdf import read_urdf
 

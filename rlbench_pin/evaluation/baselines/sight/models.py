@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from rlbench_pin.assets import asset_path
-from rlbench_pin.robot.surfaces import shape_surface
+from rlbench_pin.robot.geometry import shape_surface
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.urdf import UrdfLink, kinematic_urdf, read_urdf
 

@@ -12,7 +12,7 @@ from rlbench_pin.compat.things.names import ROOM_NAMES
 from rlbench_pin.environment.randomization import DynamicsRandomizationConfig, RandomizeEvery
 from rlbench_pin.environment.randomization import VisualRandomizationConfig as NativeVisualRandomizationConfig
 from rlbench_pin.environment.randomization.config import RandomizationConfig
-from rlbench_pin.robot.catalogue import SUPPORTED_ROBOTS
+from rlbench_pin.robot.description import SUPPORTED_ROBOTS
 
 
 class VisualRandomizationConfig(NativeVisualRandomizationConfig):

@@ -12,7 +12,7 @@ from pyrep.robots.configuration_paths.configuration_path import ConfigurationPat
 from rlbench_pin.compat import arm_planning
 from rlbench_pin.compat.arm_planning import Pace
 from rlbench_pin.compat.simulator import Simulator
-from rlbench_pin.control.tracking import TrajectoryTracker
+from rlbench_pin.control.following import TrajectoryTracker
 from rlbench_pin.errors import RetimingError
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
