@@ -19,10 +19,6 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from rlbench_pin.errors import InvalidRecord, nearest_name, shown
 from rlbench_pin.spatial import TABLE_HEIGHT
 
-if TYPE_CHECKING:
-    from pydantic._internal._model_construction import ModelMetaclass
-
-
 _WORDS = {
     "Input should be a valid tuple": "it has to be a list",
     "Input should be a valid string": "it has to be a text",
@@ -194,6 +190,12 @@ FORMAT = 2
 """Format of new files."""
 ROOT = "root"
 WORLD = "world"
+
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
 
 
 class _RecordType(ModelMetaclass):

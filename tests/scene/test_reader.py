@@ -10,8 +10,8 @@ import pytest
 
 from rlbench_pin.errors import AssetInvalid, AssetNotFound, SceneFileError
 from rlbench_pin.scene import SceneSpec, read_scene, read_scene_text, resolve_asset
-from rlbench_pin.scene.reader import raw_scene, read_scene, scene_from_raw
-from rlbench_pin.scene.spec import FrameSpec, PlacementSpec, SceneSpec
+from rlbench_pin.scene.reader import raw_scene, scene_from_raw
+from rlbench_pin.scene.spec import FrameSpec, PlacementSpec
 from rlbench_pin.scene.writer import write_scene
 from rlbench_pin.spatial import TABLE_HEIGHT, euler_to_quaternion
 from rlbench_pin.tasks import LIBRARY
