@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field, fields
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, overload
+from typing import Any, overload
 
 import numpy as np
 
 from rlbench_pin.errors import TaskEnvironmentError
-from rlbench_pin.front_door import front_door
 from rlbench_pin.values import as_names, as_record, as_several, as_text, as_whole, is_whole
 
 Array = np.ndarray
@@ -206,6 +205,3 @@ def _shown(seed: object) -> str:
 
 
 __all__ = ["CAMERAS", "FIELDS", "LOW_DIM", "PRODUCTS", "Demo", "Observation", "OptionalFields"]
-
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)

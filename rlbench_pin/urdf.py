@@ -11,10 +11,8 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rlbench_pin.errors import AssetInvalid, AssetNotFound
-from rlbench_pin.front_door import front_door
 
 Vector = tuple[float, float, float]
 ZERO: Vector = (0.0, 0.0, 0.0)
@@ -295,6 +293,3 @@ __all__ = [
     "kinematic_urdf",
     "read_urdf",
 ]
-
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)

@@ -9,7 +9,7 @@ from rlbench_pin.cli.arguments import new as arguments
 from rlbench_pin.cli.process.files import storing, write_whole
 from rlbench_pin.errors import StorageError, TaskEnvironmentError
 from rlbench_pin.tasks import camel_case, task_names
-from rlbench_pin.tasks.task_file import name_fault
+from rlbench_pin.tasks.registry import name_fault
 
 TASK = Template('''\
 """$title. (One sentence: what is to be done.)"""

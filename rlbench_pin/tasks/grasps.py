@@ -10,7 +10,7 @@ import numpy as np
 
 from rlbench_pin.errors import BoundaryError, InvalidValue, UnknownName
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.tasks.things import BODY, Bulky, as_things
+from rlbench_pin.tasks.protocols import BODY, Bulky, as_things
 from rlbench_pin.values import as_number, as_pose, as_record, as_several, as_vector
 
 if TYPE_CHECKING:

@@ -10,8 +10,7 @@ import numpy as np
 
 from rlbench_pin.errors import BoundaryError, InvalidValue
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.tasks.conditions.parts import as_part
-from rlbench_pin.tasks.things import BODY, WORLD, Loose, Stepped, as_things
+from rlbench_pin.tasks.protocols import BODY, WORLD, Loose, Stepped, as_part, as_things
 from rlbench_pin.values import as_record
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from rlbench_pin.builder.document.reading import Reading, decoded, encoded_pair,
 from rlbench_pin.builder.document.scene_text.scene_text import SceneText
 from rlbench_pin.builder.document.storage import Contents, Pair, changed_files, read_pair, recover, write_pair
 from rlbench_pin.scene import SceneSpec
-from rlbench_pin.tasks.task_file import name_fault
+from rlbench_pin.tasks.registry import name_fault
 from rlbench_pin.values import as_path, as_text
 
 

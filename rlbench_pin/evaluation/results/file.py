@@ -7,8 +7,8 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+from rlbench_pin.datasets.manifest import parse_json, short
 from rlbench_pin.datasets.storage import write_whole
-from rlbench_pin.datasets.trust import parse_json, short
 from rlbench_pin.errors import ResultsFileError, UnknownName
 from rlbench_pin.evaluation.results.records import FORMAT, HEAD, EpisodeRecord, Results
 from rlbench_pin.values import as_path, as_record

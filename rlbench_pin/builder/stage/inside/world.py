@@ -40,7 +40,7 @@ from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import BoundaryError, ResetError, RlbenchPinError
 from rlbench_pin.scene.reader import read_scene
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.tasks.task_file import load_task_file
+from rlbench_pin.tasks.registry import load_task_file
 
 RAISED = (Exception, SystemExit, KeyboardInterrupt, GeneratorExit)
 """What a task may raise."""
