@@ -16,6 +16,22 @@ from rlbench_pin.values import as_flag, as_number, as_rows, as_vector, as_whole
 if TYPE_CHECKING:
     from rlbench_pin.sim import Body, Frame, ObjectJoint, Sensor, SimGripper, SimRobot
 
+__all__ = [
+    "AllOf",
+    "AnyOf",
+    "Condition",
+    "Detected",
+    "DetectedSeveral",
+    "FollowPath",
+    "Grasped",
+    "HasColor",
+    "InOrder",
+    "JointMoved",
+    "ListEmpty",
+    "NothingGrasped",
+    "TipInside",
+]
+
 
 class Condition(ABC):
     """Answers yes or no for the present instant.
