@@ -10,8 +10,20 @@ import numpy as np
 
 from rlbench_pin.errors import InvalidValue, TaskError
 from rlbench_pin.spatial import FloatArray, pose_to_se3
-from rlbench_pin.tasks.protocols import Colored, HasTip, Holder, Movable, Placed, Posed, Volume, as_part, as_parts, is_solid
-from rlbench_pin.values import as_flag, as_number, as_rows, as_vector, as_whole
+from rlbench_pin.tasks.arguments import (
+    ARM,
+    BODY,
+    BODY_OR_FRAME,
+    COLORED_BODY,
+    FRAME,
+    GRIPPER,
+    JOINT,
+    SENSOR,
+    as_object,
+    as_objects,
+    has_extent,
+)
+from rlbench_pin.values import as_flag, as_number, as_record, as_rows, as_several, as_vector, as_whole
 
 if TYPE_CHECKING:
     from rlbench_pin.sim import Body, Frame, ObjectJoint, Sensor, SimGripper, SimRobot
@@ -62,7 +74,8 @@ class _Combined(Condition):
     """
 
     def __init__(self, members: Sequence[Condition]) -> None:
-        self.members = as_parts(members, Condition, f"members of {type(self).__name__}")
+        what = f"members of {type(self).__name__}"
+        self.members = tuple(as_record(m, Condition, f"entry {n} of {what}") for n, m in enumerate(as_several(members, what)))  # type: ignore[type-abstract]
         if not self.members:
             raise TaskError(f"{type(self).__name__} needs at least one condition.")
 
@@ -139,12 +152,7 @@ class InOrder(_Combined):
 
 def is_detected(thing: Body | Frame, sensor: Sensor) -> bool:
     """Return whether any part of a body touches the volume, or whether the origin of a frame lies in it."""
-    return sensor.detects(thing.name) if is_solid(thing) else sensor.contains(thing.position)
-
-
-def as_sensor(value: Sensor) -> Sensor:
-    """Return a sensor, or raise InvalidValue."""
-    return as_part(value, Volume, "sensor", "a sensor, such as `self.world.sensor(name)`")
+    return sensor.detects(thing.name) if has_extent(thing) else sensor.contains(thing.position)
 
 
 class Detected(Condition):
@@ -157,7 +165,7 @@ class Detected(Condition):
     """
 
     def __init__(self, thing: Body | Frame, sensor: Sensor, negated: bool = False) -> None:
-        self.thing, self.sensor = as_part(thing, Placed, "thing", "a body or a frame"), as_sensor(sensor)
+        self.thing, self.sensor = as_object(thing, BODY_OR_FRAME, "thing"), as_object(sensor, SENSOR, "sensor")
         self.negated = as_flag(negated, "negated")
 
     def met(self) -> bool:
@@ -175,7 +183,7 @@ class DetectedSeveral(Condition):
     """
 
     def __init__(self, things: Sequence[Body | Frame], sensor: Sensor, count: int) -> None:
-        self.things, self.sensor = as_parts(things, Placed, "things"), as_sensor(sensor)
+        self.things, self.sensor = as_objects(things, BODY_OR_FRAME, "things"), as_object(sensor, SENSOR, "sensor")
         self.count = as_whole(count, "count")
         if not 0 < self.count <= len(self.things):
             raise TaskError(f"DetectedSeveral asks for {count} of {len(self.things)} things; choose 1 to {len(self.things)}.")
@@ -194,7 +202,7 @@ class TipInside(Condition):
     """
 
     def __init__(self, robot: SimRobot, sensor: Sensor) -> None:
-        self.robot, self.sensor = as_part(robot, HasTip, "robot", "the arm, `self.robot`"), as_sensor(sensor)
+        self.robot, self.sensor = as_object(robot, ARM, "robot"), as_object(sensor, SENSOR, "sensor")
 
     def met(self) -> bool:
         """Return whether the tip point is inside the volume now."""
@@ -226,8 +234,8 @@ class FollowPath(Condition):
         tolerance: float = 0.01,
         start_after_first: bool = True,
     ) -> None:
-        self.body = as_part(body, Placed, "body", "a body, such as `self.world.body(name)`")
-        self.frame = None if frame is None else as_part(frame, Posed, "frame", "a frame, or None for the world")
+        self.body = as_object(body, BODY, "body")
+        self.frame = None if frame is None else as_object(frame, FRAME, "frame")
         self.points = np.array(as_rows(points, 3, "points"))
         self.tolerance = as_number(tolerance, "tolerance [m]", above=0.0)
         self.start_after_first = as_flag(start_after_first, "start_after_first")
@@ -270,10 +278,6 @@ class FollowPath(Condition):
         self.index, self.strikes, self.lost = cast(tuple[int, int, bool], state)
 
 
-def _as_hand(value: SimGripper) -> SimGripper:
-    return as_part(value, Holder, "gripper", "the hand, `self.gripper`")
-
-
 class Grasped(Condition):
     """Holds while `body` is attached to the hand.
 
@@ -283,8 +287,8 @@ class Grasped(Condition):
     """
 
     def __init__(self, gripper: SimGripper, body: Body) -> None:
-        self.gripper = _as_hand(gripper)
-        self.body = as_part(body, Placed, "body", "a body, such as `self.world.body(name)`")
+        self.gripper = as_object(gripper, GRIPPER, "gripper")
+        self.body = as_object(body, BODY, "body")
 
     def met(self) -> bool:
         """Return whether the body is attached to the hand now."""
@@ -299,7 +303,7 @@ class NothingGrasped(Condition):
     """
 
     def __init__(self, gripper: SimGripper) -> None:
-        self.gripper = _as_hand(gripper)
+        self.gripper = as_object(gripper, GRIPPER, "gripper")
 
     def met(self) -> bool:
         """Return whether the hand holds nothing now."""
@@ -315,7 +319,7 @@ class HasColor(Condition):
     """
 
     def __init__(self, body: Body, rgb: Sequence[float]) -> None:
-        self.body = as_part(body, Colored, "body", "a body, such as `self.world.body(name)`")
+        self.body = as_object(body, COLORED_BODY, "body")
         self.rgb = np.array(as_vector(rgb, 3, "rgb", most=1.0))
 
     def met(self) -> bool:
@@ -333,7 +337,7 @@ class JointMoved(Condition):
     """
 
     def __init__(self, joint: ObjectJoint, distance: float) -> None:
-        self.joint = as_part(joint, Movable, "joint", "a joint, such as `self.world.joint(name)`")
+        self.joint = as_object(joint, JOINT, "joint")
         self.distance = as_number(distance, "distance [rad] or [m]", least=0.0)
         self.start = float(joint.position)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from rlbench_pin.errors import BoundaryError, InvalidValue, UnknownName
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.tasks.protocols import BODY, Bulky, as_things
+from rlbench_pin.tasks.arguments import BODY_WITH_EXTENT, as_objects
 from rlbench_pin.values import as_number, as_pose, as_record, as_several, as_vector
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def easiest_top_grasp(wanted: Sequence[Body], bodies: Sequence[Body], tray: Tray
         BoundaryError: Nothing is wanted.
         InvalidValue: Something is no body or tray, or a wanted body is not among the bodies.
     """
-    wanted, bodies = as_things(wanted, Bulky, "wanted", BODY), as_things(bodies, Bulky, "bodies", BODY)
+    wanted, bodies = as_objects(wanted, BODY_WITH_EXTENT, "wanted"), as_objects(bodies, BODY_WITH_EXTENT, "bodies")
     as_record(tray, Tray, "tray")
     names = [body.name for body in bodies]
     if missing := [body.name for body in wanted if body.name not in names]:

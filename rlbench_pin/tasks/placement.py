@@ -11,21 +11,8 @@ import numpy as np
 
 from rlbench_pin.errors import BoundaryError, InvalidValue, TaskError
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, pose_at, pose_to_se3, relative, se3_to_pose
+from rlbench_pin.tasks.arguments import MOVABLE, REGION, ROOTED_WORLD, Rotation, as_object, as_objects, as_rotations, has_extent
 from rlbench_pin.tasks.boxes import OrientedBox, rotated
-from rlbench_pin.tasks.protocols import (
-    REGION,
-    THING,
-    WORLD,
-    Area,
-    Rooted,
-    Rotation,
-    Solid,
-    Thing,
-    as_part,
-    as_rotations,
-    as_things,
-    is_solid,
-)
 from rlbench_pin.values import as_flag, as_function, as_number, as_record, items_of
 
 if TYPE_CHECKING:
@@ -50,9 +37,9 @@ class SpawnBoundary:
     """
 
     def __init__(self, regions: Iterable[Region]) -> None:
-        self._regions = as_things(regions, Area, "regions", REGION)
+        self._regions = as_objects(regions, REGION, "regions")
         if not self._regions:
-            raise TaskError(f"SpawnBoundary needs at least one region, {REGION.removeprefix('a region, ')}.")
+            raise TaskError(f"SpawnBoundary needs at least one region, {REGION.words.removeprefix('a region, ')}.")
         measures = np.array([_measure(region) for region in self._regions])
         self._weights = measures / measures.sum()
         self._placed: list[tuple[str, OrientedBox, FloatArray]] = []
@@ -98,7 +85,7 @@ class SpawnBoundary:
             BoundaryError: No place was found in `MAX_SAMPLES` tries.
             InvalidValue: Something is no body, generator, rotation or distance.
         """
-        as_part(thing, Thing, "thing", THING)
+        as_object(thing, MOVABLE, "thing")
         as_record(rng, np.random.Generator, "rng")
         rotations = as_rotations(min_rotation, max_rotation, "min_rotation", "max_rotation")
         min_distance = as_number(min_distance, "min_distance", least=0.0)
@@ -149,7 +136,7 @@ class SpawnBoundary:
             BoundaryError: A thing found no place, or none of `MAX_LAYOUTS` layouts was accepted.
             InvalidValue: Something is no body, generator, distance or function.
         """
-        things = as_things(things, Thing, "things", THING)
+        things = as_objects(things, MOVABLE, "things")
         as_record(rng, np.random.Generator, "rng")
         as_function(accept, "accept")
         min_distance = as_number(min_distance, "min_distance", least=0.0)
@@ -188,8 +175,8 @@ def clearance(thing: Body | Frame, others: Iterable[Body | Frame]) -> float:
 
     Infinity where there are no others.
     """
-    as_part(thing, Thing, "thing", THING)
-    others = as_things(others, Thing, "others", THING)
+    as_object(thing, MOVABLE, "thing")
+    others = as_objects(others, MOVABLE, "others")
     gaps = (np.linalg.norm((other.position - thing.position)[:2]) for other in others if other is not thing)
     return float(min(gaps, default=np.inf))
 
@@ -205,9 +192,9 @@ def _measure(region: Region) -> float:
 
 def _bounds(thing: Body | Frame) -> FloatArray:
     """Local bounding box (2, 3) [m]; a frame is a point."""
-    if not is_solid(thing):
+    if not has_extent(thing):
         return np.zeros((2, 3))
-    return np.asarray(cast(Solid, thing).bounds(), dtype=float)
+    return np.asarray(cast("Body", thing).bounds(), dtype=float)
 
 
 def _draw_pose(
@@ -269,7 +256,7 @@ def place_task(world: World, rng: np.random.Generator, bounds: tuple[Rotation, R
         BoundaryError: The footprint does not fit at any of `MAX_TURNS` drawn orientations.
         InvalidValue: Something is no world, generator or pair of rotations.
     """
-    as_part(world, Rooted, "world", WORLD)
+    as_object(world, ROOTED_WORLD, "world")
     as_record(rng, np.random.Generator, "rng")
     if len(items_of(bounds)) != 2:
         raise InvalidValue("bounds", bounds, "has to be the lowest and the highest roll, pitch, yaw", "They are in radians.")
@@ -294,8 +281,8 @@ def place_task(world: World, rng: np.random.Generator, bounds: tuple[Rotation, R
 
 def swap_places(first: Body, second: Body) -> None:
     """Exchange x and y of two bodies; heights and orientations stay."""
-    as_part(first, Thing, "first", THING)
-    as_part(second, Thing, "second", THING)
+    as_object(first, MOVABLE, "first")
+    as_object(second, MOVABLE, "second")
     pose, other = np.array(first.pose), np.array(second.pose)
     pose[:2], other[:2] = other[:2].copy(), pose[:2].copy()
     first.set_pose(pose)
