@@ -427,7 +427,7 @@ class CameraError(RlbenchPinError):
 
 
 class InvalidCamera(CameraError, InvalidValue):
-    """A camera was given a size, a pose or a setting with which no picture can be taken."""
+    """A camera was given a size, a pose or a setting with which no image can be taken."""
 
 
 class TaskError(RlbenchPinError):

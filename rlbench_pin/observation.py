@@ -34,14 +34,14 @@ class OptionalFields:
     """Fields that an observation has only when something sets them; until then they are None and not among its `vars`."""
 
     ignore_collisions: bool | None = None
-    """In demonstrations: whether the leg that leads here was planned without collision checks."""
+    """In demonstrations: whether the segment that leads here was planned without collision checks."""
 
 
 @dataclass(eq=False)
 class Observation(OptionalFields):
     """What is known at one instant; a field is None when it was not asked for.
 
-    Pictures are (h, w, ...) arrays, top row first: rgb uint8, depth float32, mask int32, point cloud float32 in the world frame
+    Images are (h, w, ...) arrays, top row first: rgb uint8, depth float32, mask int32, point cloud float32 in the world frame
     [m]. Joint data are (n,) float64 in [rad], [rad/s], [N m]; `gripper_pose` is the tip pose (7,) in the world.
     """
 
@@ -100,7 +100,7 @@ class Observation(OptionalFields):
 
 
 FIELDS: tuple[str, ...] = tuple(f.name for f in fields(Observation) if f.name != "misc")
-"""The declared fields of observations, pictures first, without `misc`."""
+"""The declared fields of observations, images first, without `misc`."""
 
 
 class Demo(Sequence[Observation]):

@@ -108,7 +108,7 @@ class Urdf:
     meshes: tuple[Path, ...]
     """Mesh files that it names, in file order, each once."""
     textures: tuple[Path, ...]
-    """Picture files that its materials name."""
+    """Image files that its materials name."""
 
     @property
     def link_names(self) -> tuple[str, ...]:

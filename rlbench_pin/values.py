@@ -61,7 +61,7 @@ KindT = TypeVar("KindT")
 LARGEST_SEED = 2**63 - 1
 """Stored episodes keep their seed in 64 bits, with a sign."""
 LARGEST_SIDE = 8192
-"""Pictures have at most so many columns and rows [px]."""
+"""Images have at most so many columns and rows [px]."""
 LONGEST_NAME, LONGEST_PATH = 255, 4095
 """Bytes of file names and paths of Linux."""
 _NO_NUMBERS = (bool, np.bool_, np.timedelta64)
@@ -174,7 +174,7 @@ def as_interval(
 
 
 def as_picture_size(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> tuple[int, int]:
-    """Return width and height of a picture [px], from a pair or from one number for both; or raise InvalidValue."""
+    """Return width and height of an image [px], from a pair or from one number for both; or raise InvalidValue."""
     sides = (value, value) if isinstance(value, int | np.integer) else items_of(value)
     if len(sides) != 2:
         raise error(what, value, "has to be width and height, two whole numbers, or one for both")

@@ -183,7 +183,7 @@ class Episode:
     # Reading ----------------------------------------------------------------------------------------------------
 
     def __getitem__(self, index: int) -> Observation:
-        """Read one frame; pictures are stored by four frames, so this reads at most three others."""
+        """Read one frame; images are stored by four frames, so this reads at most three others."""
         if not -self._length <= index < self._length:
             raise IndexError(f"There is no frame {index}: the episode has {self._length}.")
         return self.observations(range(index % self._length, index % self._length + 1))[0]

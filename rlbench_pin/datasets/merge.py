@@ -35,7 +35,7 @@ def merge_datasets(roots: Sequence[Path], out: Path, on_episode: Callable[[Move]
     which deletes what was left of a file.
 
     Raises:
-        DatasetConflict: The same seed shows something else, or pictures differ in kind or size, or the result is being written
+        DatasetConflict: The same seed shows something else, or images differ in kind or size, or the result is being written
             to. Nothing was written.
         EpisodeFileError: A file is missing or not what its manifest says.
         StorageError: The disk cannot be written to. Every episode stored before is whole; merging again completes the rest.

@@ -34,7 +34,7 @@ def read_demo(
         path: An episode file.
         fields: Names of `Observation` fields to read; None reads all. `misc` always comes along.
         sha256: What the bytes of the file must add up to; None looks it up in the manifest of the dataset that the file lies in.
-        image_paths: Put into picture fields a text that `read_picture` turns into the picture, and leave the pictures unread.
+        image_paths: Put into image fields a text that `read_picture` turns into the image, and leave the images unread.
         inspector: Reads the file first when no manifest lists it; a process of its own does when None.
 
     Raises:
@@ -53,10 +53,10 @@ def read_demo(
 
 
 def read_picture(reference: str) -> np.ndarray:
-    """Return the picture that a text from `image_paths=True` stands for, as it was recorded.
+    """Return the image that a text from `image_paths=True` stands for, as it was recorded.
 
     Raises:
-        DatasetError: The text names no stored picture.
+        DatasetError: The text names no stored image.
     """
     path, _, inside = as_text(reference, "reference").rpartition("#")
     name, _, frame = inside.partition("/")
@@ -90,7 +90,7 @@ def stored_demos(
         task: Snake-case task name.
         amount: How many, or -1 for all.
         variation: Variation, or -1 for all.
-        image_paths: Leave pictures unread and put texts for `read_picture` in their place.
+        image_paths: Leave images unread and put texts for `read_picture` in their place.
         random_selection: Pick at random, without repeats; otherwise in natural order.
         from_episode_number: First episode when taken in order, counted from 0 through all that there are, also over variations.
         rng: Draws the random selection; needed when there is one.
@@ -219,7 +219,7 @@ class TaskInfo:
     causes: dict[str, int]
     """Kind of failure -> tries that failed so."""
     pictures: dict[str, tuple[int, ...]]
-    """Picture field -> its shape, in the first episode."""
+    """Image field -> its shape, in the first episode."""
     versions: dict[str, tuple[str, ...]]
     """Library -> its versions."""
 
@@ -251,7 +251,7 @@ def task_info(root: Path, task: str) -> TaskInfo:
 
 
 def stored_pictures(path: Path) -> dict[str, tuple[int, ...]]:
-    """Return the picture fields of an episode file and their shapes."""
+    """Return the image fields of an episode file and their shapes."""
     with Episode(path) as episode:
         wanted = [f"{camera}_{product}" for camera in CAMERAS for product in PRODUCTS]
         return {name: episode.shape(name) for name in wanted if name in episode.fields}

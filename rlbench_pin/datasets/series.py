@@ -32,7 +32,7 @@ _REACH = 24576
 """Bytes of one frame in one plane of a chunk, well within deflate's window."""
 _LEVEL = 2
 _LEAST = 4096
-"""Smaller frames are no pictures [bytes]."""
+"""Smaller frames are no images [bytes]."""
 
 
 def are_pictures(values: Sequence[object]) -> bool:
@@ -42,7 +42,7 @@ def are_pictures(values: Sequence[object]) -> bool:
 
 
 def write_pictures(group: h5py.Group, name: str, frames: Sequence[NDArray]) -> h5py.Dataset:
-    """Store pictures of one shape and type, stacked along the first axis."""
+    """Store images of one shape and type, stacked along the first axis."""
     first = frames[0]
     chunk = _chunk(first.shape, len(frames))
     dataset = group.create_dataset(
@@ -255,7 +255,7 @@ def _create(group: h5py.Group, name: str, data: np.ndarray, compression: str) ->
 
 
 def _create_pictures(group: h5py.Group, name: str, frames: Sequence[np.ndarray], compression: str) -> h5py.Dataset:
-    """Make a dataset of pictures in chunks of some frames."""
+    """Make a dataset of images in chunks of some frames."""
     if compression == "gzip":
         return write_pictures(group, name, frames)
     data = np.stack(frames)

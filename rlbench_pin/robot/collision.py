@@ -196,7 +196,7 @@ def _forget_guesses(data: pin.GeometryData) -> None:
 
 
 TOUCH = 5e-4
-"""Things nearer than this at the start of a motion count as touching [m]."""
+"""Objects nearer than this at the start of a motion count as touching [m]."""
 SLACK = 2e-3
 """How much deeper a contact of the start may become [m]."""
 DEEPEST = 1e-2

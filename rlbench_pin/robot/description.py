@@ -88,7 +88,7 @@ def _panda() -> RobotDescription:
         tip_frame="panda_hand_tcp",
         hand_link="panda_hand",
         finger_links=("panda_leftfinger", "panda_rightfinger"),
-        # In front of the hand, pitched 0.4 rad towards the fingers; at home the top of the image is away from the base.
+        # In front of the gripper, pitched 0.4 rad towards the fingers; at home the top of the image is away from the base.
         camera_pose=(0.08, 0.0, 0.03, 0.1404802, -0.1404802, -0.6930117, 0.6930117),
         home=(0.0, 0.175, 0.0, -0.873, 0.0, 1.222, 0.785),
         base_pose=(-0.273, 0.0, TABLE_HEIGHT, 0.0, 0.0, 0.0, 1.0),

@@ -241,7 +241,7 @@ def short_keys(table: str) -> frozenset[str]:
 
 
 def write_out(table: str, entry: Entry) -> list[Entry]:
-    """Return what one entry of a table stands for, one entry per thing, with plain poses.
+    """Return what one entry of a table stands for, one entry per object, with plain poses.
 
     Args:
         table: Name of the table, such as `body`.

@@ -35,7 +35,7 @@ _KINDS = ("float", "int", "str", "literal", "bool")
 
 @dataclass(frozen=True)
 class Finding:
-    """The first thing that is wrong with a record."""
+    """The first mistake in a record."""
 
     kind: Literal["unknown", "missing", "wrong"]
     """A key that there is not, a key that is not there, or a value that cannot be used."""
@@ -248,7 +248,7 @@ class BodySpec(PosedSpec):
     fixed: Switch = False
     """Welded to its place; otherwise free under gravity."""
     collides: Switch = True
-    """Touches other things; false for markers that are only seen."""
+    """Touches other objects; false for markers that are only seen."""
     color: tuple[Share, Share, Share, Share] | tuple[Share, Share, Share] | None = None
     """Overrides every visual colour: red, green, blue, and perhaps opacity."""
     scale: Number = Field(default=1.0, ge=1e-4, le=100.0)
@@ -290,7 +290,7 @@ class FrameSpec(PosedSpec):
 
 
 class RegionSpec(PosedSpec):
-    """A box in which things are placed at random; flat when its height is 0."""
+    """A box in which objects are placed at random; flat when its height is 0."""
 
     size: tuple[Size, Size, Height]
     """Size along x, y and z; the pose is its middle."""
@@ -313,7 +313,7 @@ class ArcSpec(Spec):
     angle: Angle
     """Sweep, right-handed about `axis`; at most one turn."""
     twist: Switch = True
-    """Turn the hand with the sweep; otherwise only its position follows."""
+    """Turn the gripper with the sweep; otherwise only its position follows."""
 
     @field_validator("axis")
     @classmethod
@@ -337,7 +337,7 @@ class WaypointSpec(PosedSpec):
     arc: ArcSpec | None = None
     """For `curve`: a circular sweep instead of points."""
     symmetry: Annotated[int, Strict(), Kind("whole number")] = Field(default=1, ge=1, le=12)
-    """The hand may arrive turned about its z by any multiple of 2 pi / symmetry; later waypoints of the same symmetry
+    """The gripper may arrive turned about its z by any multiple of 2 pi / symmetry; later waypoints of the same symmetry
     keep the turn."""
 
     @field_validator("gripper")

@@ -169,7 +169,7 @@ def _link_inertia(model: LoadedModel, info: JointInfo) -> float:
 OnMove = Callable[[str, FloatArray, FloatArray], None]
 """Called with the name of a body and its old and new pose (7,)."""
 Color = tuple[float, float, float, float]
-_STATIC = (2, -3)  # PyBullet's own collision group and mask of things that never move
+_STATIC = (2, -3)  # PyBullet's own collision group and mask of objects that never move
 _DYNAMIC = (1, -1)
 
 
@@ -180,16 +180,16 @@ class Body:
         name: Name in the scene file.
         model: What was loaded.
         fixed: Welded to its place when it is loaded; see `DynamicsOverrides.set_fixed`.
-        collides: Touches other things.
+        collides: Touches other objects.
         on_move: Called with the old and the new pose when `set_pose` moved the body, to carry its descendants along.
     """
 
     def __init__(self, name: str, model: LoadedModel, *, fixed: bool, collides: bool, on_move: OnMove) -> None:
         self.name, self.model, self.fixed, self.loaded_fixed = name, model, fixed, fixed
         self.graspable = False
-        """Whether closing the hand may attach this body; set by tasks."""
+        """Whether closing the gripper may attach this body; set by tasks."""
         self.grasp_links: tuple[str, ...] = ()
-        """Links by which the hand may hold it; empty: by all."""
+        """Links by which the gripper may hold it; empty: by all."""
         self.obstacle = True
         """Whether plans avoid this body; physics does not care."""
         self.joints: dict[str, ObjectJoint] = {n: ObjectJoint(f"{name}/{n}", model, info) for n, info in model.joints.items()}
@@ -377,11 +377,11 @@ class Body:
 
     @property
     def collides(self) -> bool:
-        """Whether the body touches other things."""
+        """Whether the body touches other objects."""
         return self._collides
 
     def set_collides(self, collides: bool) -> None:
-        """Let the body touch other things, or pass through them."""
+        """Let the body touch other objects, or pass through them."""
         if (collides := as_flag(collides, "collides")) == self._collides:
             return
         self._collides = collides
@@ -410,7 +410,7 @@ class Body:
 
 
 def carried(pose: PoseLike, old: PoseLike, new: PoseLike) -> FloatArray:
-    """Where a thing at `pose` goes when its parent moves from `old` to `new`."""
+    """Where an object at `pose` goes when its parent moves from `old` to `new`."""
     return compose(new, relative(pose, old))
 
 

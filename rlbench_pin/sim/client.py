@@ -212,7 +212,7 @@ with captured_output():  # pybullet prints a line when it is imported
 PASSES = 35
 """Most passes over contacts, motors and constraints in one physics step."""
 _RESIDUAL = 3e-7
-"""Square of the largest change of speed in a pass below which a group of things that touch counts as solved [m^2/s^2]."""
+"""Square of the largest change of speed in a pass below which a group of objects that touch counts as solved [m^2/s^2]."""
 _GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
 
 

@@ -42,22 +42,6 @@ class Posed(Protocol):
         ...
 
 
-class Places(Protocol):
-    """What a frame needs of its world."""
-
-    def placement(self, name: str) -> pin.SE3:
-        """Return T_world_x of a body, a link, a frame, `root` or `world`."""
-        ...
-
-    def carry(self, name: str, old: FloatArray, new: FloatArray) -> None:
-        """Move the bodies whose parent, near or far, is `name`, which went from pose `old` to `new`."""
-        ...
-
-    def check_parent(self, child: str, parent: str) -> None:
-        """Raise when `parent` is unknown or a descendant of `child`."""
-        ...
-
-
 class Frame:
     """A place that keeps its pose relative to its parent.
 
@@ -68,7 +52,7 @@ class Frame:
         places: The world it lies in.
     """
 
-    def __init__(self, name: str, parent: str, local: PoseLike, places: Places) -> None:
+    def __init__(self, name: str, parent: str, local: PoseLike, places: PlaceTree) -> None:
         self.name = name
         self._places = places
         self._parent = parent
@@ -163,13 +147,13 @@ class Frame:
 
 
 class Region(Frame):
-    """A box around a frame in which things are placed; flat when its height is 0.
+    """A box around a frame in which objects are placed; flat when its height is 0.
 
     Args:
         size: Lengths (3,) along the frame's axes [m].
     """
 
-    def __init__(self, name: str, parent: str, local: PoseLike, places: Places, size: Sequence[float]) -> None:
+    def __init__(self, name: str, parent: str, local: PoseLike, places: PlaceTree, size: Sequence[float]) -> None:
         super().__init__(name, parent, local, places)
         self.size: FloatArray = np.array(size, dtype=float)
         self.size.setflags(write=False)
@@ -192,7 +176,7 @@ class Sensor(Frame):
         name: str,
         parent: str,
         local: PoseLike,
-        places: Places,
+        places: PlaceTree,
         *,
         shape: Shape,
         size: Sequence[float],
@@ -341,7 +325,7 @@ class PlaceTree:
         return self._bodies[name].parent if name in self._bodies else None
 
     def set_parent(self, name: str, parent: str) -> None:
-        """Let a body of the scene move with another thing from now on; it stays where it is.
+        """Let a body of the scene move with another object from now on; it stays where it is.
 
         Args:
             name: Name of the body.

@@ -75,7 +75,9 @@ class _Combined(Condition):
 
     def __init__(self, members: Sequence[Condition]) -> None:
         what = f"members of {type(self).__name__}"
-        self.members = tuple(as_record(m, Condition, f"entry {n} of {what}") for n, m in enumerate(as_several(members, what)))  # type: ignore[type-abstract]
+        for number, member in enumerate(members := as_several(members, what)):
+            as_record(member, Condition, f"entry {number} of {what}")  # type: ignore[type-abstract]
+        self.members = tuple(members)
         if not self.members:
             raise TaskError(f"{type(self).__name__} needs at least one condition.")
 
@@ -169,12 +171,12 @@ class Detected(Condition):
         self.negated = as_flag(negated, "negated")
 
     def met(self) -> bool:
-        """Return whether the thing is detected now, or is not when negated."""
+        """Return whether the object is detected now, or is not when negated."""
         return is_detected(self.thing, self.sensor) != self.negated
 
 
 class DetectedSeveral(Condition):
-    """Holds while at least `count` of the things are detected; which ones does not matter.
+    """Holds while at least `count` of the objects are detected; which ones does not matter.
 
     Args:
         things: Bodies and frames.
@@ -189,7 +191,7 @@ class DetectedSeveral(Condition):
             raise TaskError(f"DetectedSeveral asks for {count} of {len(self.things)} things; choose 1 to {len(self.things)}.")
 
     def met(self) -> bool:
-        """Return whether at least `count` things are detected now."""
+        """Return whether at least `count` objects are detected now."""
         return sum(is_detected(thing, self.sensor) for thing in self.things) >= self.count
 
 
@@ -279,10 +281,10 @@ class FollowPath(Condition):
 
 
 class Grasped(Condition):
-    """Holds while `body` is attached to the hand.
+    """Holds while `body` is attached to the gripper.
 
     Args:
-        gripper: The hand, `self.gripper`.
+        gripper: The gripper, `self.gripper`.
         body: A body that may be grasped.
     """
 
@@ -291,22 +293,22 @@ class Grasped(Condition):
         self.body = as_object(body, BODY, "body")
 
     def met(self) -> bool:
-        """Return whether the body is attached to the hand now."""
+        """Return whether the body is attached to the gripper now."""
         return self.body.name in self.gripper.grasped
 
 
 class NothingGrasped(Condition):
-    """Holds while nothing is attached to the hand.
+    """Holds while nothing is attached to the gripper.
 
     Args:
-        gripper: The hand, `self.gripper`.
+        gripper: The gripper, `self.gripper`.
     """
 
     def __init__(self, gripper: SimGripper) -> None:
         self.gripper = as_object(gripper, GRIPPER, "gripper")
 
     def met(self) -> bool:
-        """Return whether the hand holds nothing now."""
+        """Return whether the gripper holds nothing now."""
         return not self.gripper.grasped
 
 

@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 
 MAX_SAMPLES, MAX_LAYOUTS = 100, 200
-"""Places that are tried for one thing, and layouts of several things."""
+"""Places that are tried for one object, and layouts of several objects."""
 NO_ROTATION: Rotation = (0.0, 0.0, 0.0)
 ANY_YAW: tuple[Rotation, Rotation] = ((0.0, 0.0, -3.14), (0.0, 0.0, 3.14))
 
 
 class SpawnBoundary:
-    """Places things inside one or several regions without letting them touch.
+    """Places objects inside one or several regions without letting them touch.
 
     Args:
         regions: Rectangles (height 0) or boxes.
@@ -77,7 +77,7 @@ class SpawnBoundary:
             rng: Random generator.
             min_rotation: Lowest roll, pitch, yaw in the axes of the region [rad].
             max_rotation: Highest roll, pitch, yaw [rad].
-            min_distance: Least distance between origins of things placed by this boundary [m].
+            min_distance: Least distance between origins of objects placed by this boundary [m].
             apart: Larger distances from some of them, by name [m].
             ignore_collisions: Do not look at what this boundary has placed already.
 
@@ -124,7 +124,7 @@ class SpawnBoundary:
         min_distance: float = 0.01,
         accept: Callable[[], bool] | None = None,
     ) -> None:
-        """Forget what was placed and place things one after another, anew until the layout is accepted.
+        """Forget what was placed and place objects one after another, anew until the layout is accepted.
 
         Args:
             things: What to place, each turned by any yaw.
@@ -133,7 +133,7 @@ class SpawnBoundary:
             accept: Asked after each layout whether it will do; None takes the first.
 
         Raises:
-            BoundaryError: A thing found no place, or none of `MAX_LAYOUTS` layouts was accepted.
+            BoundaryError: An object found no place, or none of `MAX_LAYOUTS` layouts was accepted.
             InvalidValue: Something is no body, generator, distance or function.
         """
         things = as_objects(things, MOVABLE, "things")
@@ -171,7 +171,7 @@ class SpawnBoundary:
 
 
 def clearance(thing: Body | Frame, others: Iterable[Body | Frame]) -> float:
-    """Return the least horizontal distance between the origin of a thing and those of others [m]; itself does not count.
+    """Return the least horizontal distance between the origin of an object and those of others [m]; itself does not count.
 
     Infinity where there are no others.
     """

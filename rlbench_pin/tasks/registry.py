@@ -98,7 +98,7 @@ def is_of_library(task: type[Task]) -> bool:
 
 
 def task_files(task: type[Task]) -> dict[str, Path]:
-    """Return the files that make up a task: its Python file, its scene, and models and pictures of its own that the scene names.
+    """Return the files that make up a task: its Python file, its scene, and models and images of its own that the scene names.
 
     Returns:
         Path below the folder of the task file, with slashes -> file. What lies elsewhere is left out.
@@ -175,7 +175,7 @@ def _line(error: BaseException, path: Path) -> str:
 
 
 def _model_files(urdf: Path) -> list[Path]:
-    """Return a URDF file and the meshes and pictures that it leads to, as far as they exist."""
+    """Return a URDF file and the meshes and images that it leads to, as far as they exist."""
     try:
         read = read_urdf(urdf)
     except (AssetNotFound, AssetInvalid):

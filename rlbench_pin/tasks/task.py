@@ -101,12 +101,12 @@ class Task:
     Attributes:
         world: The world: `body`, `joint`, `frame`, `region`, `sensor` by name.
         robot: The arm.
-        gripper: The hand.
+        gripper: The gripper.
         round: How often the waypoints were played, for tasks that call `register_rounds`.
     """
 
     solved_by_chance: ClassVar[bool] = False
-    """Whether a flailing arm may reach the goal now and then, as with a ball in the air; otherwise that is a fault."""
+    """Whether a randomly moving arm may reach the goal now and then, as with a ball in the air; otherwise that is a fault."""
     variations_share_goals: ClassVar[bool] = False
     """Whether some variations ask for the same, in the same words; otherwise that is a fault."""
 
@@ -127,7 +127,7 @@ class Task:
     # What a task file overrides ---------------------------------------------------------------------------------------
 
     def init_task(self) -> None:
-        """Look things up and register what never changes; called once, when the world was built."""
+        """Look objects up and register what never changes; called once, when the world was built."""
         raise NotImplementedError
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
@@ -147,7 +147,7 @@ class Task:
         return 1
 
     def step(self) -> None:
-        """Run after every control tick of an action or a demonstration; not while things settle in a reset."""
+        """Run after every control tick of an action or a demonstration; not while objects settle in a reset."""
 
     def cleanup(self) -> None:
         """Run after an episode, when the next one begins, before the world is put back."""
@@ -184,7 +184,7 @@ class Task:
         self._fail = tuple(conditions)
 
     def register_graspable_objects(self, names: Iterable[str]) -> None:
-        """Allow the hand to hold these bodies, where both fingers touch them. Replaces what was registered before.
+        """Allow the gripper to hold these bodies, where both fingers touch them. Replaces what was registered before.
 
         Args:
             names: `body`, or `body/link` for a body that may be held by that link alone.
@@ -198,12 +198,12 @@ class Task:
         self._graspable = wanted
 
     def register_waypoint_ability_start(self, index: int, hook: WaypointHook) -> None:
-        """Call `hook(waypoint)` before the leg to a waypoint is planned; where waypoints repeat, resets call it as well."""
+        """Call `hook(waypoint)` before the segment to a waypoint is planned; where waypoints repeat, resets call it as well."""
         self._start_hooks[self._checked(index)] = hook
         self._waypoints[index].set_hooks(hook, self._end_hooks.get(index))
 
     def register_waypoint_ability_end(self, index: int, hook: WaypointHook) -> None:
-        """Call `hook(waypoint)` after the leg to a waypoint was run and the hand has acted."""
+        """Call `hook(waypoint)` after the segment to a waypoint was run and the gripper has acted."""
         self._end_hooks[self._checked(index)] = hook
         self._waypoints[index].set_hooks(self._start_hooks.get(index), hook)
 
@@ -292,7 +292,7 @@ class Task:
         return self._success
 
     def get_graspable_objects(self) -> tuple[str, ...]:
-        """Return the names of the bodies that the hand may hold."""
+        """Return the names of the bodies that the gripper may hold."""
         return tuple(dict.fromkeys(name.partition("/")[0] for name in self._graspable))
 
     def get_waypoints(self) -> list[Waypoint]:

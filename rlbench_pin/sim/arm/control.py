@@ -161,7 +161,7 @@ class SimRobot:
 
     Args:
         model: The loaded robot.
-        description: Joint order, tip, hand and fingers.
+        description: Joint order, tip, gripper and fingers.
         contacts: Reads contact points.
         timestep: Physics step [s].
         substeps: Physics steps in a control tick.
@@ -284,7 +284,7 @@ class SimRobot:
         return pose_to_se3(self.link_pose(link)).rotation.T @ force
 
     def touching(self) -> tuple[str, ...]:
-        """Names of the bodies that arm or hand touch, sorted."""
+        """Names of the bodies that arm or gripper touch, sorted."""
         return self._contacts.touching(self.model.uid)
 
     def contact_forces(self) -> dict[tuple[str, str], float]:

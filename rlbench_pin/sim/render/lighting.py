@@ -1,8 +1,8 @@
-"""Three directional lights, and the shadows of the first: one image of the moving things from the light, for all cameras.
+"""Three directional lights, and the shadows of the first: one image of the moving objects from the light, for all cameras.
 
 A point is in shadow as far as texels around its place are nearer to the light: a square of 2 x 2, of which each of 3 x 3 counts
 by what of it lies there. Most points lie beyond all of these texels or before them all, which two looks tell; only those
-at edges are looked at nine times. The same image says where things stand on the table: what of them is seen low above it
+at edges are looked at nine times. The same image says where objects stand on the table: what of them is seen low above it
 keeps light from around their feet.
 """
 
@@ -81,7 +81,7 @@ class Lighting:
 
     @property
     def mean_fill(self) -> float:
-        """What the fills give on average over all directions that things are seen from."""
+        """What the fills give on average over all directions that objects are seen from."""
         return 0.35 * sum(fill.intensity for fill in self.fills)
 
 
@@ -91,9 +91,9 @@ _DISTANCE = 30.0  # far away, so that its rays are almost parallel [m]
 _SIZE = 256
 _ROOM_BIAS = 0.002  # [m]
 _FAR = np.float32(np.inf)
-_MARGIN = 8  # texels that a shadow, or what things keep from the table, reaches beyond them
+_MARGIN = 8  # texels that a shadow, or what objects keep from the table, reaches beyond them
 _LOW, _HIGH = (0.002, 0.014), (0.02, 0.09)
-"""Between these heights above the table things begin to darken it, and cease to [m]."""
+"""Between these heights above the table objects begin to darken it, and cease to [m]."""
 _DARKENING = np.float32(0.45)
 _ON_TABLE = np.float32(0.01)  # so near the table top points count as its own [m]
 _STEPS = tuple(tuple(row * _SIZE + column for column in range(-1, 2)) for row in range(-1, 2))
@@ -140,7 +140,7 @@ class ShadowMap:
 
     Args:
         view: Camera of the light.
-        depth: Distance (n, n) along the light to the first moving thing [m], infinite where there is none; changed here.
+        depth: Distance (n, n) along the light to the first moving object [m], infinite where there is none; changed here.
 
     Attributes:
         is_empty: Whether nothing stands in the light.
@@ -166,12 +166,12 @@ class ShadowMap:
 
     @cached_property
     def is_dim(self) -> NDArray[np.bool_]:
-        """Of every texel (n * n,), whether things keep light from the table there."""
+        """Of every texel (n * n,), whether objects keep light from the table there."""
         return (self._contact > 0.0).ravel()
 
     @cached_property
     def _contact(self) -> NDArray[np.float32]:
-        """How much of the light from all sides things keep from the table (n, n), 0..1."""
+        """How much of the light from all sides objects keep from the table (n, n), 0..1."""
         result = np.zeros((_SIZE, _SIZE), dtype=np.float32)
         if self._window is not None:
             ground, image = _ground(self.view)[self._window], self._image[self._window]
@@ -200,7 +200,7 @@ class ShadowMap:
 
         Args:
             spots: The points, from `spots_of`.
-            bias: By how much a thing must be nearer to the light to shade a point [m].
+            bias: By how much an object must be nearer to the light to shade a point [m].
         """
         limit = spots.depth - np.float32(bias)
         share = (self._least.ravel().take(spots.texel) >= limit).astype(np.float32)
@@ -233,7 +233,7 @@ def _ground(view: CameraView) -> NDArray[np.float32]:
 
 
 def _lowness(above: NDArray[np.float32], view: CameraView) -> NDArray[np.float32]:
-    """How much light things keep from the table around them (n, m), 0..1, by how far above it they are along the light [m]."""
+    """How much light objects keep from the table around them (n, m), 0..1, by how far above it they are along the light [m]."""
     cosine = float(-view.extrinsics()[2, 2])
     begins, ceases = (np.float32(cosine / (span[1] - span[0])) for span in (_LOW, _HIGH))
     share = np.minimum(above * begins - np.float32(_LOW[0] / (_LOW[1] - _LOW[0])), np.float32(1.0))

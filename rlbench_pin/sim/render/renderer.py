@@ -1,7 +1,7 @@
-"""Images: moving things drawn over the room, with shadows and fill lights on top.
+"""Images: moving objects drawn over the room, with shadows and fill lights on top.
 
-A separate drawing of the room saves most work: a camera that stands still draws it once. Where a moving thing is nearer than the
-room it is seen; this is exact to the pixel. Moving things are drawn for all cameras of an instant together, and for the key
+A separate drawing of the room saves most work: a camera that stands still draws it once. Where a moving object is nearer than the
+room it is seen; this is exact to the pixel. Moving objects are drawn for all cameras of an instant together, and for the key
 light, whose image gives the shadows. The fill lights follow from the slopes of the depth.
 """
 
@@ -33,7 +33,7 @@ from rlbench_pin.sim.render.shading import (
     shade_rooms,
     surfaces_of,
 )
-from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, Rasterizer, Shot
+from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, Shot
 from rlbench_pin.sim.room import RoomBody
 from rlbench_pin.values import as_flag, as_record
 
@@ -97,9 +97,7 @@ class Renderer:
     ) -> None:
         self._client, self._room, self._room_ids, self._ids = client, room, room_ids, ids
         numbers = frozenset(body.model.uid for body in room.values())
-        self._rasterizer: Rasterizer = (
-            BulletRasterizer(client, numbers) if client.hardware else NumpyRasterizer(client, numbers, appearance)
-        )
+        self._rasterizer = BulletRasterizer(client, numbers) if client.hardware else NumpyRasterizer(client, numbers, appearance)
         self.lighting = Lighting()
         self._light_view: tuple[Light, CameraView] | None = None
         self._link_textures: dict[tuple[int, int], LinkTexture] = {}
@@ -185,7 +183,7 @@ class Renderer:
             for request, backdrop, shot, image in zip(requests, backdrops, shots, images, strict=True)
         ]
 
-    # Moving things ---------------------------------------------------------------------------------------------------
+    # Moving objects ---------------------------------------------------------------------------------------------------
 
     def _view_of_light(self) -> CameraView:
         if self._light_view is None or self._light_view[0] != self.lighting.key:

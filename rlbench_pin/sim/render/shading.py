@@ -1,6 +1,6 @@
-"""Light, shadows and textures on the room and on moving things.
+"""Light, shadows and textures on the room and on moving objects.
 
-Textures on moving things are projected along the main axes of each link, whatever its mesh says.
+Textures on moving objects are projected along the main axes of each link, whatever its mesh says.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class KeptBackdrop:
 
 
 def shade_rooms(images: Sequence[NDArray[np.uint8]], backdrops: Sequence[KeptBackdrop], shadows: ShadowMap) -> None:
-    """Darken the room in images (h, w, 3) where moving things stand in the key light.
+    """Darken the room in images (h, w, 3) where moving objects stand in the key light.
 
     Args:
         images: The images, of all cameras.
@@ -141,7 +141,7 @@ def _mixed(low: NDArray[np.void], high: NDArray[np.void], share: NDArray[np.floa
 
 
 _HEIGHTS = np.array([-1.0, -0.25, 0.0, 0.15, 0.55, 0.8, 1.0], dtype=np.float32)
-"""z of directions in which glossy things look."""
+"""z of directions in which glossy objects look."""
 _ROOM = np.array([0.30, 0.40, 0.15, 0.50, 0.65, 0.95, 1.05], dtype=np.float32)
 """Brightness of what they mirror there: the table, a dark horizon, walls, lamps at the ceiling."""
 _SHARPNESS, _HIGHLIGHT = 6, np.float32(4.0)
@@ -164,7 +164,7 @@ class LinkTexture:
 
 @dataclass(frozen=True, eq=False)
 class Surfaces:
-    """Moving things as one camera sees them."""
+    """Moving objects as one camera sees them."""
 
     backdrop: KeptBackdrop
     """The camera."""
@@ -194,7 +194,7 @@ class Surfaces:
 
 
 def surfaces_of(backdrop: KeptBackdrop, shot: Shot) -> Surfaces:
-    """Moving things as one camera sees them; where nothing else tells their normals, they follow from the depth."""
+    """Moving objects as one camera sees them; where nothing else tells their normals, they follow from the depth."""
     return Surfaces(backdrop, shot, _normals_of_depth(backdrop, shot) if shot.normals is None else shot.normals)
 
 
@@ -322,7 +322,7 @@ def _spots(surfaces: Surfaces, shadows: ShadowMap) -> LightSpots:
 
 
 def _bias(cosine: NDArray[np.float32]) -> NDArray[np.float32]:
-    """By how much (n,) a thing must be nearer to the light to shade a point; surfaces that light grazes have more room [m]."""
+    """By how much (n,) an object must be nearer to the light to shade a point; surfaces that light grazes have more room [m]."""
     tangent = np.sqrt(np.float32(1.0) - np.minimum(cosine, np.float32(1.0)) ** 2) / np.maximum(cosine, np.float32(0.15))
     tangent *= np.float32(0.008)
     tangent += np.float32(0.006)

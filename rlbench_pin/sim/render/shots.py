@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +26,7 @@ _DULL: NDArray[np.float32] = np.zeros((3, 0), dtype=np.float32)
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """The pixels of one image that see moving things, ascending."""
+    """The pixels of one image that see moving objects, ascending."""
 
     pixels: NDArray[np.int64]
     """Flat indices (n,)."""
@@ -43,19 +42,11 @@ class Shot:
     """Colours (3, n) in 0..255; none when no colours were wanted."""
     normals: NDArray[np.float32] | None
     """Unit normals (3, n) in the world. None when the renderer does not tell; then the colours are those in the ambient and key
-    light without shadows, otherwise those of the things themselves."""
+    light without shadows, otherwise those of the objects themselves."""
     glossy: NDArray[np.int64] = field(default_factory=lambda: _NONE)
     """Which of the pixels see something glossy (k,)."""
     gloss: NDArray[np.float32] = field(default_factory=lambda: _DULL)
     """Share of red, green, blue that it throws back like a mirror (3, k)."""
-
-
-class Rasterizer(Protocol):
-    """Takes shots of the present instant."""
-
-    def shoot(self, sights: Sequence[Sight], lighting: Lighting) -> list[Shot]:
-        """Return one shot for each camera."""
-        ...
 
 
 class NumpyRasterizer:

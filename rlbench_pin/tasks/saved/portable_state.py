@@ -29,7 +29,7 @@ PLAIN = (type(None), bool, int, float, complex, str, bytes, range, slice, np.gen
 FUNCTIONS = (FunctionType, MethodType, BuiltinFunctionType, partial)
 """Hooks and the like: kept as they are."""
 SIMULATION = "rlbench_pin.sim."
-"""Where the classes are of what the world hands out: bodies, joints, frames, regions, sensors, the arm, the hand. These are
+"""Where the classes are of what the world hands out: bodies, joints, frames, regions, sensors, the arm, the gripper. These are
 kept as they are, since the world saves what they stand for. Their name is enough: to list tasks, no simulator is loaded."""
 
 
@@ -196,7 +196,7 @@ def take_over(memory: PortableMemory, own: Any, world: World, where: str) -> Any
     Args:
         memory: As from `portable`.
         own: What lies in its place in this task; None where nothing does. It is changed where it can be.
-        world: Has the things by name.
+        world: Has the objects by name.
         where: Its place, for errors.
 
     Raises:
@@ -227,7 +227,7 @@ def take_over(memory: PortableMemory, own: Any, world: World, where: str) -> Any
 
 
 def _thing(memory: PortableMemory, own: Any, world: World, where: str) -> Any:
-    """Return what the world hands out under a name; the arm, the hand and the world itself have none."""
+    """Return what the world hands out under a name; the arm, the gripper and the world itself have none."""
     name = memory.contents
     if type(own).__name__ == memory.type_name and getattr(own, "name", None) == name:
         return own

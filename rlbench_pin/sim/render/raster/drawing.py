@@ -19,12 +19,12 @@ from rlbench_pin.sim.render.raster.spans import Projection, Spans, outlines_of, 
 from rlbench_pin.sim.render.raster.stage import Layers, Placed
 
 TOUCHING = np.float32(1e-5)
-"""So far behind the room things are still seen [m]."""
+"""So far behind the room objects are still seen [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """A camera, and what hides moving things from it."""
+    """A camera, and what hides moving objects from it."""
 
     view: CameraView
     limit: NDArray[np.float32] | None
