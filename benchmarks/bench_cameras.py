@@ -22,7 +22,7 @@ from rlbench_pin.environment import CameraConfig, Discrete, Environment, JointVe
 from rlbench_pin.environment.observations.cameras import camera_view
 from rlbench_pin.errors import CameraError
 from rlbench_pin.observation import CAMERAS
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.description import robot_description
 from rlbench_pin.sim import CameraView, Request, World
 from rlbench_pin.tasks import task_class, task_scene
 

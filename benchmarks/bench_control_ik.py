@@ -11,7 +11,7 @@ from harness import Result, main, summary
 
 from rlbench_pin.control import DifferentialIK, DifferentialIKQP, PoseIK
 from rlbench_pin.errors import NoIkSolution
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.description import robot_description
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
 

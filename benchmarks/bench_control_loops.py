@@ -10,7 +10,7 @@ import numpy as np
 from harness import Result, main, summary
 
 from rlbench_pin.control import CartesianImpedance, CartesianMPC, OperationalSpaceQP, PoseIK, SafetyConfig, SafetyFilter
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.description import robot_description
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.model import RobotModel
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field, fields
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, overload
+from typing import Any, overload
 
 import numpy as np
 
 from rlbench_pin.errors import TaskEnvironmentError
-from rlbench_pin.front_door import front_door
 from rlbench_pin.values import as_names, as_record, as_several, as_text, as_whole, is_whole
 
 Array = np.ndarray
@@ -35,14 +34,14 @@ class OptionalFields:
     """Fields that an observation has only when something sets them; until then they are None and not among its `vars`."""
 
     ignore_collisions: bool | None = None
-    """In demonstrations: whether the leg that leads here was planned without collision checks."""
+    """In demonstrations: whether the segment that leads here was planned without collision checks."""
 
 
 @dataclass(eq=False)
 class Observation(OptionalFields):
     """What is known at one instant; a field is None when it was not asked for.
 
-    Pictures are (h, w, ...) arrays, top row first: rgb uint8, depth float32, mask int32, point cloud float32 in the world frame
+    Images are (h, w, ...) arrays, top row first: rgb uint8, depth float32, mask int32, point cloud float32 in the world frame
     [m]. Joint data are (n,) float64 in [rad], [rad/s], [N m]; `gripper_pose` is the tip pose (7,) in the world.
     """
 
@@ -101,7 +100,7 @@ class Observation(OptionalFields):
 
 
 FIELDS: tuple[str, ...] = tuple(f.name for f in fields(Observation) if f.name != "misc")
-"""The declared fields of observations, pictures first, without `misc`."""
+"""The declared fields of observations, images first, without `misc`."""
 
 
 class Demo(Sequence[Observation]):
@@ -206,6 +205,3 @@ def _shown(seed: object) -> str:
 
 
 __all__ = ["CAMERAS", "FIELDS", "LOW_DIM", "PRODUCTS", "Demo", "Observation", "OptionalFields"]
-
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)

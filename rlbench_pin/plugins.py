@@ -14,9 +14,6 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
 from importlib.metadata import Distribution, EntryPoint, distributions
-from typing import TYPE_CHECKING
-
-from rlbench_pin.front_door import front_door
 
 GROUP = "rlbench_pin.tasks"
 """The group of entry points in which a package names its tasks."""
@@ -123,6 +120,3 @@ def _fault(entry: EntryPoint, origin: str) -> str:
 
 
 __all__ = ["GROUP", "PluginTask", "Plugins", "installed_plugins"]
-
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)

@@ -9,14 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from rlbench_pin.errors import InvalidValue
-from rlbench_pin.front_door import front_door
 from rlbench_pin.values import as_array, as_finite, as_number, as_pose, as_vector
 
 FloatArray = NDArray[np.float64]
@@ -177,6 +175,3 @@ __all__ = [
     "se3_to_pose",
     "swept",
 ]
-
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)

@@ -11,10 +11,8 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rlbench_pin.errors import AssetInvalid, AssetNotFound
-from rlbench_pin.front_door import front_door
 
 Vector = tuple[float, float, float]
 ZERO: Vector = (0.0, 0.0, 0.0)
@@ -110,7 +108,7 @@ class Urdf:
     meshes: tuple[Path, ...]
     """Mesh files that it names, in file order, each once."""
     textures: tuple[Path, ...]
-    """Picture files that its materials name."""
+    """Image files that its materials name."""
 
     @property
     def link_names(self) -> tuple[str, ...]:
@@ -295,6 +293,3 @@ __all__ = [
     "kinematic_urdf",
     "read_urdf",
 ]
-
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)

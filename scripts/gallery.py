@@ -45,7 +45,7 @@ def late_in_a_demonstration(name: str) -> tuple[Image.Image, str]:
         def look(_: object) -> None:
             nonlocal frame
             if frame == wanted:
-                shots.append(task.world.renderer.picture(VIEW))
+                shots.append(task.world.renderer.image(VIEW))
             frame += 1
 
         assert demo.random_seed is not None

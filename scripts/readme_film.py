@@ -40,7 +40,7 @@ def reel_of(name: str) -> Reel:
             nonlocal frame
             shown = wanted.count(frame)
             if shown:
-                small = Image.fromarray(task.world.renderer.picture(view)).resize(CELL, Image.Resampling.LANCZOS)
+                small = Image.fromarray(task.world.renderer.image(view)).resize(CELL, Image.Resampling.LANCZOS)
                 for _ in range(shown):
                     reel.add(np.asarray(small))
             frame += 1

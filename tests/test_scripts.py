@@ -14,7 +14,7 @@ import pytest
 from rlbench_pin.datasets import read_demo, read_manifest, stored_demos, verify_task
 from rlbench_pin.datasets.formats.rlbench_reader import folder_demos
 from rlbench_pin.datasets.layout import episode_path
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.description import robot_description
 from rlbench_pin.scene.reader import read_scene
 from rlbench_pin.sim import World
 from rlbench_pin.spatial import compose, rotation_distance

@@ -66,7 +66,7 @@ def run(copy: Path, *arguments: str) -> str:
 
 def test_an_arm_is_its_description(copy: Path) -> None:
     """A demonstration is played by the arm of the page, and by name, gymnasium's ids play the arm that is the default."""
-    file = "rlbench_pin/robot/catalogue.py"
+    file = "rlbench_pin/robot/description.py"
     put(copy, file, "from rlbench_pin.assets", "from dataclasses import replace\n")
     put(copy, file, "SUPPORTED_ROBOTS: Mapping", snippet(file), instead=True)
     code = (

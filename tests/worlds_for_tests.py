@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.description import robot_description
 from rlbench_pin.scene.snapshot import BodySnapshot, WorldSnapshot
 from rlbench_pin.spatial import TABLE_HEIGHT
 

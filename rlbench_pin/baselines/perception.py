@@ -19,7 +19,7 @@ from scipy.spatial import cKDTree
 from rlbench_pin.assets import asset_path
 from rlbench_pin.observation import Observation
 from rlbench_pin.robot import RobotModel
-from rlbench_pin.robot.surfaces import shape_surface
+from rlbench_pin.robot.geometry import shape_surface
 from rlbench_pin.scene.snapshot import NO_FILE, BodySnapshot, Shape, WorldSnapshot
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray
 from rlbench_pin.tasks import COLORS

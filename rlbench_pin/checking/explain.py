@@ -89,4 +89,4 @@ def _look(world: World) -> NDArray[np.uint8]:
     left /= np.linalg.norm(left)
     turn = Rotation.from_matrix(np.column_stack([left, np.cross(forward, left), forward]))
     view = CameraView(np.concatenate([eye, turn.as_quat()]), fov=0.9, size=(640, 480), near=0.05, far=5.0)
-    return world.renderer.picture(view)
+    return world.renderer.image(view)

@@ -74,7 +74,7 @@ def check_renderer(renderer: Literal["cpu", "egl"]) -> str:
     """
     from rlbench_pin.environment.observations.camera_config import CameraConfig
     from rlbench_pin.environment.observations.cameras import camera_view
-    from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
+    from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
     from rlbench_pin.scene.spec import SceneSpec
     from rlbench_pin.sim import World
 

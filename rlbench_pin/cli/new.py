@@ -96,7 +96,7 @@ class New:
     def run(self) -> int:
         """Write both files, never over existing ones, and print what to do next."""
         from rlbench_pin.tasks import camel_case, task_names
-        from rlbench_pin.tasks.task_file import name_fault
+        from rlbench_pin.tasks.registry import name_fault
 
         if fault := name_fault(self.name):
             raise TaskEnvironmentError(f"'{self.name}': {fault}")

@@ -17,7 +17,7 @@ from rlbench_pin.environment.runtime import EmptyTable, Runtime, RuntimeT, build
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.observation import Observation
 from rlbench_pin.planning.planner import PlannerConfig
-from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
+from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.sim import World
 from rlbench_pin.spatial import FloatArray

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from rlbench_pin.tasks.saved.state import FUNCTIONS, PLAIN
+from rlbench_pin.tasks.saved.portable_state import FUNCTIONS, PLAIN
 
 Recall = Callable[[], Any]
 """Gives a value the contents that it had back, and returns it."""

@@ -7,11 +7,10 @@ position, velocity and acceleration limits in such a way that there always is a 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import lazy_loader as lazy
 
-from rlbench_pin.control.differential_ik import DifferentialIK, DifferentialIKConfig
-from rlbench_pin.control.differential_ik_qp import DifferentialIKQP
-from rlbench_pin.control.following import ComputedTorque, TrackingReport, TrajectoryFollower, VelocityFollowing
+from rlbench_pin.control.differential_ik import DifferentialIK, DifferentialIKConfig, DifferentialIKQP
+from rlbench_pin.control.following import ComputedTorque, TrackingReport, TrajectoryFollower, TrajectoryTracker, VelocityFollowing
 from rlbench_pin.control.gripper import GripperCommand, GripperConfig, GripperController
 from rlbench_pin.control.impedance import CartesianImpedance, JointImpedance
 from rlbench_pin.control.operational_space import OperationalSpaceConfig, OperationalSpaceQP, TorqueCommand
@@ -19,12 +18,8 @@ from rlbench_pin.control.pose_ik import PoseIK, PoseIKConfig, PoseSolution
 from rlbench_pin.control.predictive import CartesianMPC, PredictiveCommand, PredictiveConfig
 from rlbench_pin.control.qp.constraints import HeldQuantity, JointBounds
 from rlbench_pin.control.qp.objectives import PostureObjective, TipObjective
-from rlbench_pin.control.qp.osqp_solver import OsqpSolver
-from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram
-from rlbench_pin.control.safety_filter import SafetyFilter
-from rlbench_pin.control.safety_records import FilterCounts, SafeCommand, SafetyConfig
-from rlbench_pin.control.tracking import TrajectoryTracker
-from rlbench_pin.front_door import front_door
+from rlbench_pin.control.qp.programs import OsqpSolver, QPSolver, QuadraticProgram
+from rlbench_pin.control.safety_filter import FilterCounts, SafeCommand, SafetyConfig, SafetyFilter
 
 __all__ = [
     "CartesianImpedance",
@@ -62,7 +57,4 @@ __all__ = [
     "VelocityFollowing",
 ]
 
-if TYPE_CHECKING:
-    from rlbench_pin.control.qp.foreign_solver import ForeignSolver as ForeignSolver
-else:
-    __getattr__, __dir__ = front_door(__name__, {"ForeignSolver": "qp.foreign_solver"})
+__getattr__, _, _ = lazy.attach(__name__, submod_attrs={"qp.foreign_solver": ["ForeignSolver"]})

@@ -6,7 +6,7 @@ At configuration q, tip Jacobian J, the displacement d = dt u of the next tick i
     subject to  dt u_min <= d <= dt u_max
 
 * e = (e_p, e_r) is what the tip should cover in this tick: dt times the twist, or the next piece of the way to a pose,
-  short enough to stop at its end (`objectives`).
+  short enough to stop at its end (`qp.objectives`).
 * The last terms are damping and posture: they bound ||d|| where J loses rank, and move the null space towards q_p. The
   weight w rises when the manipulability sqrt(det(J J^T)) falls (Nakamura & Hanafusa 1986), for steps that are not small
   (Sugihara 2011), so that the arm slows down
@@ -15,28 +15,96 @@ At configuration q, tip Jacobian J, the displacement d = dt u of the next tick i
   empty: no state makes this QP infeasible, and from a state outside the limits the command is the hardest brake or
   return.
 
-`DifferentialIKQP` states the same problem as plain matrices for any solver; a test compares the two.
+`DifferentialIKQP` states the same problem as plain matrices, for any solver; a test compares the two. With rows J = (J_p, J_r)
+along world axes and weights W = diag(w_p, w_p, w_p, w_r, w_r, w_r),
+
+    P = J^T W J + w I,    q = -J^T W e - w_0 g (q_p - q),    dt u_min <= d <= dt u_max.
+
+There e is a difference of positions, and the rotation vector of R_target R_tip^T, both along world axes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from operator import add
+from struct import Struct
 from typing import Literal
 
 import numpy as np
 import pinocchio as pin
+import placo
 from numpy.typing import ArrayLike
 
 from rlbench_pin.control.checks import as_pose, as_state, as_vector, check_made_of
 from rlbench_pin.control.qp.constraints import HOLDS, HeldQuantity, JointBounds
 from rlbench_pin.control.qp.objectives import Manipulability, PostureObjective, TipApproach, TipObjective, moved
-from rlbench_pin.control.qp.placo_arm import PlacoArm
-from rlbench_pin.errors import InfeasibleControl
-from rlbench_pin.robot.limits import JointLimits
-from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.control.qp.programs import OsqpSolver, QPSolver, QuadraticProgram, empty_rows
+from rlbench_pin.errors import InfeasibleControl, InvalidValue, RobotModelError
+from rlbench_pin.robot.model import JointLimits, RobotModel
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.urdf import kinematic_urdf
 from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, as_choice, check_settings, one_of, record_of, ruled
+
+BASE = 7
+"""PlaCo puts a pose (7,) of the base in front of the joints in q."""
+BASE_SPEED = 6
+"""And a twist (6,) in front of them in a displacement."""
+
+
+class PlacoArm:
+    """A PlaCo robot and kinematics solver for one arm, in the joint order of `RobotModel`."""
+
+    def __init__(self, model: RobotModel) -> None:
+        """Build the robot and check that it is the same arm.
+
+        Raises:
+            RobotModelError: PlaCo orders the joints differently, or its kinematics disagree with Pinocchio's.
+        """
+        self.size = model.size
+        urdf = model.description.urdf
+        text = kinematic_urdf(urdf, fixed=model.description.gripper_joints)
+        self.robot = placo.RobotWrapper(urdf.name, int(placo.Flags.ignore_collisions), text)
+        self.solver = placo.KinematicsSolver(self.robot)
+        self.solver.mask_fbase(True)
+        self.robot.set_T_world_fbase(model.base.homogeneous)
+        self._state, self._pinocchio = self.robot.state, self.robot.model
+        self._update, self._solve = self.robot.update_kinematics, self.solver.solve
+        self._q = np.array(self._state.q)
+        self._q_joints = self._q[BASE:]
+        self._lower, self._upper = (
+            memoryview(limit[BASE:]) for limit in (self._pinocchio.lowerPositionLimit, self._pinocchio.upperPositionLimit)
+        )
+        """What is written here, PlaCo reads."""
+        self._write = Struct(f"{self.size}d").pack_into
+        self._check(model)
+
+    def set_configuration(self, q: FloatArray) -> None:
+        """Put the arm at `q` (n,) [rad] and compute its kinematics."""
+        self._q_joints[:] = q
+        self._state.q = self._q
+        self._update()
+
+    def solve(self, q: Sequence[float], lowest: Sequence[float], highest: Sequence[float]) -> FloatArray:
+        """Return the displacement (n,) [rad] of the next tick from `q`, between `lowest` and `highest`, plain numbers.
+
+        PlaCo raises RuntimeError when there is none.
+        """
+        self._write(self._lower, 0, *map(add, q, lowest))
+        self._write(self._upper, 0, *map(add, q, highest))
+        return self._solve(False)[BASE_SPEED:]
+
+    def _check(self, model: RobotModel) -> None:
+        names = tuple(self.robot.joint_names())
+        if names != model.description.arm_joints:
+            raise RobotModelError(f"PlaCo orders the joints {names}, the description {model.description.arm_joints}.")
+        self.set_configuration(model.home)
+        placo_tip = np.asarray(self.robot.get_T_world_frame(model.description.tip_frame))
+        if not np.allclose(placo_tip, model.tip_se3(model.home).homogeneous, atol=1e-9):
+            raise RobotModelError(
+                f"PlaCo and Pinocchio put '{model.description.tip_frame}' of '{model.description.name}' in two places."
+            )
+
 
 Target = Callable[[pin.SE3], tuple[pin.SE3, float]]
 """T_world_tip now -> where it should be after the tick, and the larger of distance [m] and angle [rad] to there."""
@@ -182,3 +250,43 @@ class DifferentialIK(TipController):
         except RuntimeError as error:
             raise InfeasibleControl("DifferentialIK", str(error)) from error
         return displacement / self._dt
+
+
+class DifferentialIKQP(TipController):
+    """Tip pose or twist to joint velocity, like `DifferentialIK`, by any `QPSolver`."""
+
+    def __init__(
+        self,
+        model: RobotModel,
+        config: DifferentialIKConfig = DifferentialIKConfig(),
+        *,
+        solver: QPSolver | None = None,
+        limits: JointLimits | None = None,
+        posture: FloatArray | None = None,
+    ) -> None:
+        """Prepare a controller; arguments as for `TipController`, and the solver, by default OSQP."""
+        super().__init__(model, config, limits=limits, posture=posture)
+        self.solver: QPSolver = OsqpSolver(config.dt * self.bounds.velocity, rho=1e-3) if solver is None else solver
+        self._weights = np.repeat([config.tip.position_weight, config.tip.rotation_weight], 3)
+
+    def problem(self, q: FloatArray, v: FloatArray, target: Target) -> QuadraticProgram:
+        """Return the program whose solution is the displacement (n,), [rad], of the next tick."""
+        q, v = as_state(q, v, self.model.size)
+        if not callable(target):
+            raise InvalidValue("target", target, "has to be a function: placement of the tip -> goal and longest step")
+        now = self.model.tip_se3(q)
+        goal, step = target(now)
+        jacobian = self.model.jacobian(q)
+        error = np.concatenate([goal.translation - now.translation, pin.log3(goal.rotation @ now.rotation.T)])
+        posture = self.config.posture
+        pull = posture.weight * min(1.0, posture.gain * self.config.dt)
+        damping = posture.damping(self._manipulability(jacobian), step)
+        weighted = jacobian.T * self._weights
+        P = weighted @ jacobian + damping * np.eye(self.model.size)
+        linear = -weighted @ error - pull * (self.posture - q)
+        lowest, highest = self.bounds.displacements(q, v)
+        return QuadraticProgram(P, linear, *empty_rows(self.model.size), np.array(lowest), np.array(highest))
+
+    def _velocity(self, q: FloatArray, v: FloatArray, target: Target) -> FloatArray:
+        step = self.solver.solve(self.problem(q, v, target))
+        return step / self.config.dt

@@ -28,7 +28,7 @@ class GripperConfig:
     """Settings of a gripper controller."""
 
     widest: float
-    """Distance between the pads of the open hand [m]."""
+    """Distance between the pads of the open gripper [m]."""
     force: float
     """Largest force that may ever be commanded [N]."""
     dt: float = 0.05
@@ -132,7 +132,7 @@ class GripperController:
         if self.state == "holding" and abs(width - self._held_at) > self.config.slip:
             self.state, self._still = "moving", 0.0
         if self.state == "moving":
-            self._judge(width, max(abs(f) for f in measured), closing)
+            self._update_state(width, max(abs(f) for f in measured), closing)
         return GripperCommand(self._next_width(width), self.force, self.state)
 
     def _note_motion(self, width: float) -> None:
@@ -141,7 +141,7 @@ class GripperController:
         self._still = self._still + self.config.dt if slow else 0.0
         self._last = width
 
-    def _judge(self, width: float, force: float, closing: bool) -> None:
+    def _update_state(self, width: float, force: float, closing: bool) -> None:
         """Leave the state `moving` when there is a reason."""
         if abs(width - self.target) <= self.config.tolerance:
             self.state = "reached"

@@ -29,11 +29,9 @@ from numpy.typing import ArrayLike
 
 from rlbench_pin.control.checks import as_placement, as_state, as_vector, check_made_of
 from rlbench_pin.control.qp.constraints import JointBounds
-from rlbench_pin.control.qp.osqp_solver import OsqpSolver
-from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram
+from rlbench_pin.control.qp.programs import OsqpSolver, QPSolver, QuadraticProgram
 from rlbench_pin.errors import InfeasibleControl
-from rlbench_pin.robot.limits import JointLimits
-from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.robot.model import JointLimits, RobotModel
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, check_settings, ruled
 

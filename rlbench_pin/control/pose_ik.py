@@ -20,7 +20,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from rlbench_pin.control.checks import as_placement, as_vector, check_made_of
-from rlbench_pin.control.qp.placo_arm import PlacoArm
+from rlbench_pin.control.differential_ik import PlacoArm
 from rlbench_pin.errors import NoIkSolution
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray

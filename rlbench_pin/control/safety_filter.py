@@ -12,7 +12,7 @@ normals (`robot.distances`). With (1) a distance d approaches its minimum d_min 
 the box, and no QP is solved.
 
 (1) is linear in a short motion and leaves out braking, so the result is checked: the tick of u and the hardest
-braking after it, at true distances and in all pairs (`braking`), and within the motors' torques (`motors`). If that way
+braking after it, at true distances and in all pairs (`braking`), and within the motors' torques. If that way
 is not clear, commands between u and braking are tried, and last braking itself, which was checked one tick ago. Therefore,
 in a world that stands still, limits hold and distances stay above the minimum at all times, also when the QP is
 infeasible: braking is the safe stop.
@@ -23,23 +23,203 @@ minimum may not come nearer, and (1) asks them to separate at most at `recovery_
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import ArrayLike
+from dataclasses import dataclass, field
+from typing import Literal, get_args
 
-from rlbench_pin.control.braking import BrakingCheck
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rlbench_pin.control.braking import BrakingCheck, MotorCheck
 from rlbench_pin.control.checks import as_state, as_vector, check_made_of
-from rlbench_pin.control.motors import MotorCheck
-from rlbench_pin.control.qp.constraints import JointBounds
-from rlbench_pin.control.qp.dampers import ROWS, Dampers
-from rlbench_pin.control.qp.osqp_solver import OsqpSolver
-from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram
-from rlbench_pin.control.safety_records import FilterCounts, Reason, SafeCommand, SafetyConfig
-from rlbench_pin.errors import InfeasibleControl
-from rlbench_pin.robot.distances import DistanceModel
-from rlbench_pin.robot.limits import JointLimits
-from rlbench_pin.robot.model import RobotModel
-from rlbench_pin.robot.motion_bounds import IndexArray
+from rlbench_pin.control.qp.constraints import HOLDS, HeldQuantity, JointBounds
+from rlbench_pin.control.qp.programs import OsqpSolver, QPSolver, QuadraticProgram
+from rlbench_pin.errors import InfeasibleControl, InvalidValue
+from rlbench_pin.robot.distances import DistanceModel, IndexArray
+from rlbench_pin.robot.model import JointLimits, RobotModel
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, as_record, check_settings, counted, one_of, ruled
+
+Reason = Literal["limits", "distance", "braking", "torque", "infeasible"]
+"""Why a command was changed: joint limits; velocity dampers; the way to standstill was not clear, or took more torque than the
+motors have; the QP had no solution."""
+
+_RULES = ruled(
+    (POSITIVE, "dt gain"),
+    (NOT_NEGATIVE, "margin self_margin buffer influence recovery_speed limit_margin"),
+    (one_of(*HOLDS), "hold"),
+)
+
+
+def _reasons(value: object, what: str) -> object:
+    """Check reason -> count."""
+    if not isinstance(value, dict) or not set(value) <= set(get_args(Reason)):
+        problem = f"has to map reasons ({', '.join(get_args(Reason))}) to counts"
+        raise InvalidValue(what, value, problem, "Leave it out to begin with none.")
+    for reason, count in value.items():
+        counted(0)(count, f"{what}['{reason}']")
+    return value
+
+
+_COUNT_RULES = ruled((counted(0), "ticks interventions solves stops"), (_reasons, "reasons"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SafetyConfig:
+    """Settings of the safety filter."""
+
+    dt: float = 0.05
+    """Control tick [s]."""
+    hold: HeldQuantity = "velocity"
+    """Whether a commanded velocity is reached at once and held, linearly over the tick, or anywhere between."""
+    margin: float = 0.01
+    """Minimum distance to the world [m]."""
+    self_margin: float = 0.005
+    """Minimum distance between parts of the arm, and of what it holds [m]."""
+    buffer: float = 0.003
+    """The dampers begin this much before the minimum distance, so that curvature does not break it at once [m]."""
+    gain: float = 5.0
+    """Of the distance above the minimum, the share that may be lost per second [1/s]."""
+    influence: float = 0.05
+    """Pairs nearer than this always take part in the QP [m]."""
+    recovery_speed: float = 0.05
+    """Speed at which pairs below the minimum are made to separate, at most [m/s]."""
+    limit_margin: float = 0.0
+    """Distance kept from the joint position limits [rad]."""
+
+    def __post_init__(self) -> None:
+        """Raise InvalidValue for a number that is NaN, of a wrong kind, or outside its range (also a ValueError)."""
+        check_settings(self, _RULES)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SafeCommand:
+    """What the filter passes on, and why."""
+
+    velocity: FloatArray
+    """Joint velocity of the next tick (n,), [rad/s]."""
+    wanted: FloatArray
+    """Joint velocity that was asked for (n,), [rad/s]."""
+    reasons: tuple[Reason, ...]
+    """Empty when the wanted velocity passed unchanged."""
+    pairs: tuple[tuple[str, str], ...]
+    """What came too near, as names."""
+    stopped: bool
+    """Whether the command is the hardest braking, because nothing better was found."""
+
+    @property
+    def intervened(self) -> bool:
+        """Whether the command differs from the wanted one."""
+        return bool(self.reasons)
+
+    def __str__(self) -> str:
+        """Say what happened in words."""
+        near = ", ".join(f"{a} near {b}" for a, b in self.pairs)
+        return f"{' and '.join(self.reasons) or 'passed'}{f' ({near})' if near else ''}{', braking' if self.stopped else ''}"
+
+
+@dataclass
+class FilterCounts:
+    """What a filter did so far."""
+
+    ticks: int = 0
+    """Commands in all."""
+    interventions: int = 0
+    """Commands that were changed."""
+    solves: int = 0
+    """QPs solved."""
+    stops: int = 0
+    """Commands that were the hardest braking."""
+    reasons: dict[str, int] = field(default_factory=dict)
+    """Reason -> number of commands that were changed for it."""
+
+    def __post_init__(self) -> None:
+        """Raise InvalidValue for a count that is no whole number, or a reason that there is not (also a ValueError)."""
+        check_settings(self, _COUNT_RULES)
+
+    def add(self, command: SafeCommand) -> None:
+        """Count one command."""
+        as_record(command, SafeCommand, "command")
+        self.ticks += 1
+        self.interventions += command.intervened
+        self.stops += command.stopped
+        for reason in command.reasons:
+            self.reasons[reason] = self.reasons.get(reason, 0) + 1
+
+
+ROWS = 32
+"""Pairs that take part in the QP, those nearest to breaking a damper first."""
+SLACK = 1e-5
+"""How much nearer than it is a pair below the minimum may come [m]."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class DamperRows:
+    """Rows `gradients` u >= `least` of a quadratic program."""
+
+    which: IndexArray
+    """Numbers of the pairs, shape (m,)."""
+    gradients: FloatArray
+    """Of their distances, shape (m, n), [m/rad]."""
+    least: FloatArray
+    """Least rates of change, shape (m,), [m/s]."""
+
+
+class Dampers:
+    """The dampers of one arm in its world.
+
+    Args:
+        distances: Of the arm.
+        config: Settings of the filter.
+    """
+
+    def __init__(self, distances: DistanceModel, config: SafetyConfig) -> None:
+        self.distances, self.config = distances, config
+        self._counts: NDArray[np.bool_] | None = None
+        self._minimum = self._onset = np.zeros(0)
+
+    def floors(self) -> FloatArray:
+        """Return the smallest distance allowed, shape (pairs,), [m]; minus infinity for pairs that do not count."""
+        model = self.distances
+        if self._counts is not model.counts:
+            self._counts = model.counts
+            minimum = np.where(model.crosses, self.config.margin, self.config.self_margin)
+            self._minimum = np.where(model.counts, minimum, -np.inf)
+            self._onset = self._minimum + self.config.buffer
+        return self._minimum
+
+    def lowered(self) -> FloatArray:
+        """Return the floors, lowered where a pair is below its own already."""
+        model, floors = self.distances, self.floors()
+        which = (model.bounds < floors).nonzero()[0]  # perhaps, or for sure: bounds are exact where it matters
+        if len(which):
+            floors = floors.copy()
+            floors[which] = np.minimum(floors[which], model.measure(which) - SLACK)
+        return floors
+
+    def nothing_near(self, turns: FloatArray) -> bool:
+        """Whether all pairs are farther apart than where dampers begin and what joint turns (n,) [rad] can take at most now."""
+        model = self.distances
+        self.floors()
+        limit = model.motion.approach(turns)
+        limit += self._onset
+        near = (model.bounds < limit).nonzero()[0]  # perhaps
+        return all(model.distance(k) >= least for k, least in zip(near.tolist(), limit.take(near).tolist()))
+
+    def rows(self, speeds: FloatArray) -> DamperRows:
+        """Return rows for pairs that are near, or might break a damper while joints move at up to `speeds` (n,) [rad/s]."""
+        model = self.distances
+        self.floors()
+        config, onset = self.config, self._onset
+        reach = np.maximum(model.motion.approach(speeds / config.gain), config.influence)
+        near = (model.bounds - onset < reach).nonzero()[0]
+        spare = model.measure(near) - onset[near]
+        keep = spare < reach[near]
+        near, spare = near[keep], spare[keep]
+        if len(near) > ROWS:
+            first = np.argsort(spare - np.minimum(reach[near], 1.0 / config.gain), kind="stable")[:ROWS]
+            near, spare = near[first], spare[first]
+        return DamperRows(near, model.gradients(near), np.minimum(-config.gain * spare, config.recovery_speed))
+
 
 BETWEEN = (0.5,)
 """Shares of the QP's solution, the rest braking, that are tried before braking itself when the way is not clear."""

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from rlbench_pin.datasets.episode import Episode
-from rlbench_pin.datasets.info import TaskInfo, stored_pictures, task_info
 from rlbench_pin.datasets.key_frames import key_frames
 from rlbench_pin.datasets.layout import (
     EPISODE_SUFFIX,
@@ -18,14 +15,23 @@ from rlbench_pin.datasets.layout import (
 )
 from rlbench_pin.datasets.manifest import EpisodeEntry, fold_journal, has_manifest, read_manifest
 from rlbench_pin.datasets.merge import Move, merge_datasets, plan_merge
-from rlbench_pin.datasets.reader import check_there, counted_demo, counted_files, read_demo, read_picture, stored_demos
+from rlbench_pin.datasets.reader import (
+    TaskInfo,
+    check_there,
+    counted_demo,
+    counted_files,
+    read_demo,
+    read_picture,
+    stored_demos,
+    stored_pictures,
+    task_info,
+)
 from rlbench_pin.datasets.storage import hold, remove_leftovers, write_whole
 from rlbench_pin.datasets.task_copy import KeptTask, keep_files, kept_task
 from rlbench_pin.datasets.trust import Inspector
 from rlbench_pin.datasets.verify import task_faults, verify_task
 from rlbench_pin.datasets.video import VideoWriter
 from rlbench_pin.datasets.writer import Compression, DatasetWriter, encode_demo, episode_entry, write_demo
-from rlbench_pin.front_door import front_door
 
 __all__ = [
     "EPISODE_SUFFIX",
@@ -69,6 +75,3 @@ __all__ = [
     "write_demo",
     "write_whole",
 ]
-
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)

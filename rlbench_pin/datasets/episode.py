@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -12,16 +13,86 @@ from typing import Any
 import h5py
 import numpy as np
 
-from rlbench_pin.datasets.manifest import digest
+from rlbench_pin.datasets.inspection_child import is_oversized
+from rlbench_pin.datasets.manifest import LARGEST, MAX_FRAMES, digest, is_text_map, is_texts, is_whole, short
 from rlbench_pin.datasets.series import from_json, read_series
-from rlbench_pin.datasets.trust import Inspector
-from rlbench_pin.datasets.trust.head import Head, read_head
-from rlbench_pin.datasets.trust.inspection_child import is_oversized
-from rlbench_pin.datasets.trust.listing import altered, check_file
+from rlbench_pin.datasets.trust import Inspector, altered, check_file
 from rlbench_pin.datasets.writer import DESCRIPTIONS, FORMAT, VERSION
 from rlbench_pin.errors import DatasetError, EpisodeFileError, InvalidValue
-from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.observation import Demo, Observation, RandomState
 from rlbench_pin.values import as_names, as_path, as_record, as_text
+
+_MOST_VARIATIONS = 2**31 - 1
+_LONGEST_NAME = 1000
+
+
+@dataclass(frozen=True)
+class Head:
+    """The attributes of an episode."""
+
+    frames: int
+    task: str
+    variation: int
+    attempt: int
+    instructions: tuple[str, ...]
+    versions: dict[str, str]
+    random_seed: int | RandomState | None
+    num_reset_attempts: int | None
+    describes: bool
+    """Whether every frame has the instructions in its `misc`."""
+
+
+def read_head(attributes: dict[str, Any]) -> Head:
+    """Check the attributes of an episode, of which the texts in JSON have been read.
+
+    Raises:
+        ValueError: One is missing, or not what it must be; names it and its value.
+    """
+    task, instructions, versions = (attributes.get(name) for name in ("task", "instructions", "versions"))
+    if not isinstance(task, str) or len(task) > _LONGEST_NAME:
+        raise ValueError(f"its task is {short(task)}, not a name")
+    if not is_texts(instructions):
+        raise ValueError(f"its instructions are {short(instructions)}, not a list of texts")
+    if not is_text_map(versions):
+        raise ValueError(f"its versions are {short(versions)}, not texts by name")
+    assert isinstance(instructions, list) and isinstance(versions, dict)
+    resets = "num_reset_attempts"
+    return Head(
+        frames=_whole(attributes, "frames", 1, MAX_FRAMES),
+        task=task,
+        variation=_whole(attributes, "variation", 0, _MOST_VARIATIONS),
+        attempt=_whole(attributes, "attempt"),
+        instructions=tuple(instructions),
+        versions=versions,
+        random_seed=_seed(attributes),
+        num_reset_attempts=_whole(attributes, resets) if resets in attributes else None,
+        describes=_flag(attributes, "descriptions"),
+    )
+
+
+def _seed(attributes: dict[str, Any]) -> int | RandomState | None:
+    if "random_state" in attributes:
+        state = attributes["random_state"]
+        if not isinstance(state, tuple | list):
+            raise ValueError(f"its random_state is {short(state)}, not the state of a generator")
+        return tuple(state)
+    return _whole(attributes, "random_seed") if "random_seed" in attributes else None
+
+
+def _whole(attributes: dict[str, Any], name: str, low: int = 0, high: int = LARGEST) -> int:
+    value: Any = attributes.get(name)
+    plain = value.item() if isinstance(value, np.integer) else value
+    if not is_whole(plain, low, high):
+        raise ValueError(f"its {name} is {short(plain)}, not a whole number from {low} to {high}")
+    return int(plain)
+
+
+def _flag(attributes: dict[str, Any], name: str) -> bool:
+    value = attributes.get(name, False)
+    if not isinstance(value, bool | np.bool_):
+        raise ValueError(f"its {name} is {short(value)}, neither true nor false")
+    return bool(value)
+
 
 _GROUPS = ("observations", "misc")
 _JSON = ("instructions", "versions", "random_state")
@@ -112,7 +183,7 @@ class Episode:
     # Reading ----------------------------------------------------------------------------------------------------
 
     def __getitem__(self, index: int) -> Observation:
-        """Read one frame; pictures are stored by four frames, so this reads at most three others."""
+        """Read one frame; images are stored by four frames, so this reads at most three others."""
         if not -self._length <= index < self._length:
             raise IndexError(f"There is no frame {index}: the episode has {self._length}.")
         return self.observations(range(index % self._length, index % self._length + 1))[0]

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
-from rlbench_pin.datasets.trust import check_inside
-from rlbench_pin.errors import DatasetError, nearest_name, shown
+from rlbench_pin.errors import DatasetError, EpisodeFileError, nearest_name, shown
 from rlbench_pin.values import as_flag, as_names, as_path, as_whole
 
 EPISODE_SUFFIX = ".h5"
@@ -147,3 +147,10 @@ def _unknown_task(place: Path, task: str, stored: Sequence[str]) -> DatasetError
     near = nearest_name(task, stored)
     guess = f"Did you mean '{near}'?" if near else "Name one of these, or record it with `rlbench-pin record`."
     return DatasetError(f"'{place}' holds no task '{task}', only {list(stored)}. {guess}")
+
+
+def check_inside(root: Path, path: Path) -> None:
+    """Raise EpisodeFileError when a link leads from a path below `root` out of it; the root itself may be a link."""
+    real = os.path.realpath(path)
+    if not Path(real).is_relative_to(os.path.realpath(root)):
+        raise EpisodeFileError(path, f"'{path}' leads out of '{root}', to '{real}'. Do not trust this dataset.")

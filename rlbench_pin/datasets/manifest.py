@@ -15,12 +15,58 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
-from rlbench_pin.datasets.layout import episode_file, manifest_path
+from rlbench_pin.datasets.layout import check_inside, episode_file, manifest_path
 from rlbench_pin.datasets.storage import storing, write_whole
-from rlbench_pin.datasets.trust import MAX_FRAMES, check_inside, is_text_map, is_texts, is_whole, parse_json, short
 from rlbench_pin.errors import EpisodeFileError
+
+LARGEST = 2**64 - 1
+"""The largest number that a dataset stores."""
+MAX_FRAMES = 10_000_000
+"""More frames than any episode has."""
+_SHOWN = 60
+
+
+def parse_json(text: str | bytes) -> Any:
+    """Return what a JSON text says.
+
+    Raises:
+        ValueError: It is no JSON, is nested too deeply, or holds NaN or infinity.
+    """
+    try:
+        return json.loads(text, parse_constant=_refuse)
+    except RecursionError as error:
+        raise ValueError("it is nested too deeply") from error
+
+
+def is_whole(value: object, low: int = 0, high: int = LARGEST) -> bool:
+    """Whether a value is a whole number in a range, both ends included; true and false are none."""
+    return type(value) is int and low <= value <= high
+
+
+def is_texts(value: object) -> bool:
+    """Whether a value is a list of texts."""
+    return isinstance(value, list) and all(isinstance(item, str) for item in value)
+
+
+def is_text_map(value: object) -> bool:
+    """Whether a value is a table of texts by name."""
+    return isinstance(value, dict) and all(isinstance(item, str) for pair in value.items() for item in pair)
+
+
+def short(value: object) -> str:
+    """Return a value as a text that fits into a message."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # a number with thousands of digits; a list that is too deep
+        text = f"a {type(value).__name__}"
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
+
+
+def _refuse(constant: str) -> NoReturn:
+    raise ValueError(f"it holds {constant}, which is no number")
+
 
 VERSION = 1
 _BLOCK = 1 << 20
@@ -234,16 +280,3 @@ def _length_of_whole_lines(path: Path) -> int:
 def _write(path: Path, task: str, entries: Entries) -> None:
     content = {"version": VERSION, "task": task, "episodes": [asdict(entries[key]) for key in sorted(entries)]}
     write_whole(path, (json.dumps(content, indent=1) + "\n").encode())
-
-
-__all__ = [
-    "EpisodeEntry",
-    "append_entry",
-    "digest",
-    "file_digest",
-    "fold_journal",
-    "has_manifest",
-    "journal_path",
-    "locked_manifest",
-    "read_manifest",
-]

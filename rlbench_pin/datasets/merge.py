@@ -6,12 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rlbench_pin.datasets.info import stored_pictures
-from rlbench_pin.datasets.layout import episode_file, manifest_path, stored_tasks
+from rlbench_pin.datasets.layout import check_inside, episode_file, manifest_path, stored_tasks
 from rlbench_pin.datasets.manifest import EpisodeEntry, digest, fold_journal, journal_path, read_manifest
+from rlbench_pin.datasets.reader import stored_pictures
 from rlbench_pin.datasets.storage import hold, remove_leftovers
 from rlbench_pin.datasets.task_copy import check_alike, copy_kept
-from rlbench_pin.datasets.trust import check_inside
 from rlbench_pin.datasets.writer import DatasetWriter
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 from rlbench_pin.values import as_function, as_path, items_of
@@ -36,7 +35,7 @@ def merge_datasets(roots: Sequence[Path], out: Path, on_episode: Callable[[Move]
     which deletes what was left of a file.
 
     Raises:
-        DatasetConflict: The same seed shows something else, or pictures differ in kind or size, or the result is being written
+        DatasetConflict: The same seed shows something else, or images differ in kind or size, or the result is being written
             to. Nothing was written.
         EpisodeFileError: A file is missing or not what its manifest says.
         StorageError: The disk cannot be written to. Every episode stored before is whole; merging again completes the rest.

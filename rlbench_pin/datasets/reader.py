@@ -1,16 +1,18 @@
-"""Reading demonstrations back, equal to what was written."""
+"""Reading demonstrations back, equal to what was written, and summaries of what a dataset holds."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from rlbench_pin.datasets.episode import Episode
-from rlbench_pin.datasets.layout import ALL_VARIATIONS, check_variation, episode_files, manifest_path
-from rlbench_pin.datasets.manifest import has_manifest, read_manifest
-from rlbench_pin.datasets.trust import Inspector, check_inside
+from rlbench_pin.datasets.layout import ALL_VARIATIONS, check_inside, check_variation, episode_files, manifest_path
+from rlbench_pin.datasets.manifest import EpisodeEntry, has_manifest, read_manifest
+from rlbench_pin.datasets.trust import Inspector
 from rlbench_pin.errors import DatasetError, EpisodeFileError
 from rlbench_pin.observation import CAMERAS, PRODUCTS, Demo
 from rlbench_pin.values import as_flag, as_path, as_record, as_text, as_whole
@@ -32,7 +34,7 @@ def read_demo(
         path: An episode file.
         fields: Names of `Observation` fields to read; None reads all. `misc` always comes along.
         sha256: What the bytes of the file must add up to; None looks it up in the manifest of the dataset that the file lies in.
-        image_paths: Put into picture fields a text that `read_picture` turns into the picture, and leave the pictures unread.
+        image_paths: Put into image fields a text that `read_picture` turns into the image, and leave the images unread.
         inspector: Reads the file first when no manifest lists it; a process of its own does when None.
 
     Raises:
@@ -51,10 +53,10 @@ def read_demo(
 
 
 def read_picture(reference: str) -> np.ndarray:
-    """Return the picture that a text from `image_paths=True` stands for, as it was recorded.
+    """Return the image that a text from `image_paths=True` stands for, as it was recorded.
 
     Raises:
-        DatasetError: The text names no stored picture.
+        DatasetError: The text names no stored image.
     """
     path, _, inside = as_text(reference, "reference").rpartition("#")
     name, _, frame = inside.partition("/")
@@ -88,7 +90,7 @@ def stored_demos(
         task: Snake-case task name.
         amount: How many, or -1 for all.
         variation: Variation, or -1 for all.
-        image_paths: Leave pictures unread and put texts for `read_picture` in their place.
+        image_paths: Leave images unread and put texts for `read_picture` in their place.
         random_selection: Pick at random, without repeats; otherwise in natural order.
         from_episode_number: First episode when taken in order, counted from 0 through all that there are, also over variations.
         rng: Draws the random selection; needed when there is one.
@@ -196,3 +198,65 @@ def _checked_first(number: int, count: int, what: str) -> int:
         return number
     stored = f"it holds {count}, counted from 0" if count else "it holds none"
     raise DatasetError(f"There is no episode {number} {what}: {stored}. `from_episode_number` is an index of these.")
+
+
+@dataclass(frozen=True)
+class TaskInfo:
+    """The stored episodes of one task."""
+
+    task: str
+    episodes: int
+    variations: tuple[int, ...]
+    frames: int
+    shortest: int
+    """Frames of the shortest episode."""
+    median: float
+    """Median number of frames."""
+    longest: int
+    num_bytes: int
+    retried: int
+    """Episodes that needed more than one try."""
+    causes: dict[str, int]
+    """Kind of failure -> tries that failed so."""
+    pictures: dict[str, tuple[int, ...]]
+    """Image field -> its shape, in the first episode."""
+    versions: dict[str, tuple[str, ...]]
+    """Library -> its versions."""
+
+
+def task_info(root: Path, task: str) -> TaskInfo:
+    """Sum up the stored episodes of a task.
+
+    Raises:
+        DatasetError: The manifest is missing, or it or the first file cannot be read.
+    """
+    entries = read_manifest(root, task)
+    if not entries:
+        raise DatasetError(f"'{manifest_path(root, task)}' lists no episodes. Record some with `rlbench-pin record {task}`.")
+    frames = [e.frames for e in entries]
+    return TaskInfo(
+        task=task,
+        episodes=len(entries),
+        variations=tuple(sorted({e.variation for e in entries})),
+        frames=sum(frames),
+        shortest=min(frames),
+        median=float(np.median(frames)),
+        longest=max(frames),
+        num_bytes=sum(e.num_bytes for e in entries),
+        retried=sum(bool(e.failures) or e.attempt > 0 for e in entries),
+        causes=dict(Counter(f.split(":")[0] for e in entries for f in e.failures)),
+        pictures=stored_pictures(manifest_path(root, task).parent / entries[0].file),
+        versions=_versions(entries),
+    )
+
+
+def stored_pictures(path: Path) -> dict[str, tuple[int, ...]]:
+    """Return the image fields of an episode file and their shapes."""
+    with Episode(path) as episode:
+        wanted = [f"{camera}_{product}" for camera in CAMERAS for product in PRODUCTS]
+        return {name: episode.shape(name) for name in wanted if name in episode.fields}
+
+
+def _versions(entries: tuple[EpisodeEntry, ...]) -> dict[str, tuple[str, ...]]:
+    names = sorted({name for e in entries for name in e.versions})
+    return {name: tuple(sorted({e.versions[name] for e in entries if name in e.versions})) for name in names}

@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from rlbench_pin.datasets.episode import Episode
-from rlbench_pin.datasets.layout import episode_files, manifest_path
+from rlbench_pin.datasets.layout import check_inside, episode_files, manifest_path
 from rlbench_pin.datasets.manifest import EpisodeEntry, file_digest, read_manifest
 from rlbench_pin.datasets.task_copy import kept_faults
-from rlbench_pin.datasets.trust import check_inside
-from rlbench_pin.datasets.trust.listing import altered
+from rlbench_pin.datasets.trust import altered
 from rlbench_pin.errors import DatasetError, EpisodeFileError
 from rlbench_pin.values import as_flag
 

@@ -1,4 +1,4 @@
-"""Films: a sequence of pictures becomes an MP4 that players and browsers open."""
+"""Films: a sequence of images becomes an MP4 that players and browsers open."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ _CODECS: tuple[tuple[str, dict[str, str]], ...] = (
 
 
 class VideoWriter:
-    """Writes pictures to an MP4; the file appears when the writer is closed without an error.
+    """Writes images to an MP4; the file appears when the writer is closed without an error.
 
     Args:
         path: The file, replaced when it exists.
         size: Width and height [px], both even.
-        fps: Pictures per second [1/s].
-        key_frames: Every so many pictures can be read without those before it; None leaves it to the encoder.
+        fps: Images per second [1/s].
+        key_frames: Every so many images can be read without those before it; None leaves it to the encoder.
         quality: Constant rate factor of H.264, lower is better.
     """
 
@@ -54,7 +54,7 @@ class VideoWriter:
         options = {name: str(quality) if name == "crf" else value for name, value in options.items()}
         options |= {} if key_frames is None else {"g": str(key_frames)}
         self.bytes_written = 0
-        """Size of the encoded pictures so far."""
+        """Size of the encoded images so far."""
         self._stream = cast(av.VideoStream, self._container.add_stream(codec, rate=fps, options=options))
         self.codec = str(self._stream.codec.canonical_name)
         """Name of the encoding."""
@@ -64,7 +64,7 @@ class VideoWriter:
         self._stream.codec_context.thread_count = 1
 
     def add(self, picture: np.ndarray) -> None:
-        """Append one picture, uint8 (h, w, 3)."""
+        """Append one image, uint8 (h, w, 3)."""
         width, height = self.size
         shape = getattr(picture, "shape", None)
         if shape != (height, width, 3) or picture.dtype.kind not in "ui":

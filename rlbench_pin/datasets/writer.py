@@ -10,11 +10,10 @@ from typing import Literal, get_args
 
 import h5py
 
-from rlbench_pin.datasets.layout import episode_file, episode_path, manifest_path
+from rlbench_pin.datasets.layout import check_inside, episode_file, episode_path, manifest_path
 from rlbench_pin.datasets.manifest import EpisodeEntry, append_entry, digest, locked_manifest
 from rlbench_pin.datasets.series import to_json, write_series
 from rlbench_pin.datasets.storage import write_whole
-from rlbench_pin.datasets.trust import check_inside
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import FIELDS, Demo
 from rlbench_pin.values import LARGEST_SEED, as_choice, as_names, as_path, as_record, as_seed, as_text, as_whole

@@ -27,7 +27,7 @@ from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DatasetError, EnvironmentClosed, InvalidArgument, TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS, Demo
 from rlbench_pin.planning.planner import PlannerConfig
-from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
+from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import RENDERERS, RendererName, World, give_back_memory

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rlbench_pin.control.tracking import TrajectoryTracker
+from rlbench_pin.control.following import TrajectoryTracker
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray

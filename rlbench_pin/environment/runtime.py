@@ -23,7 +23,7 @@ from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import RendererName, World
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray
 from rlbench_pin.tasks import Task, task_scene
-from rlbench_pin.tasks.verdict import Verdict
+from rlbench_pin.tasks.task import Verdict
 
 TIP_WORKSPACE = np.array([[-0.274, -0.655, TABLE_HEIGHT], [0.774, 0.655, TABLE_HEIGHT + 1.0]])
 """Lowest and highest corner of the box that tip targets must lie in [m]."""

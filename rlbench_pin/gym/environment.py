@@ -217,7 +217,7 @@ def render_from_side(world: World, render_mode: str | None, window: Window | Non
     if render_mode is None:
         gymnasium.logger.warn("render() without a render_mode shows nothing. Pass render_mode='rgb_array' to make().")
         return None
-    picture = world.renderer.picture(CINEMATIC)
+    picture = world.renderer.image(CINEMATIC)
     if window is None:
         return picture
     window.show(picture)

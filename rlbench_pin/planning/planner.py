@@ -24,8 +24,8 @@ from rlbench_pin.planning.timing.arc import ArcLimits
 from rlbench_pin.planning.timing.retime import retime
 from rlbench_pin.planning.timing.torque import TorqueLimits
 from rlbench_pin.robot.collision import CollisionModel
+from rlbench_pin.robot.dynamics import payload_inertia
 from rlbench_pin.robot.model import RobotModel
-from rlbench_pin.robot.payload import payload_inertia
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray, PoseLike, rotation_distance
 from rlbench_pin.values import as_record

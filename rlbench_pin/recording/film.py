@@ -68,4 +68,4 @@ class Film:
         """Picture of now, from where the first was taken."""
         if self._view is None:
             self._view = film_view(self._task.world)
-        return self._task.world.renderer.picture(self._view)
+        return self._task.world.renderer.image(self._view)

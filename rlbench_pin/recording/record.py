@@ -16,8 +16,8 @@ from functools import partial
 from pathlib import Path
 
 from rlbench_pin.datasets import DatasetWriter, EpisodeEntry, checked_task_name, fold_journal, read_manifest, stored_tasks
-from rlbench_pin.datasets.info import stored_pictures
 from rlbench_pin.datasets.layout import episode_path
+from rlbench_pin.datasets.reader import stored_pictures
 from rlbench_pin.datasets.storage import hold, remove_leftovers
 from rlbench_pin.errors import DatasetConflict, EpisodeFileError, StorageError
 from rlbench_pin.processes import Engine, GivenUp, ProcessEngine, WorkerDeath

@@ -9,9 +9,9 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from rlbench_pin.datasets import EpisodeEntry, kept_task, read_manifest, stored_tasks
-from rlbench_pin.datasets.layout import checked_task_name, chosen_tasks, episode_path
+from rlbench_pin.datasets.layout import check_inside, checked_task_name, chosen_tasks, episode_path
+from rlbench_pin.datasets.manifest import is_whole, parse_json, short
 from rlbench_pin.datasets.storage import hold, remove_leftovers, write_whole
-from rlbench_pin.datasets.trust import check_inside, is_whole, parse_json, short
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 from rlbench_pin.processes import Engine
 from rlbench_pin.recording.config import PictureConfig, WorkItem

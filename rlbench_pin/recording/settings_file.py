@@ -9,8 +9,8 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+from rlbench_pin.datasets.manifest import is_texts, is_whole, parse_json, short
 from rlbench_pin.datasets.storage import write_whole
-from rlbench_pin.datasets.trust import is_texts, is_whole, parse_json, short
 from rlbench_pin.errors import EpisodeFileError, RlbenchPinError
 from rlbench_pin.recording.config import PictureConfig, RecordConfig
 from rlbench_pin.values import as_path

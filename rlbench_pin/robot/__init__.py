@@ -5,24 +5,18 @@ Nothing here uses a simulator or a planner; worlds come as snapshots.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from rlbench_pin.front_door import front_door
-from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, SUPPORTED_ROBOTS, UnknownRobot, robot_description
-from rlbench_pin.robot.collision import CollisionModel
-from rlbench_pin.robot.collision_geometry import Distance
-from rlbench_pin.robot.derivatives import (
+from rlbench_pin.robot.collision import CollisionModel, Distance
+from rlbench_pin.robot.description import DEFAULT_ROBOT, SUPPORTED_ROBOTS, RobotDescription, UnknownRobot, robot_description
+from rlbench_pin.robot.distances import DistanceModel
+from rlbench_pin.robot.dynamics import (
     DynamicsDerivatives,
     forward_dynamics_derivatives,
     inverse_dynamics_derivatives,
     jacobian_derivative,
     manipulability_gradient,
+    payload_inertia,
 )
-from rlbench_pin.robot.description import RobotDescription
-from rlbench_pin.robot.distances import DistanceModel
-from rlbench_pin.robot.limits import JointLimits
-from rlbench_pin.robot.model import FrameChoice, RobotModel
-from rlbench_pin.robot.payload import payload_inertia
+from rlbench_pin.robot.model import FrameChoice, JointLimits, RobotModel
 from rlbench_pin.robot.trajectory import Trajectory
 
 __all__ = [
@@ -45,6 +39,3 @@ __all__ = [
     "payload_inertia",
     "robot_description",
 ]
-
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)

@@ -5,10 +5,13 @@ Everything that is true of one arm only stands here: another arm is another reco
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from rlbench_pin.errors import RobotModelError
+from rlbench_pin.assets import asset_path
+from rlbench_pin.errors import RobotModelError, UnknownName
+from rlbench_pin.spatial import TABLE_HEIGHT
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,7 +29,7 @@ class RobotDescription:
     gripper_joints: tuple[str, ...]
     """Finger joints; each opens with a growing value. Two in the simulation; for planning and control there may be none."""
     tip_frame: str
-    """Frame between the finger pads, z out of the hand, y from the first finger to the second."""
+    """Frame between the finger pads, z out of the gripper, y from the first finger to the second."""
     hand_link: str
     """Link that carries the fingers; grasped bodies are fixed to it."""
     finger_links: tuple[str, ...]
@@ -38,13 +41,13 @@ class RobotDescription:
     base_pose: tuple[float, float, float, float, float, float, float]
     """Pose of the base link in the world."""
     gripper_open: float
-    """Finger joint value of the open hand [m]; 0 is shut."""
+    """Finger joint value of the open gripper [m]; 0 is shut."""
     gripper_force: float
     """Largest force of one finger [N]."""
     finger_speed: float
     """Finger speed of gripper actions [m/s]."""
     grip_speed: float
-    """Finger speed of closing on something [m/s]: fast fingers knock light things away."""
+    """Finger speed of closing on something [m/s]: fast fingers knock light objects away."""
     pad_size: tuple[float, float]
     """Size of the box between the pads, along tip x and z, in which a body counts as between the fingers [m]."""
     acceleration: tuple[float, ...]
@@ -68,3 +71,73 @@ class RobotDescription:
             count = len(getattr(self, name))
             if count != len(self.arm_joints):
                 raise RobotModelError(f"'{self.name}' has {len(self.arm_joints)} arm joints, but {count} numbers in '{name}'.")
+
+
+class UnknownRobot(UnknownName, ValueError):
+    """A robot name is not in the catalogue."""
+
+
+def _panda() -> RobotDescription:
+    """Franka Emika Panda with its parallel gripper, standing on the table behind the workspace."""
+    return RobotDescription(
+        name="panda",
+        urdf=asset_path("robots/panda/panda.urdf"),
+        srdf=asset_path("robots/panda/panda.srdf"),
+        arm_joints=tuple(f"panda_joint{i}" for i in range(1, 8)),
+        gripper_joints=("panda_finger_joint1", "panda_finger_joint2"),
+        tip_frame="panda_hand_tcp",
+        hand_link="panda_hand",
+        finger_links=("panda_leftfinger", "panda_rightfinger"),
+        # In front of the gripper, pitched 0.4 rad towards the fingers; at home the top of the image is away from the base.
+        camera_pose=(0.08, 0.0, 0.03, 0.1404802, -0.1404802, -0.6930117, 0.6930117),
+        home=(0.0, 0.175, 0.0, -0.873, 0.0, 1.222, 0.785),
+        base_pose=(-0.273, 0.0, TABLE_HEIGHT, 0.0, 0.0, 0.0, 1.0),
+        gripper_open=0.04,
+        gripper_force=40.0,
+        finger_speed=0.2,
+        grip_speed=0.04,
+        pad_size=(0.012, 0.012),
+        acceleration=(15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0),
+        reach=1.6,  # 1.2 m, and what the gripper holds
+        linear_speed=1.7,
+        angular_speed=2.5,
+        loaded_joints=2,
+        loaded_share=0.65,
+        joint_stiffness=(600.0, 600.0, 600.0, 600.0, 250.0, 150.0, 50.0),
+    )
+
+
+class _Catalogue(Mapping[str, RobotDescription]):
+    """Names of arms -> descriptions, each built when first asked for."""
+
+    def __init__(self, builders: Mapping[str, Callable[[], RobotDescription]]) -> None:
+        self._builders = dict(builders)
+        self._built: dict[str, RobotDescription] = {}
+
+    def __getitem__(self, name: str) -> RobotDescription:
+        if name not in self._built:
+            self._built[name] = self._builders[name]()
+        return self._built[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._builders)
+
+    def __len__(self) -> int:
+        return len(self._builders)
+
+
+SUPPORTED_ROBOTS: Mapping[str, RobotDescription] = _Catalogue({"panda": _panda})
+DEFAULT_ROBOT = "panda"
+"""The arm where none is named."""
+
+
+def robot_description(name: str) -> RobotDescription:
+    """Return the description of an arm; case does not matter.
+
+    Raises:
+        UnknownRobot: The catalogue has no such arm; a ValueError as well.
+    """
+    key = name.lower() if isinstance(name, str) else ""
+    if key not in SUPPORTED_ROBOTS:
+        raise UnknownRobot("robot", name, tuple(SUPPORTED_ROBOTS))
+    return SUPPORTED_ROBOTS[key]

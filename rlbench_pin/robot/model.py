@@ -1,4 +1,4 @@
-"""What an arm can do, analytically: kinematics, Jacobians and dynamics of the arm joints, by Pinocchio.
+"""Kinematics and dynamics of an arm, analytically, by Pinocchio: its limits, forward kinematics, Jacobians and inverse dynamics.
 
 Public joint vectors are the arm's, shape (n,), in the order of `RobotDescription.arm_joints`; the fingers stand open.
 Everything is expressed in the world frame, in which the base has the description's `base_pose`.
@@ -6,6 +6,7 @@ Everything is expressed in the world frame, in which the base has the descriptio
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
@@ -14,11 +15,117 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from rlbench_pin.errors import InvalidValue, RobotModelError
-from rlbench_pin.robot.chain_reach import ChainReach
 from rlbench_pin.robot.description import RobotDescription
-from rlbench_pin.robot.limits import JointLimits
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3, se3_to_pose
 from rlbench_pin.values import as_array, as_choice, as_finite, as_number, as_record, as_vector
+
+
+@dataclass(frozen=True, eq=False)
+class JointLimits:
+    """Limits of n joints, read-only arrays of shape (n,); velocity, acceleration and effort are symmetric."""
+
+    lower: FloatArray
+    """Smallest position [rad] or [m]."""
+    upper: FloatArray
+    """Largest position [rad] or [m]."""
+    velocity: FloatArray
+    """Largest speed [rad/s] or [m/s]."""
+    acceleration: FloatArray
+    """Largest acceleration [rad/s^2] or [m/s^2]."""
+    effort: FloatArray
+    """Largest torque [N m] or force [N]."""
+
+    def __post_init__(self) -> None:
+        """Copy every field into a read-only float array of one shape; raise InvalidValue where that cannot be."""
+        size = as_array(self.lower, "JointLimits.lower").size
+        for name in ("lower", "upper", "velocity", "acceleration", "effort"):
+            array = as_array(getattr(self, name), f"JointLimits.{name}").copy()
+            if array.shape != (size,) or np.isnan(array).any():
+                raise InvalidValue(f"JointLimits.{name}", array, f"has to have shape ({size},), not {array.shape}, without NaN")
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        if np.any(self.lower > self.upper):
+            raise InvalidValue("JointLimits.lower", self.lower, f"has to be below `upper`, which is {self.upper}")
+        for name in ("velocity", "acceleration", "effort"):
+            if np.any(getattr(self, name) < 0.0):
+                raise InvalidValue(f"JointLimits.{name}", getattr(self, name), "has to be >= 0")
+
+    def capped(self, velocity: float, acceleration: float) -> JointLimits:
+        """Return these limits with no joint faster than `velocity` [rad/s] or accelerating beyond `acceleration` [rad/s^2].
+
+        Raises:
+            InvalidValue: One of them is not > 0 (also a ValueError).
+        """
+        for value, what in ((velocity, "velocity"), (acceleration, "acceleration")):
+            as_number(value, what, above=0.0, finite=False)
+        return JointLimits(
+            self.lower, self.upper, np.minimum(self.velocity, velocity), np.minimum(self.acceleration, acceleration), self.effort
+        )
+
+    def contains(self, q: FloatArray, tolerance: float = 0.0) -> bool:
+        """Say whether a configuration (n,) lies within the position limits."""
+        q, tolerance = as_vector(q, len(self.lower), "configuration"), as_number(tolerance, "tolerance", finite=False)
+        return bool(np.all(q >= self.lower - tolerance) and np.all(q <= self.upper + tolerance))
+
+    def margin(self, q: FloatArray) -> float:
+        """Return the distance of the joint nearest to one of its position limits."""
+        q = as_vector(q, len(self.lower), "configuration")
+        return float(min(np.min(q - self.lower), np.min(self.upper - q)))
+
+
+class ChainReach:
+    """Bounds of the distance between points that an arm carries and the axes of its joints, in every configuration.
+
+    The next joint of the chain keeps its distance from the axis in any configuration; beyond it the links may be stretched. So
+    the part that depends on the arm alone, the distance to the last joint of the chain, is computed once.
+
+    Args:
+        full: Arm and fingers.
+        arm: Names of the arm joints, n of them.
+        slide: How far a finger joint can slide [m].
+    """
+
+    def __init__(self, full: pin.Model, arm: tuple[str, ...], slide: float) -> None:
+        data = full.createData()
+        joints = [full.getJointId(name) for name in arm]
+        columns = [full.idx_vs[joint] for joint in joints]
+        axes = pin.computeJointJacobians(full, data, pin.neutral(full))[:, columns].T
+        self._placements = [data.oMi[i].copy() for i in range(full.njoints)]
+        self._axes = axes
+        self._links = np.full((full.njoints, len(arm)), -np.inf)
+        self._own: dict[int, int] = {}
+        for carrier in range(full.njoints):
+            chain = list(full.supports[carrier])
+            for j in (j for j, joint in enumerate(joints) if joint in chain):
+                beyond = chain[chain.index(joints[j]) + 1 :]
+                if not beyond:
+                    self._own[carrier] = j
+                    continue
+                near = _distance(axes[j], data.oMi[beyond[0]].translation)
+                stretched = sum(float(np.linalg.norm(full.jointPlacements[i].translation)) for i in beyond[1:])
+                self._links[carrier, j] = near + stretched + slide * sum(joint not in joints for joint in beyond)
+
+    def of(self, carrier: int, center: FloatArray, radius: float) -> FloatArray:
+        """Return the reach of a ball about each joint's axis, shape (n,), [m]; 0 for joints that do not carry it.
+
+        Args:
+            carrier: Pinocchio joint that the ball moves with.
+            center: Its centre in the frame of that joint (3,), [m].
+            radius: Its radius [m].
+        """
+        reach = np.maximum(self._links[carrier] + (float(np.linalg.norm(center)) + radius), 0.0)
+        own = self._own.get(carrier)
+        if own is not None:
+            reach[own] = _distance(self._axes[own], self._placements[carrier].act(center)) + radius
+        return reach
+
+
+def _distance(axis: FloatArray, point: FloatArray) -> float:
+    """Return the distance [m] of a point (3,) from a joint's axis, a column (6,) of the spatial Jacobian."""
+    x, y, z = point.tolist()
+    a, b, c = axis[3:].tolist()
+    return float(np.linalg.norm(axis[:3] + (b * z - c * y, c * x - a * z, a * y - b * x)))
+
 
 FrameChoice = Literal["world", "tip"]
 _REFERENCE = {"world": pin.LOCAL_WORLD_ALIGNED, "tip": pin.LOCAL}
@@ -150,7 +257,7 @@ class RobotModel:
         return np.array(pin.aba(self.arm, self.data, q, v, tau))
 
     def set_payload(self, mass: float, center: ArrayLike, inertia: ArrayLike | None = None) -> None:
-        """Add a body to the dynamics of the hand; a mass of 0 takes it away.
+        """Add a body to the dynamics of the gripper; a mass of 0 takes it away.
 
         Args:
             mass: [kg].
@@ -166,7 +273,7 @@ class RobotModel:
         self.carry(T_joint_tip.act(load) if mass > 0.0 else pin.Inertia.Zero())
 
     def carry(self, payload: pin.Inertia) -> None:
-        """Add an inertia, in the frame of the last joint, to the dynamics of the hand; it replaces what was added before."""
+        """Add an inertia, in the frame of the last joint, to the dynamics of the gripper; it replaces what was added before."""
         as_record(payload, pin.Inertia, "payload")
         self.arm.inertias[self.size] = loaded(self._bare_inertia, payload)
         self.data = self.arm.createData()

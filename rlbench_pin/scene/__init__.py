@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from rlbench_pin.front_door import front_door
-from rlbench_pin.scene.model_files import resolve_asset
-from rlbench_pin.scene.reader import read_scene, read_scene_text
+from rlbench_pin.scene.reader import read_scene, read_scene_text, resolve_asset
 from rlbench_pin.scene.snapshot import BodySnapshot, Shape, WorldSnapshot
 from rlbench_pin.scene.spec import (
     BodySpec,
@@ -39,6 +35,3 @@ __all__ = [
     "resolve_asset",
     "write_scene",
 ]
-
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)

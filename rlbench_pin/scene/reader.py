@@ -1,19 +1,303 @@
-"""TOML scene file -> frozen `SceneSpec`, or an error that says which file, which table, which key."""
+"""TOML scene file -> frozen `SceneSpec`: parsing, short forms of format 2, and checks between the tables of a scene."""
 
 from __future__ import annotations
 
+import re
 import tomllib
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from rlbench_pin.errors import SceneFileError, nearest_name
-from rlbench_pin.scene.checks import check_scene
-from rlbench_pin.scene.findings import dotted, first_finding, key_hint
-from rlbench_pin.scene.short_forms import POSED_TABLES, ShortFormError, placement_from_file, short_keys, write_out
-from rlbench_pin.scene.spec import FORMAT, SceneSpec
+from rlbench_pin.assets import asset_path
+from rlbench_pin.errors import AssetNotFound, SceneFileError, nearest_name
+from rlbench_pin.scene.snapshot import ROOM
+from rlbench_pin.scene.spec import (
+    FORMAT,
+    ROOT,
+    TURN,
+    WORLD,
+    BodySpec,
+    PlacementSpec,
+    Pose,
+    PosedSpec,
+    SceneSpec,
+    SensorSpec,
+    WaypointSpec,
+    dotted,
+    first_finding,
+    is_number,
+    key_hint,
+)
+from rlbench_pin.spatial import TABLE_HEIGHT, above_table, euler_to_quaternion
+from rlbench_pin.urdf import Urdf, read_urdf
 from rlbench_pin.values import as_path, as_text
+
+
+def resolve_asset(source: SceneSpec | Path | str, asset: str) -> Path:
+    """Return the file of an asset: below `assets/`, or beside the scene file when `asset` starts with `./`.
+
+    Args:
+        source: The scene that names the asset, or the path of its file.
+        asset: As written in the scene, such as `objects/cube/cube.urdf`.
+    """
+    if not as_text(asset, "asset").startswith(("./", "../")):
+        return asset_path(asset)
+    file = source.file if isinstance(source, SceneSpec) else source
+    return (as_path(file, "source").parent / asset).resolve()
+
+
+RESERVED = frozenset({ROOT, WORLD, "robot", *ROOM})
+"""Names that the world itself uses."""
+SENSOR_SIZES = {"box": ("x", "y", "z"), "cylinder": ("diameter", "length"), "sphere": ("diameter",)}
+
+
+def check_scene(spec: SceneSpec) -> None:
+    """Check one scene as a whole.
+
+    Raises:
+        SceneFileError: Names the table and the key that are wrong.
+        AssetNotFound: A URDF, mesh or texture does not exist.
+    """
+    _check_names(spec)
+    models = {body.name: _check_assets(spec, body) for body in spec.body}
+    _check_parents(spec, models)
+    _check_cycles(spec)
+    _check_joints(spec, models)
+    for sensor in spec.sensor:
+        _check_sensor(spec, sensor)
+    _check_waypoints(spec)
+    _check_bounds(spec)
+    _check_departures(spec)
+
+
+def table_of(item: PosedSpec) -> str:
+    """Return how the table of a record is written in the file: `[[body]]`, `[[frame]]`, ..."""
+    return f"[[{type(item).__name__.removesuffix('Spec').lower()}]]"
+
+
+def _error(spec: SceneSpec, item: PosedSpec, key: str, problem: str, hint: str = "") -> SceneFileError:
+    return SceneFileError(spec.file, f"{table_of(item)} '{item.name}', key '{key}'", problem, hint)
+
+
+def _guess(name: str, known: Collection[str]) -> str:
+    near = nearest_name(name, known)
+    return f"Did you mean '{near}'?" if near else f"Known: {', '.join(sorted(known)) or 'none'}."
+
+
+def _check_names(spec: SceneSpec) -> None:
+    seen: dict[str, PosedSpec] = {}
+    for item in spec.posed():
+        if item.name in RESERVED:
+            raise _error(spec, item, "name", f"'{item.name}' is reserved for the room.", "Choose another name.")
+        if item.name in seen:
+            other = table_of(seen[item.name])
+            raise _error(spec, item, "name", f"'{item.name}' is used twice, first in {other}.", "Names are unique in a file.")
+        seen[item.name] = item
+
+
+def _check_assets(spec: SceneSpec, body: BodySpec) -> Urdf:
+    path = resolve_asset(spec, body.asset)
+    needed_by = f"body '{body.name}' of {Path(spec.file).name}"
+    if not _is_file(path):
+        raise AssetNotFound(body.asset, needed_by)
+    urdf = read_urdf(path, needed_by)
+    for file in (*urdf.meshes, *urdf.textures):
+        if not _is_file(file):
+            raise AssetNotFound(file, f"{body.asset}, {needed_by}")
+    return urdf
+
+
+def _is_file(path: Path) -> bool:
+    """Whether there is such a file; a name that no file can have is that of none."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
+def _check_parents(spec: SceneSpec, models: dict[str, Urdf]) -> None:
+    names = {item.name for item in spec.posed()} | {ROOT, WORLD}
+    for item in spec.posed():
+        owner, _, link = item.parent.partition("/")
+        if owner not in names:
+            raise _error(spec, item, "parent", f"there is no '{owner}' in this scene.", _guess(owner, names))
+        if not link:
+            continue
+        if owner not in models:
+            raise _error(spec, item, "parent", f"'{owner}' is not a body, so it has no link '{link}'.")
+        links = models[owner].link_names
+        if link not in links:
+            raise _error(spec, item, "parent", f"body '{owner}' has no link '{link}'.", _guess(link, links))
+
+
+def _check_cycles(spec: SceneSpec) -> None:
+    parents = {item.name: item.parent.partition("/")[0] for item in spec.posed()}
+    for item in spec.posed():
+        chain = [item.name]
+        while (parent := parents.get(chain[-1])) is not None:
+            if parent in chain:
+                loop = " -> ".join([*chain[chain.index(parent) :], parent])
+                raise _error(spec, item, "parent", f"the parents form a circle: {loop}.")
+            chain.append(parent)
+
+
+def _check_joints(spec: SceneSpec, models: dict[str, Urdf]) -> None:
+    seen: set[str] = set()
+    for joint in spec.joint:
+        where = f"[[joint]] '{joint.name}'"
+        body, _, name = joint.name.partition("/")
+        if body not in models:
+            raise SceneFileError(spec.file, where, f"there is no body '{body}'.", _guess(body, models))
+        limits = models[body].joint_limits
+        if name not in limits:
+            hint = _guess(name, limits)
+            raise SceneFileError(spec.file, where, f"body '{body}' has no movable joint '{name}'.", hint)
+        if joint.name in seen:
+            raise SceneFileError(spec.file, where, "it is described twice.")
+        seen.add(joint.name)
+        lower, upper = limits[name]
+        if not lower - 1e-9 <= joint.position <= upper + 1e-9:
+            raise SceneFileError(spec.file, f"{where}, key 'position'", f"{joint.position} is outside [{lower}, {upper}].")
+
+
+def _check_sensor(spec: SceneSpec, sensor: SensorSpec) -> None:
+    meaning = SENSOR_SIZES[sensor.shape]
+    if len(sensor.size) != len(meaning):
+        problem = f"a {sensor.shape} has {len(meaning)} numbers ({', '.join(meaning)}), not {len(sensor.size)}."
+        raise _error(spec, sensor, "size", problem)
+
+
+def _check_waypoints(spec: SceneSpec) -> None:
+    expected = [f"waypoint{i}" for i in range(len(spec.waypoint))]
+    present = {waypoint.name for waypoint in spec.waypoint}
+    for waypoint in spec.waypoint:
+        digits = waypoint.name.removeprefix("waypoint")
+        if not waypoint.name.startswith("waypoint") or digits != str(int(digits) if digits.isdigit() else -1):
+            problem = "a waypoint is called 'waypoint' and its number."
+            raise _error(spec, waypoint, "name", problem, "Use a [[frame]] for other places.")
+    missing = [name for name in expected if name not in present]
+    if missing:
+        raise SceneFileError(spec.file, "[[waypoint]]", f"'{missing[0]}' is missing.", "Number waypoints from 0 without gaps.")
+    for waypoint in spec.waypoint:
+        _check_curve(spec, waypoint)
+
+
+def _check_curve(spec: SceneSpec, waypoint: WaypointSpec) -> None:
+    described = int(bool(waypoint.points)) + int(waypoint.arc is not None)
+    if waypoint.path == "curve" and described != 1:
+        raise _error(spec, waypoint, "path", "a curve needs either 'points' or 'arc'.")
+    if waypoint.path != "curve" and described:
+        raise _error(spec, waypoint, "path", "'points' and 'arc' belong to a curve.", 'Write path = "curve".')
+
+
+def _check_bounds(spec: SceneSpec) -> None:
+    low, high = spec.placement.yaw
+    if low > high:
+        raise SceneFileError(spec.file, "[placement], key 'yaw'", f"the lower bound {low} is above the upper bound {high}.")
+
+
+def _check_departures(spec: SceneSpec) -> None:
+    names = [departure.name for departure in spec.departure]
+    for name in names:
+        if names.count(name) > 1:
+            raise SceneFileError(spec.file, f"[[departure]] '{name}'", "it is described twice.")
+
+
+Entry = dict[str, Any]
+ARRAY_TABLES = ("body", "frame", "region", "sensor")
+"""Tables whose entries may be arrays."""
+POSED_TABLES = (*ARRAY_TABLES, "waypoint")
+"""Tables whose entries have a pose."""
+SHORT_KEYS = {
+    "rpy": "`[roll, pitch, yaw]` of a pose `[x, y, z]`: turns about the fixed x, then y, then z axis.",
+    "poses": "Instead of `pose`: one thing for each pose; the numbers of their names count on from that of `name`.",
+}
+"""Keys that stand for others, and what they mean."""
+_NUMBERED = re.compile(r"(.*\D)(0|[1-9][0-9]{0,8})")
+_QUATERNION_DIGITS = 7
+_HEIGHT_DIGITS = 12
+
+
+class TablePlacement(PlacementSpec):
+    """A placement whose height counts from the table top."""
+
+    pose: Pose = (*PlacementSpec().pose[:2], 0.0, *PlacementSpec().pose[3:])
+
+
+class ShortFormError(ValueError):
+    """A short form cannot be written out; says which key is wrong and why."""
+
+    def __init__(self, key: str, problem: str, hint: str = "") -> None:
+        self.key, self.problem, self.hint = key, problem, hint
+        super().__init__(f"key '{key}': {problem} {hint}")
+
+
+def short_keys(table: str) -> frozenset[str]:
+    """Return the keys that entries of a table may have in a file of format 2, beside those of its record."""
+    arrays = {"poses"} if table in ARRAY_TABLES else set()
+    return frozenset({"rpy", *arrays} if table in POSED_TABLES else ())
+
+
+def write_out(table: str, entry: Entry) -> list[Entry]:
+    """Return what one entry of a table stands for, one entry per object, with plain poses.
+
+    Args:
+        table: Name of the table, such as `body`.
+        entry: Its keys as they stand in the file.
+
+    Raises:
+        ShortFormError: `rpy` or `poses` is not what it should be.
+    """
+    keys = short_keys(table)
+    entries = _array(entry) if "poses" in keys & entry.keys() else [entry]
+    return [_turned(item) for item in entries] if "rpy" in keys & entry.keys() else entries
+
+
+def placement_from_file(placement: PlacementSpec) -> PlacementSpec:
+    """Return a placement whose height counts from the table top as one in the world."""
+    if "pose" not in placement.model_fields_set:
+        return placement
+    x, y, z, *quaternion = placement.pose
+    return placement.model_copy(update={"pose": (x, y, above_table(z), *quaternion)})
+
+
+def placement_for_file(placement: PlacementSpec) -> TablePlacement:
+    """Return a placement in the world as a file of format 2 says it."""
+    x, y, z, *quaternion = placement.pose
+    pose = (x, y, round(z - TABLE_HEIGHT, _HEIGHT_DIGITS), *quaternion)
+    return TablePlacement.model_validate({**placement.model_dump(), "pose": pose})
+
+
+def _array(entry: Entry) -> list[Entry]:
+    """Count on from the name of the first: `piece0`, `piece1`, ..., one for each of `poses`."""
+    poses, name = entry["poses"], entry.get("name")
+    if "pose" in entry:
+        raise ShortFormError("poses", "it stands instead of 'pose', not beside it.", "Leave one of them out.")
+    if not isinstance(poses, list) or not poses or not all(isinstance(pose, list) for pose in poses):
+        raise ShortFormError("poses", "it is a list of poses, one for each thing.", "Write poses = [[x, y, z], ...].")
+    numbered = _NUMBERED.fullmatch(name) if isinstance(name, str) else None
+    if numbered is None:
+        raise ShortFormError("name", f"an array begins with a numbered name, not {name!r}.", "Call the first one 'piece0'.")
+    stem, first = numbered[1], int(numbered[2])
+    rest = {key: value for key, value in entry.items() if key not in ("poses", "name")}
+    return [{"name": f"{stem}{first + k}", **rest, "pose": pose} for k, pose in enumerate(poses)]
+
+
+def _turned(entry: Entry) -> Entry:
+    """Replace `rpy` by a quaternion, rounded to 1e-7: angles with seven digits suffice for exact right angles."""
+    rpy, pose = entry["rpy"], entry.get("pose", [0.0, 0.0, 0.0])
+    if not isinstance(rpy, list) or len(rpy) != 3 or not all(is_number(angle) for angle in rpy):
+        raise ShortFormError("rpy", f"it is [roll, pitch, yaw], three angles in [rad], not {rpy!r}.")
+    if max(abs(angle) for angle in rpy) > TURN:
+        raise ShortFormError("rpy", f"angles are at most one turn, 2 pi = 6.2832 rad, not {rpy!r}.", "Were these degrees?")
+    if not isinstance(pose, list) or len(pose) != 3:
+        raise ShortFormError("rpy", "it goes with a pose [x, y, z].", "Leave the rotation out of the pose.")
+    quaternion = [round(float(v), _QUATERNION_DIGITS) + 0.0 for v in euler_to_quaternion(*rpy)]
+    rest = {key: value for key, value in entry.items() if key not in ("rpy", "pose")}
+    return {**rest, "pose": [*pose, *quaternion]}
+
 
 Raw = dict[str, Any]
 

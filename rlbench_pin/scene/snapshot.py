@@ -59,7 +59,7 @@ class BodySnapshot:
 
 @dataclass(frozen=True, eq=False)
 class WorldSnapshot:
-    """All bodies but the robot, the robot's configuration, and what the hand holds."""
+    """All bodies but the robot, the robot's configuration, and what the gripper holds."""
 
     bodies: tuple[BodySnapshot, ...]
     """In the order of the world: room first."""
@@ -68,7 +68,7 @@ class WorldSnapshot:
     fingers: FloatArray
     """Finger joint positions [m]."""
     attached: tuple[str, ...] = ()
-    """Names of the bodies fixed to the hand."""
+    """Names of the bodies fixed to the gripper."""
 
     def body(self, name: str) -> BodySnapshot:
         """Return the body called `name`."""

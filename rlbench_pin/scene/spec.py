@@ -1,44 +1,190 @@
-"""What a scene file says, as frozen records. Pure data: no file access, no physics.
+"""Frozen records of scene files, their kinds of values, and messages about values that are refused. No files, no physics.
 
 Lengths in [m], angles in [rad], poses `[x, y, z, qx, qy, qz, qw]` in the frame of `parent`. A parent is written
 `root` (the task root), `world`, `<body>`, `<body>/<link>`, `<frame>`, `<sensor>`, `<region>` or `<waypoint>`.
 
-A file of format 1 says poses as they are here. In one of format 2 the height of `[placement]` counts from the table top,
-and `rpy` and `poses` may stand for a rotation and for an array (`short_forms`); the records are the same.
+A file of format 1 has poses as they are here. In one of format 2 the height of `[placement]` counts from the table top,
+and `rpy` and `poses` may stand for a rotation and for an array (`write_out` in `reader`); the records are the same.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationError, field_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict, ValidationError, field_validator
 
-from rlbench_pin.errors import InvalidRecord
-from rlbench_pin.scene.findings import dotted, first_finding, key_hint
-from rlbench_pin.scene.kinds import (
-    IDENTITY_POSE,
-    MOST_THINGS,
-    MOST_WAYPOINTS,
-    Angle,
-    Damping,
-    Direction,
-    Force,
-    Height,
-    JointValue,
-    Kind,
-    Length,
-    Name,
-    Number,
-    Pose,
-    Share,
-    Size,
-    Stiffness,
-    Switch,
-    Words,
-)
+from rlbench_pin.errors import InvalidRecord, nearest_name, shown
 from rlbench_pin.spatial import TABLE_HEIGHT
+
+_WORDS = {
+    "Input should be a valid tuple": "it has to be a list",
+    "Input should be a valid string": "it has to be a text",
+    "Input should be a valid boolean": "it has to be true or false",
+    "Input should be a valid dictionary": "it has to be a table",
+    "Input should be": "it has to be",
+    "String should match pattern '^[a-z][a-z0-9_]*$'": "it has to be small letters, digits and `_`, a letter first",
+    "String should have": "it has to have",
+    "Tuple should have": "it has to have",
+}
+"""How messages of pydantic begin -> our words for it."""
+_KINDS = ("float", "int", "str", "literal", "bool")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The first mistake in a record."""
+
+    kind: Literal["unknown", "missing", "wrong"]
+    """A key that there is not, a key that is not there, or a value that cannot be used."""
+    location: tuple[int | str, ...]
+    """Keys and numbers that lead to it."""
+    value: object
+    """What was given."""
+    problem: str
+    """What is wrong, as a sentence."""
+
+
+def first_finding(error: ValidationError) -> Finding:
+    """Return the first finding of a validation; a misspelt key explains a missing one, so it comes first."""
+    findings = error.errors(include_url=False)
+    first = next((f for f in findings if f["type"] == "extra_forbidden"), findings[0])
+    *way, last = first["loc"] or ("",)
+    location = (*(part for part in way if not _is_kind(part)), last)
+    given = first["input"]
+    if first["type"] == "extra_forbidden":
+        return Finding("unknown", location, given, f"'{location[-1]}' is not known here.")
+    if first["type"] == "missing":
+        if isinstance(last, int):
+            return Finding("wrong", location[:-1], given, f"it has to have more than {last} items.")
+        return Finding("missing", location, given, f"the key '{last}' is missing.")
+    location = tuple(part for part in first["loc"] if not _is_kind(part))
+    value = "" if isinstance(given, dict) else f" (given: {shown(given)})"
+    return Finding("wrong", location, given, f"{_in_our_words(first['msg'])}{value}.")
+
+
+def _in_our_words(message: str) -> str:
+    for theirs, ours in _WORDS.items():
+        if message.startswith(theirs):
+            return ours + message.removeprefix(theirs).replace(" after validation", "")
+    return message.removeprefix("Value error, ")
+
+
+def _is_kind(part: int | str) -> bool:
+    """Whether a part of a location is one of the kinds that a value may be of, which pydantic names there."""
+    return part in _KINDS or (isinstance(part, str) and "[" in part)
+
+
+def key_hint(key: str, known: Collection[str]) -> str:
+    """Say which key may have been meant by an unknown one, or which there are."""
+    names = sorted(known)
+    near = nearest_name(key, names)
+    return f"Did you mean '{near}'?" if near else f"Known keys: {', '.join(names)}."
+
+
+def dotted(parts: tuple[int | str, ...]) -> str:
+    """Write a location as one text, such as `arc.axis.0`."""
+    return ".".join(str(part) for part in parts)
+
+
+FARTHEST = 100.0
+"""Coordinates and sizes are at most so large [m]."""
+TURN = 2.0 * np.pi + 1e-6
+"""Angles are at most one turn [rad]."""
+MOST_THINGS = 1000
+"""Entries of a table, and points of a curve, at most."""
+MOST_WAYPOINTS = 200
+"""Waypoints of a scene at most."""
+NAME_PATTERN = r"^[a-z][a-z0-9_]*$"
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What a reader of the reference page is told about a kind of value; the reader of scene files ignores it."""
+
+    text: str
+    """What it is, such as `number`."""
+    unit: str = ""
+    """Unit, empty where there is none."""
+    bounds: str = ""
+    """Bounds that the type does not say by itself."""
+
+
+def _length(value: float) -> float:
+    if abs(value) > FARTHEST:
+        raise ValueError(f"a length is at most {FARTHEST:g} m; lengths are in metres. Were these millimetres?")
+    return value
+
+
+def _angle(value: float) -> float:
+    if abs(value) > TURN:
+        raise ValueError(
+            f"an angle is at most one turn, 2 pi = 6.2832 rad; angles are in radians. Were these degrees? "
+            f"{value:g} degrees are {np.radians(value):.4f} rad"
+        )
+    return value
+
+
+def is_number(value: object) -> bool:
+    """Whether a value of a file is a number that a float can hold; truth values are none."""
+    return not isinstance(value, bool) and isinstance(value, int | float) and abs(value) <= 1e300
+
+
+def _full_pose(value: object) -> object:
+    """Accept `[x, y, z]` and `[x, y, z, yaw]` as short forms of a pose; normalise quaternions."""
+    if not isinstance(value, list | tuple) or not all(is_number(v) for v in value):
+        return value
+    numbers = [float(v) for v in value]
+    if len(numbers) == 3:
+        return (*numbers, 0.0, 0.0, 0.0, 1.0)
+    if len(numbers) == 4:
+        half = _angle(numbers[3]) / 2.0
+        return (*numbers[:3], 0.0, 0.0, float(np.sin(half)), float(np.cos(half)))
+    if len(numbers) == 7:
+        norm = float(np.linalg.norm(numbers[3:]))
+        if abs(norm - 1.0) > 1e-3:
+            raise ValueError(f"the quaternion {numbers[3:]} has norm {norm:.4f}, not 1")
+        return (*numbers[:3], *(v / norm for v in numbers[3:]))
+    raise ValueError(f"a pose has 3 (x y z), 4 (x y z yaw) or 7 (x y z qx qy qz qw) numbers, not {len(numbers)}")
+
+
+def _real(value: object) -> object:
+    """Keep complex numbers of numpy out, which pass for floats."""
+    if isinstance(value, np.complexfloating):
+        raise ValueError("a complex number is none of a scene")
+    return value
+
+
+Number = Annotated[float, Strict(), BeforeValidator(_real), Kind("number")]
+"""A number; truth values and text are none."""
+Switch = Annotated[bool, Strict(), Kind("switch")]
+"""True or false; numbers and text are neither."""
+Share = Annotated[Number, Field(ge=0.0, le=1.0), Kind("number", bounds="0 to 1")]
+"""A number in 0..1."""
+Length = Annotated[Number, AfterValidator(_length), Kind("number", "m", f"{-FARTHEST:g} to {FARTHEST:g}")]
+"""A coordinate."""
+Size = Annotated[Length, Field(gt=0.0), Kind("number", "m", f"above 0, to {FARTHEST:g}")]
+"""A size that cannot be zero."""
+Height = Annotated[Length, Field(ge=0.0), Kind("number", "m", f"0 to {FARTHEST:g}")]
+"""A size that may be zero."""
+Angle = Annotated[Number, AfterValidator(_angle), Kind("number", "rad", "-2 pi to 2 pi")]
+"""At most one turn either way."""
+JointValue = Annotated[Number, Kind("number", "rad or m")]
+"""Position of a revolute or of a prismatic joint; the same pairs of units for what follows."""
+Force = Annotated[Number, Kind("number", "N m or N")]
+Stiffness = Annotated[Number, Kind("number", "N m/rad or N/m")]
+Damping = Annotated[Number, Kind("number", "N m s/rad or N s/m")]
+Name = Annotated[str, Field(pattern=NAME_PATTERN, max_length=100), Kind("name", bounds="small letters, digits, `_`; at most 100")]
+Words = Annotated[str, Strict(), Field(min_length=1, max_length=500), Kind("text", bounds="1 to 500 characters")]
+"""What people read."""
+Direction = Annotated[tuple[Length, Length, Length], Kind("3 numbers", bounds="not all 0")]
+"""A vector whose length does not matter."""
+Pose7 = tuple[Length, Length, Length, Number, Number, Number, Number]
+Pose = Annotated[Pose7, BeforeValidator(_full_pose), Kind("pose", "m, rad", f"x, y, z: {-FARTHEST:g} to {FARTHEST:g}")]
+IDENTITY_POSE: Pose7 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+
 
 FORMAT = 2
 """Format of new files."""
@@ -102,7 +248,7 @@ class BodySpec(PosedSpec):
     fixed: Switch = False
     """Welded to its place; otherwise free under gravity."""
     collides: Switch = True
-    """Touches other things; false for markers that are only seen."""
+    """Touches other objects; false for markers that are only seen."""
     color: tuple[Share, Share, Share, Share] | tuple[Share, Share, Share] | None = None
     """Overrides every visual colour: red, green, blue, and perhaps opacity."""
     scale: Number = Field(default=1.0, ge=1e-4, le=100.0)
@@ -144,7 +290,7 @@ class FrameSpec(PosedSpec):
 
 
 class RegionSpec(PosedSpec):
-    """A box in which things are placed at random; flat when its height is 0."""
+    """A box in which objects are placed at random; flat when its height is 0."""
 
     size: tuple[Size, Size, Height]
     """Size along x, y and z; the pose is its middle."""
@@ -167,7 +313,7 @@ class ArcSpec(Spec):
     angle: Angle
     """Sweep, right-handed about `axis`; at most one turn."""
     twist: Switch = True
-    """Turn the hand with the sweep; otherwise only its position follows."""
+    """Turn the gripper with the sweep; otherwise only its position follows."""
 
     @field_validator("axis")
     @classmethod
@@ -191,7 +337,7 @@ class WaypointSpec(PosedSpec):
     arc: ArcSpec | None = None
     """For `curve`: a circular sweep instead of points."""
     symmetry: Annotated[int, Strict(), Kind("whole number")] = Field(default=1, ge=1, le=12)
-    """The hand may arrive turned about its z by any multiple of 2 pi / symmetry; later waypoints of the same symmetry
+    """The gripper may arrive turned about its z by any multiple of 2 pi / symmetry; later waypoints of the same symmetry
     keep the turn."""
 
     @field_validator("gripper")

@@ -16,7 +16,7 @@ from pydantic_core import PydanticUndefined
 from tomlkit.items import AoT, InlineTable, Table
 
 from rlbench_pin.errors import InvalidValue, SceneFileError, StorageError
-from rlbench_pin.scene.short_forms import ShortFormError, placement_for_file, write_out
+from rlbench_pin.scene.reader import ShortFormError, placement_for_file, write_out
 from rlbench_pin.scene.spec import (
     FORMAT,
     BodySpec,
@@ -54,7 +54,7 @@ def write_scene(spec: SceneSpec, path: Path | str) -> None:
     """Write a scene to a file.
 
     An existing file is edited in place and keeps its format: entries are matched by name, and only keys whose value differs
-    are written. An array stays one while nothing in it differs; otherwise its things are written one by one. A new file has
+    are written. An array stays one while nothing in it differs; otherwise its objects are written one by one. A new file has
     format 2. Numbers are rounded to 1e-9.
 
     Args:
@@ -142,7 +142,7 @@ def _write_table(document: tomlkit.TOMLDocument, key: str, model: type[Spec], sp
 
 
 def _keep_arrays(present: AoT, model: type[Spec], wanted: Mapping[str, Any]) -> set[str]:
-    """Write out the arrays of a table in which something differs, and return the names of all things in the others."""
+    """Write out the arrays of a table in which something differs, and return the names of all objects in the others."""
     kept: set[str] = set()
     for index in reversed(range(len(present))):
         if "poses" not in present[index]:

@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from rlbench_pin.front_door import front_door
-from rlbench_pin.sim.arm.control import DriveMode
+from rlbench_pin.sim.arm.control import DriveMode, SimRobot
 from rlbench_pin.sim.arm.gripper import SimGripper
-from rlbench_pin.sim.arm.robot import SimRobot
-from rlbench_pin.sim.bodies.body import Body
-from rlbench_pin.sim.bodies.joint import ObjectJoint
+from rlbench_pin.sim.body import Body, ObjectJoint
+from rlbench_pin.sim.client import RENDERERS, EglMissing, RendererName, give_back_memory
 from rlbench_pin.sim.contacts import Contact
-from rlbench_pin.sim.frame import Frame, Posed, Region
-from rlbench_pin.sim.render.camera import CameraView, Pictures, look_at
-from rlbench_pin.sim.render.egl import RENDERERS, EglMissing, RendererName
-from rlbench_pin.sim.render.lighting import Light, Lighting
+from rlbench_pin.sim.frames import Frame, Posed, Region, Sensor
+from rlbench_pin.sim.render.camera import CameraView, Images, look_at
+from rlbench_pin.sim.render.lighting import Light, Lighting, ShadowMap
 from rlbench_pin.sim.render.renderer import Request
-from rlbench_pin.sim.render.shadows import ShadowMap
 from rlbench_pin.sim.render.texture import Texture, read_texture
-from rlbench_pin.sim.sensor import Sensor
-from rlbench_pin.sim.server.memory import give_back_memory
 from rlbench_pin.sim.state import WorldState
 from rlbench_pin.sim.world import World
 
@@ -31,10 +23,10 @@ __all__ = [
     "DriveMode",
     "EglMissing",
     "Frame",
+    "Images",
     "Light",
     "Lighting",
     "ObjectJoint",
-    "Pictures",
     "Posed",
     "Region",
     "RendererName",
@@ -49,7 +41,4 @@ __all__ = [
     "give_back_memory",
     "look_at",
     "read_texture",
-]  # fmt: skip
-
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)
+]

@@ -1,30 +1,218 @@
-"""The one place that imports pybullet, and the client that owns one physics server."""
+"""The one place that imports pybullet: the client of a physics server, and the calls that built it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import nullcontext
+import ctypes
+import gc
+import importlib.util
+import os
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, Literal, NoReturn, get_args
 
 import pinocchio as pin
 
-from rlbench_pin.errors import AssetInvalid, AssetNotFound, EnvironmentClosed, UnknownName
-from rlbench_pin.sim.bodies.urdf import check_urdf
-from rlbench_pin.sim.render.egl import RENDERERS, EglMissing, RendererName, plugin_file
-from rlbench_pin.sim.server.journal import Journal
-from rlbench_pin.sim.server.output import captured_output
+from rlbench_pin.errors import AssetInvalid, AssetNotFound, CameraError, EnvironmentClosed, RlbenchPinError, UnknownName
+from rlbench_pin.sim.output import captured_output
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.urdf import Urdf, read_urdf
+
+
+@dataclass(frozen=True)
+class Change:
+    """One call that changed a physics server, and what it returned."""
+
+    function: Callable[..., Any]
+    positional: tuple[Any, ...]
+    named: Mapping[str, Any]
+    result: Any
+
+    def repeat(self) -> None:
+        """Make the call again.
+
+        Raises:
+            RlbenchPinError: It failed, or returned something else this time.
+        """
+        name = self.function.__name__
+        try:
+            result = self.function(*self.positional, **self.named)
+        except Exception as error:
+            problem = f"{name}{self.positional} failed: {error}"
+        else:
+            if result == self.result:
+                return
+            problem = f"{name}{self.positional} gave {result} instead of {self.result}"
+        raise RlbenchPinError(
+            f"The world could not be built again: {problem}. Restore the files it was built from, and load the task again."
+        )
+
+
+class Journal:
+    """Records calls, in order, until it is closed."""
+
+    def __init__(self) -> None:
+        self._changes: list[Change] = []
+        self._closed = False
+
+    @property
+    def changes(self) -> tuple[Change, ...]:
+        """The recorded calls, in order."""
+        return tuple(self._changes)
+
+    def call(self, function: Callable[..., Any], *positional: Any, **named: Any) -> Any:
+        """Call a function and return its result; the call is recorded unless the journal is closed."""
+        result = function(*positional, **named)
+        if not self._closed:
+            self._changes.append(Change(function, positional, named, result))
+        return result
+
+    def close(self) -> None:
+        """Record nothing from now on."""
+        self._closed = True
+
+    def repeat(self) -> None:
+        """Make all recorded calls again.
+
+        Raises:
+            RlbenchPinError: One of them failed, or returned something else this time.
+        """
+        for change in self._changes:
+            change.repeat()
+
+
+_BEGINNING, _LEAST = b"BULLET", 64
+_MEMORY = "/dev/shm"
+"""Files there are on no disk, and six times as fast; where it is missing, the system's folder for temporary files is used."""
+
+
+def to_bytes(client: PhysicsClient) -> bytes:
+    """Return the state of a physics server as bytes."""
+    with _temporary_file() as file:
+        bullet.saveBullet(str(file), physicsClientId=client.id)
+        return file.read_bytes()
+
+
+def restore_bytes(client: PhysicsClient, physics: bytes) -> None:
+    """Bring a physics server to the state of `to_bytes`.
+
+    Raises:
+        RlbenchPinError: The bytes are damaged, or hold other bodies.
+    """
+    problem = "The array 'physics' does not fit this world; it holds other bodies or is damaged."
+    if not physics.startswith(_BEGINNING) or len(physics) < _LEAST:
+        raise RlbenchPinError(problem)
+    with _temporary_file() as file:
+        file.write_bytes(physics)
+        try:
+            client.restore(fileName=str(file))
+        except bullet.error as error:
+            raise RlbenchPinError(problem) from error
+
+
+@contextmanager
+def _temporary_file() -> Iterator[Path]:
+    """Yield a path that was never used before, for PyBullet remembers what it has read by the name of the file."""
+    memory = _MEMORY if os.access(_MEMORY, os.W_OK | os.X_OK) else None
+    with tempfile.TemporaryDirectory(dir=memory) as folder:
+        yield Path(folder) / "state.bullet"
+
+
+_TRIM = getattr(ctypes.CDLL(None), "malloc_trim", None)
+"""Hands free memory back to the system; only glibc has it."""
+
+
+def give_back_memory(*, collect: bool = False) -> None:
+    """Give memory that is not used back to the system.
+
+    The C library keeps what a physics server has freed, some 30 MB for each closed world, until it is asked for.
+
+    Args:
+        collect: Look for unreachable Python objects first.
+    """
+    if collect:
+        gc.collect()
+    if _TRIM is not None:
+        _TRIM(0)
+
+
+def check_urdf(file: Path) -> None:
+    """Check that links and joints form one tree, and that all meshes are there: PyBullet ends the process on some broken files.
+
+    Raises:
+        AssetNotFound: A mesh does not exist.
+        AssetInvalid: The file is not XML, or its joints do not connect its links to one tree.
+    """
+    urdf = read_urdf(file)
+    links = urdf.link_names
+    if not links or len(set(links)) < len(links):
+        raise AssetInvalid(file, "it has no link" if not links else "two links have the same name")
+    _check_joints(urdf, links)
+    for mesh in urdf.meshes:
+        if not mesh.is_file():
+            raise AssetNotFound(mesh, file.name)
+
+
+def _check_joints(urdf: Urdf, links: tuple[str, ...]) -> None:
+    parents: dict[str, str] = {}
+    for joint in urdf.joints:
+        for link in (joint.parent, joint.child):
+            if link not in links:
+                raise AssetInvalid(urdf.path, f"joint '{joint.name}' names the link '{link}', which does not exist")
+        if joint.child in parents:
+            raise AssetInvalid(urdf.path, f"the link '{joint.child}' is the child of two joints")
+        parents[joint.child] = joint.parent
+    roots = [link for link in links if link not in parents]
+    if len(roots) != 1:
+        raise AssetInvalid(urdf.path, f"it needs one link that is no joint's child, but has {', '.join(roots) or 'none'}")
+    for link in links:
+        if not _reaches(link, roots[0], parents):
+            raise AssetInvalid(urdf.path, f"the link '{link}' is not connected to '{roots[0]}'")
+
+
+def _reaches(link: str, root: str, parents: dict[str, str]) -> bool:
+    for _ in range(len(parents) + 1):
+        if link == root:
+            return True
+        link = parents.get(link, root)
+    return False
+
+
+RendererName = Literal["cpu", "egl", "auto"]
+RENDERERS: tuple[str, ...] = get_args(RendererName)
+_HINT = "Use renderer='cpu', or renderer='auto' to fall back by itself; `rlbench-pin doctor` shows what works here."
+
+
+class EglMissing(CameraError):
+    """EGL was asked for where there is none."""
+
+    def __init__(self, cause: str) -> None:
+        self.cause = cause
+        super().__init__(f"The EGL renderer cannot be used: {cause}. {_HINT}")
+
+
+def plugin_file() -> str:
+    """Return the file of the plugin.
+
+    Raises:
+        EglMissing: PyBullet came without it.
+    """
+    spec = importlib.util.find_spec("eglRenderer")
+    if spec is None or spec.origin is None:
+        raise EglMissing("this PyBullet has no eglRenderer plugin")
+    return spec.origin
+
 
 with captured_output():  # pybullet prints a line when it is imported
     import pybullet as bullet
 
-__all__ = ["PASSES", "PhysicsClient", "bullet", "open_client"]
 
 PASSES = 35
 """Most passes over contacts, motors and constraints in one physics step."""
 _RESIDUAL = 3e-7
-"""Square of the largest change of speed in a pass below which a group of things that touch counts as solved [m^2/s^2]."""
+"""Square of the largest change of speed in a pass below which a group of objects that touch counts as solved [m^2/s^2]."""
 _GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
 
 

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rlbench_pin.sim.bodies.model import LoadedModel
 from rlbench_pin.sim.client import PhysicsClient, bullet
+from rlbench_pin.sim.loaded_model import LoadedModel
 from rlbench_pin.spatial import FloatArray
 
 TOUCH_DISTANCE = 5e-4
-"""Surfaces closer than this touch [m]; the solver keeps resting things apart by about as much."""
+"""Surfaces closer than this touch [m]; the solver keeps resting objects apart by about as much."""
 
 
 @dataclass(frozen=True, eq=False)

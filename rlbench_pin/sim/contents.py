@@ -1,82 +1,102 @@
-"""The bodies of one world, with their mask ids, contacts and places."""
+"""Robot, room, bodies and frames of one world: loading, looking up, adding and removing them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
+from typing import Protocol
 
-from rlbench_pin.errors import RlbenchPinError, UnknownName
+import numpy as np
+import pinocchio as pin
+
+from rlbench_pin.assets import asset_path
+from rlbench_pin.errors import RlbenchPinError, RobotModelError, UnknownName
 from rlbench_pin.robot.description import RobotDescription
-from rlbench_pin.scene.spec import BodySpec, SceneSpec
-from rlbench_pin.sim import build
-from rlbench_pin.sim.bodies.body import Body
-from rlbench_pin.sim.bodies.joint import ObjectJoint
-from rlbench_pin.sim.bodies.model import LoadedModel
+from rlbench_pin.scene.reader import resolve_asset
+from rlbench_pin.scene.snapshot import ROOM, BodySnapshot, WorldSnapshot
+from rlbench_pin.scene.spec import ROOT, BodySpec, SceneSpec
+from rlbench_pin.sim.arm.control import SimRobot
+from rlbench_pin.sim.arm.gripper import SimGripper
+from rlbench_pin.sim.body import Body, ObjectJoint, OnMove
 from rlbench_pin.sim.client import PhysicsClient, bullet
-from rlbench_pin.sim.contacts import ContactReader
-from rlbench_pin.sim.places import PlaceTree
+from rlbench_pin.sim.contacts import Contact, ContactReader
+from rlbench_pin.sim.frames import Frame, PlaceTree, Region, Sensor
+from rlbench_pin.sim.loaded_model import LoadedModel, inspect
+from rlbench_pin.sim.overrides import DynamicsOverrides, TextureOverrides
 from rlbench_pin.sim.render.masks import MaskTable
-from rlbench_pin.sim.render.raster.stage import Looks, Visuals
-from rlbench_pin.values import as_record
+from rlbench_pin.sim.render.raster.stage import Appearance, Visuals
+from rlbench_pin.sim.render.renderer import Renderer
+from rlbench_pin.sim.resting import Resting
+from rlbench_pin.sim.room import RoomBody
+from rlbench_pin.spatial import IDENTITY, PoseLike
+from rlbench_pin.values import as_record, as_whole
+
+
+class StateKeeper(Protocol):
+    """Something beside the world that is saved and restored with it, in memory."""
+
+    def state(self) -> object:
+        """Return what is to be remembered; it is never changed afterwards."""
+        ...
+
+    def set_state(self, state: object) -> None:
+        """Go back to what `state()` returned; the world has been restored before."""
+        ...
 
 
 class Contents:
-    """Robot, room and bodies, loaded in this order.
+    """All that a physics server contains for one scene: robot, room and bodies, loaded in this order, and the scene's frames.
+
+    It is what a state of a world describes; `World` lets time pass in it.
 
     Args:
         client: The physics server.
-        spec: What the scene file says.
+        spec: The scene.
         robot: The arm behind the table.
-
-    Attributes:
-        robot: The loaded arm.
-        room: Table, floor and walls, by name.
-        room_ids: Mask id of each of them.
-        bodies: Bodies of the scene and those added at run time, by name.
-        places: Frames, and the parents of frames and bodies.
-        masks: Mask ids of all links.
-        contacts: Reads contact points.
+        timestep: Physics step [s].
+        substeps: Physics steps in a control tick.
     """
 
-    def __init__(self, client: PhysicsClient, spec: SceneSpec, robot: RobotDescription) -> None:
-        self._client, self._spec, self._robot_name = client, spec, robot.name
-        self.masks, self.contacts = MaskTable(), ContactReader(client)
+    def __init__(self, client: PhysicsClient, spec: SceneSpec, robot: RobotDescription, timestep: float, substeps: int) -> None:
+        self.client, self.spec = client, spec
+        self.keepers: list[StateKeeper] = []
+        self._ticks = 0
+        self._masks, self._contacts = MaskTable(), ContactReader(client)
         self.places = PlaceTree(spec, self.body)
-        self.robot = build.load_robot(client, robot)
-        self.masks.add(robot.name, self.robot)
-        self.contacts.add(robot.name, self.robot)
-        self.room = build.load_room(client, self.places.carry)
+        arm = load_robot(client, robot)
+        self._register(robot.name, arm)
+        self.room = load_room(client, self.places.carry)
         for body in self.room.values():
-            self._register(body)
-        self.masks.begin_objects()
-        self.room_ids = {name: self.masks.first_id(body.model) for name, body in self.room.items()}
+            self._register(body.name, body.model)
+        self._masks.begin_objects()
         self.bodies: dict[str, Body] = {}
         self._spawned: dict[str, BodySpec] = {}
-        self._load_scene()
-
-    def _load_scene(self) -> None:
-        for body in self._spec.body:
-            self._load(body)
-        for joint in self._spec.joint:
+        for body_spec in spec.body:
+            self._load(body_spec, arm)
+        for joint in spec.joint:
             self.joint(joint.name).configure(joint)
         self.places.place_bodies()
+        self.resting = Resting(client, self.bodies, self.room)
+        room_ids = {name: self._masks.first_id(body.model) for name, body in self.room.items()}
+        appearance = Appearance(self._mixed_colors, self._gloss)
+        self.renderer = Renderer(client, self.room, room_ids, self._masks.table, appearance)
+        self.robot = SimRobot(arm, robot, self._contacts, timestep, substeps)
+        self.texture_overrides = TextureOverrides(self.renderer, arm, self.bodies, self.room)
+        self.dynamics_overrides = DynamicsOverrides(self.robot)
+        self.gripper = SimGripper(self.robot, self.body, lambda: tuple(self.bodies.values()))
 
-    def _load(self, spec: BodySpec) -> Body:
-        body = build.load_body(self._client, spec, self._spec.file, self.places.carry)
+    def _load(self, spec: BodySpec, robot: LoadedModel) -> Body:
+        body = load_body(self.client, spec, self.spec.file, self.places.carry)
         if body.joints:
-            build.share_island(self.robot, body)
+            share_island(robot, body)
         self.bodies[spec.name] = body
         self.places.add_body(spec)
-        self._register(body)
+        self._register(body.name, body.model)
         return body
 
-    def _register(self, body: Body) -> None:
-        self.masks.add(body.name, body.model)
-        self.contacts.add(body.name, body.model)
-
-    @property
-    def looks(self) -> Looks:
-        """What PyBullet does not tell of the visuals of bodies."""
-        return Looks(self._mixed_colors, self._gloss)
+    def _register(self, name: str, model: LoadedModel) -> None:
+        self._masks.add(name, model)
+        self._contacts.add(name, model)
 
     def _mixed_colors(self) -> Visuals:
         return {(b.model.uid, link): colors for b in self.bodies.values() for link, colors in b.mixed_colors.items()}
@@ -109,27 +129,59 @@ class Contents:
             raise UnknownName("joint of this scene", name, known)
         return self.bodies[body].joints[joint]
 
-    def model(self, name: str) -> LoadedModel:
-        """Return what was loaded for the robot or a body.
+    def frame(self, name: str) -> Frame:
+        """Return a frame, region, sensor or waypoint, or the root."""
+        return self.places.frame(name)
 
-        Raises:
-            UnknownName: There is none of that name.
-        """
-        return self.robot if isinstance(name, str) and name == self._robot_name else self.body(name).model
+    def region(self, name: str) -> Region:
+        """Return a region of the scene."""
+        return self.places.frame_of_kind(name, Region, "region")
 
-    def joints_with_springs(self) -> list[ObjectJoint]:
-        """Joints that a spring pulls, in the order of the scene file."""
-        return [joint for body in self.bodies.values() for joint in body.joints.values() if joint.has_spring]
+    def sensor(self, name: str) -> Sensor:
+        """Return a sensor of the scene."""
+        return self.places.frame_of_kind(name, Sensor, "sensor")
 
-    # Bodies added at run time ----------------------------------------------------------------------------------------
+    @property
+    def frames(self) -> Mapping[str, Frame]:
+        """All frames, regions, sensors and waypoints, and the root, by name."""
+        return self.places.frames
+
+    @property
+    def root(self) -> Frame:
+        """The frame that holds the whole task."""
+        return self.places.frame(ROOT)
+
+    def placement(self, name: str) -> pin.SE3:
+        """Return T_world_x of a body, a link, a frame, `root` or `world`."""
+        return self.places.placement(name)
+
+    @property
+    def masks(self) -> Mapping[int, str]:
+        """Mask id -> name: robot and room below 61, task objects from 61 in the order of the scene file."""
+        return dict(self._masks.names)
+
+    @property
+    def ticks(self) -> int:
+        """Control ticks since the world was built."""
+        return self._ticks
+
+    def set_ticks(self, ticks: int) -> None:
+        """Set the clock."""
+        self._ticks = as_whole(ticks, "ticks", least=0)
+
+    # Changing the world ----------------------------------------------------------------------------------------------
+
+    def place_root(self, pose: PoseLike) -> None:
+        """Move the root to a pose (7,), and all its descendants; joints stay, velocities become zero."""
+        self.root.set_pose(pose)
 
     @property
     def spawned(self) -> Mapping[str, BodySpec]:
         """Bodies added at run time, in order."""
         return dict(self._spawned)
 
-    def add(self, name: str, spec: BodySpec) -> Body:
-        """Add a body.
+    def add_body(self, name: str, spec: BodySpec) -> Body:
+        """Add a body to the running world; restoring an older state removes it.
 
         Args:
             name: Name that is not in use.
@@ -144,13 +196,13 @@ class Contents:
         if name in self.bodies or name in self.room or self.places.contains(name):
             raise RlbenchPinError(f"The name '{name}' is in use. Choose another for the new body.")
         spec = spec.model_copy(update={"name": name})
-        body = self._load(spec)
+        body = self._load(spec, self.robot.model)
         self._spawned[name] = spec
         self.places.place_body(name)
         return body
 
-    def remove(self, name: str) -> None:
-        """Remove a body that `add` made and that nothing holds.
+    def remove_body(self, name: str) -> None:
+        """Remove a body that `add_body` made.
 
         Raises:
             RlbenchPinError: The body belongs to the scene file.
@@ -158,16 +210,95 @@ class Contents:
         body = self.body(name)
         if name not in self._spawned:
             raise RlbenchPinError(f"'{name}' belongs to the scene file; only bodies made by add_body can be removed.")
-        self._close_gap(name)
-        del self.bodies[name]
-        self.places.remove_body(name)
-        self.masks.remove(body.model)
-        self.contacts.remove(body.model.uid)
-        self._client.change(bullet.removeBody, body.model.uid)
-
-    def _close_gap(self, name: str) -> None:
-        """Forget a run-time body; the last one takes its place, as in PyBullet's own list, by whose order states are restored."""
+        if name in self.gripper.grasped:
+            self.gripper.release()
+        self.dynamics_overrides.forget(body.model)
+        self.texture_overrides.clear_body(name)
+        # The last body takes the place of the removed one, as in PyBullet's own list, by whose order states are restored.
         names = list(self._spawned)
         last = names.pop()
-        order = [last if n == name else n for n in names]
-        self._spawned = {n: self._spawned[n] for n in order}
+        self._spawned = {n: self._spawned[n] for n in (last if n == name else n for n in names)}
+        del self.bodies[name]
+        self.places.remove_body(name)
+        self._masks.remove(body.model)
+        self._contacts.remove(body.model.uid)
+        self.client.change(bullet.removeBody, body.model.uid)
+
+    # Queries ---------------------------------------------------------------------------------------------------------
+
+    def contacts(self, body: str | None = None, other: str | None = None) -> tuple[Contact, ...]:
+        """Return the contact points of the last physics step: all, those of one body, or those between two."""
+        first, second = (None if name is None else self._model(name).uid for name in (body, other))
+        return self._contacts.read(first, second)
+
+    def max_penetration(self) -> float:
+        """Return how deep the deepest contact is [m]; 0 when nothing overlaps."""
+        return self._contacts.deepest()
+
+    def _model(self, name: str) -> LoadedModel:
+        is_robot = isinstance(name, str) and name == self.robot.description.name
+        return self.robot.model if is_robot else self.body(name).model
+
+    def snapshot(self) -> WorldSnapshot:
+        """Return names, shapes, poses and joint values at this instant; bodies without collision shapes are left out."""
+        seen = [_captured(body, in_room=True) for body in self.room.values()] + [_captured(body) for body in self.bodies.values()]
+        bodies = tuple(body for body in seen if body.link_names)
+        return WorldSnapshot(bodies, self.robot.joint_positions, self.robot.fingers, self.gripper.grasped)
+
+
+def _captured(body: Body, in_room: bool = False) -> BodySnapshot:
+    model, links = body.model, body.model.collision_links()
+    poses = np.array([body.link_pose(link) for link in links]).reshape(-1, 7)
+    collides = body.collides and body.obstacle
+    return BodySnapshot(body.name, model.urdf, links, poses, model.scale, collides, body.fixed, in_room=in_room)
+
+
+def load_robot(client: PhysicsClient, description: RobotDescription) -> LoadedModel:
+    """Load the arm, fixed at its base pose.
+
+    Raises:
+        RobotModelError: Its gripper has not two fingers.
+    """
+    if (fingers := len(description.gripper_joints)) != 2:
+        raise RobotModelError(
+            f"The simulation drives a gripper with two fingers; '{description.name}' has {fingers} gripper joints. "
+            "Describe a gripper with two, or use this arm for planning and control alone."
+        )
+    uid = client.load(description.urdf, f"robot '{description.name}'", np.array(description.base_pose), fixed=True)
+    return inspect(client, uid, description.urdf, 1.0)
+
+
+def load_room(client: PhysicsClient, on_move: OnMove) -> dict[str, RoomBody]:
+    """Load table, floor, walls and ceiling; their files are in world coordinates."""
+    return {name: _room_body(client, name, on_move) for name in ROOM}
+
+
+def _room_body(client: PhysicsClient, name: str, on_move: OnMove) -> RoomBody:
+    urdf = asset_path(f"room/{name}.urdf")
+    uid = client.load(urdf, "the room", IDENTITY, fixed=True)
+    return RoomBody(name, inspect(client, uid, urdf, 1.0), fixed=True, collides=True, on_move=on_move).hide()
+
+
+def load_body(client: PhysicsClient, spec: BodySpec, scene_file: str, on_move: OnMove) -> Body:
+    """Load one body of a scene at the world origin; its place is set afterwards."""
+    urdf = resolve_asset(Path(scene_file), spec.asset)
+    uid = client.load(urdf, f"body '{spec.name}'", IDENTITY, spec.fixed, spec.scale)
+    body = Body(spec.name, inspect(client, uid, urdf, spec.scale), fixed=spec.fixed, collides=spec.collides, on_move=on_move)
+    if spec.color is not None:
+        body.set_color(spec.color)
+    return body
+
+
+def share_island(robot: LoadedModel, body: Body) -> None:
+    """Have a body with joints solved in one go with the arm: a constraint without force ties the two together.
+
+    PyBullet sorts the constraints of joints, and the contacts between the same two links of several convex parts, by islands, in
+    an order that leaves those of one island in no fixed sequence as soon as there are two. Islands come and go with contacts
+    and with what was simulated before, so the same motion would differ in the last bits from one run to the next. With one
+    island there is nothing to sort.
+    """
+    link = min(joint.index for joint in body.model.joints.values())
+    zero = [0.0, 0.0, 0.0]
+    change = robot.client.change
+    tie = change(bullet.createConstraint, robot.uid, 0, body.model.uid, link, bullet.JOINT_POINT2POINT, zero, zero, zero)
+    change(bullet.changeConstraint, tie, maxForce=0.0)

@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from rlbench_pin.sim.bodies.body import Body
+from rlbench_pin.sim.body import Body
 from rlbench_pin.sim.client import PhysicsClient, bullet
 
 QUIET_TICKS = 5

@@ -1,4 +1,4 @@
-"""Saving and restoring a world in memory, exactly.
+"""Saving and restoring a world, exactly: in memory, pickled, and as plain arrays that another process can continue from.
 
 PyBullet's own state holds positions, velocities and contacts. What it leaves out is kept beside it: motor commands, attachments,
 collision filters, colours, locks, frames and the bodies added at run time.
@@ -6,43 +6,33 @@ collision filters, colours, locks, frames and the bodies added at run time.
 
 from __future__ import annotations
 
+import json
 import weakref
 import zlib
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import Any
+
+import numpy as np
 
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.scene.spec import BodySpec
 from rlbench_pin.sim.arm.control import ArmControl
 from rlbench_pin.sim.arm.grasp import Attachment
 from rlbench_pin.sim.arm.gripper import FingerControl
-from rlbench_pin.sim.bodies.body import Body, Color
-from rlbench_pin.sim.client import PhysicsClient, bullet
-from rlbench_pin.sim.server.contents import restore_bytes, to_bytes
+from rlbench_pin.sim.body import Body, Color
+from rlbench_pin.sim.client import PhysicsClient, bullet, restore_bytes, to_bytes
+from rlbench_pin.sim.contents import Contents
 from rlbench_pin.spatial import FloatArray
-
-if TYPE_CHECKING:
-    from rlbench_pin.sim.world import World
+from rlbench_pin.values import as_record
 
 _FAR, _SPACING, _SHIFT = 1000.0, 20.0, 10.0  # [m]
 _DETECTIONS = 20
 
 
-class StateKeeper(Protocol):
-    """Something beside the world that is saved and restored with it, in memory."""
-
-    def state(self) -> object:
-        """Return what is to be remembered; it is never changed afterwards."""
-        ...
-
-    def set_state(self, state: object) -> None:
-        """Go back to what `state()` returned; the world has been restored before."""
-        ...
-
-
 @dataclass(frozen=True, eq=False)
 class LogicalBodyState:
-    """What PyBullet's state does not say of one body."""
+    """The part of the state of one body that PyBullet's state leaves out."""
 
     colors: dict[int, Color]
     collides: bool
@@ -54,7 +44,7 @@ class LogicalBodyState:
 
 @dataclass(frozen=True, eq=False)
 class LogicalState:
-    """What PyBullet's state does not say of a world."""
+    """The part of the state of a world that PyBullet's state leaves out."""
 
     ticks: int
     arm: ArmControl
@@ -143,19 +133,18 @@ class WorldState:
     logical: LogicalState
 
 
-def save(world: World, portable: bool = False) -> WorldState:
+def save(world: Contents, portable: bool = False) -> WorldState:
     """Remember this instant; the physics server frees it when the returned object is gone. Only a portable one can be pickled."""
     logical = read_logical_state(world)
     world.gripper.set_attachments(world.gripper.attachments())  # as restoring does
     physics = Physics(world.client, portable)
     saved = WorldState(physics, logical)
     weakref.finalize(saved, physics.forget)
-    world.saved_states.add(saved)
-    _restore_physics(world, saved)
+    _restore_server(world, physics.restore, logical)
     return saved
 
 
-def restore(world: World, saved: WorldState) -> None:
+def restore(world: Contents, saved: WorldState) -> None:
     """Go back to a remembered instant.
 
     Raises:
@@ -166,11 +155,11 @@ def restore(world: World, saved: WorldState) -> None:
     elif saved.physics.client is not world.client:
         raise RlbenchPinError("This state was saved by another world. Use arrays() and set_arrays() between worlds.")
     write_logical_state(world, saved.logical)
-    _restore_physics(world, saved)
+    _restore_server(world, saved.physics.restore, saved.logical)
     world.robot.forget_measurements()  # a keeper may have asked before
 
 
-def check_same_scene(world: World, logical: LogicalState) -> None:
+def check_same_scene(world: Contents, logical: LogicalState) -> None:
     """Raise RlbenchPinError unless a state of another world has the bodies and frames of this one."""
     here = {*world.room, *(n for n in world.bodies if n not in world.spawned)}
     there = {n for n in logical.bodies if n not in logical.spawned}
@@ -179,16 +168,16 @@ def check_same_scene(world: World, logical: LogicalState) -> None:
         raise RlbenchPinError(f"The state is of another scene; only one of the two has {', '.join(differing[:6])}.")
 
 
-def _restore_physics(world: World, saved: WorldState) -> None:
+def _restore_server(world: Contents, restore_state: Callable[[PhysicsClient], None], logical: LogicalState) -> None:
+    """Bring the physics server to a state, without contacts of what happened before."""
     separate_bodies(world)
-    saved.physics.restore(world.client)
-    world.resting.go_on(saved.logical.quiet)
+    restore_state(world.client)
+    world.resting.go_on(logical.quiet)
 
 
-def build_again(world: World) -> None:
+def build_again(world: Contents, origin: WorldState, saved_states: Iterable[WorldState]) -> None:
     """Bring a world to its origin, in a physics server that was emptied and built again; saved states stay valid."""
-    origin = world.origin
-    for saved in world.saved_states:
+    for saved in saved_states:
         assert isinstance(saved.physics, Physics)
         if saved is not origin and not saved.physics.has_bytes:
             restore(world, saved)
@@ -201,13 +190,13 @@ def build_again(world: World) -> None:
     world.robot.forget_measurements()
     assert isinstance(origin.physics, Physics)
     origin.physics.take()
-    _restore_physics(world, origin)
+    _restore_server(world, origin.physics.restore, origin.logical)
     world.robot.forget_measurements()
     world.texture_overrides.apply_again()
     world.dynamics_overrides.apply_again()
 
 
-def separate_bodies(world: World) -> None:
+def separate_bodies(world: Contents) -> None:
     """Take all bodies far apart, so that PyBullet forgets every contact.
 
     It restores only one set of contact points per pair of links. Where links are made of several convex parts the other sets
@@ -226,7 +215,7 @@ def separate_bodies(world: World) -> None:
         bullet.performCollisionDetection(physicsClientId=identifier)
 
 
-def read_logical_state(world: World) -> LogicalState:
+def read_logical_state(world: Contents) -> LogicalState:
     """Collect what PyBullet's state leaves out."""
     return LogicalState(
         world.ticks,
@@ -251,7 +240,7 @@ def _read_body(body: Body) -> LogicalBodyState:
     )
 
 
-def write_logical_state(world: World, logical: LogicalState) -> None:
+def write_logical_state(world: Contents, logical: LogicalState) -> None:
     """Bring about what PyBullet's state leaves out; only differences cost time."""
     match_spawned(world, logical.spawned)
     world.gripper.set_attachments(logical.attachments)
@@ -276,7 +265,7 @@ def _write_body(body: Body, logical: LogicalBodyState) -> None:
         body.joints[name].set_lock(lock)
 
 
-def match_spawned(world: World, wanted: dict[str, BodySpec]) -> None:
+def match_spawned(world: Contents, wanted: dict[str, BodySpec]) -> None:
     """Keep the run-time bodies that both have from the first on, remove the rest, and add what is missing, in order.
 
     PyBullet restores bodies by their order, so a gap is closed by rebuilding everything behind it.
@@ -290,3 +279,169 @@ def match_spawned(world: World, wanted: dict[str, BodySpec]) -> None:
         world.remove_body(name)
     for name, spec in target[same:]:
         world.add_body(name, spec)
+
+
+_FORMAT = 1
+_MOST_BYTES = 1 << 28
+"""More than any state of a physics server."""
+_KEYS = {"meta", "frame_poses", "arm_control", "finger_control", "finger_limits", "attachment_poses"}
+_MEASURED = {"body_poses", "body_velocities", "joint_states", "robot_joints"}
+"""Arrays that replace `physics` where it is missing."""
+
+
+def to_arrays(world: Contents, exact: bool = True) -> dict[str, np.ndarray]:
+    """Return this instant as arrays of numbers; `meta` is JSON text and `physics` a compressed PyBullet state, both as bytes.
+
+    Everything but `physics` can be read without this package and has the same bytes whenever the world is the same; `physics`
+    adds what a bit-exact continuation needs (contacts), and holds memory addresses, so that its bytes differ between runs.
+
+    Args:
+        world: The world to describe.
+        exact: Include `physics`.
+    """
+    logical = read_logical_state(world)
+    arrays = _readable(world, logical)
+    if exact:
+        physics = to_bytes(world.client)
+        _restore_server(
+            world, lambda client: restore_bytes(client, physics), logical
+        )  # as the other process will, so that both go on alike
+        arrays["physics"] = _byte_array(zlib.compress(physics))
+    return arrays
+
+
+def _readable(world: Contents, logical: LogicalState) -> dict[str, np.ndarray]:
+    bodies = list(logical.bodies)
+    return {
+        "meta": _byte_array(json.dumps(_meta(world, logical)).encode()),
+        "body_poses": np.array([world.body(n).pose for n in bodies]).reshape(-1, 7),
+        "body_velocities": np.array([world.body(n).velocity for n in bodies]).reshape(-1, 6),
+        "joint_states": np.array([j.state() for n in bodies for j in world.body(n).joints.values()]).reshape(-1, 2),
+        "robot_joints": world.robot.joint_states(),
+        "frame_poses": np.array([local for _, local in logical.frames.values()]).reshape(-1, 7),
+        "arm_control": np.stack(_rows(logical.arm)),
+        "finger_control": np.stack([logical.fingers.target, logical.fingers.reference, logical.fingers.last]),
+        "finger_limits": np.array([logical.fingers.speed, logical.fingers.force]),
+        "attachment_poses": np.array([a.T_hand_body for a in logical.attachments]).reshape(-1, 7),
+    }
+
+
+def _rows(arm: ArmControl) -> list[np.ndarray]:
+    """The numbers of a command; the last row is there after a tick of torques only."""
+    return [arm.target, arm.reference] if arm.torques is None else [arm.target, arm.reference, arm.torques]
+
+
+def _meta(world: Contents, logical: LogicalState) -> dict[str, Any]:
+    return {
+        "format": _FORMAT,
+        "robot": world.robot.description.name,
+        "ticks": logical.ticks,
+        "arm_mode": logical.arm.mode,
+        "bodies": {
+            name: {
+                "colors": {str(k): v for k, v in m.colors.items()},
+                "collides": m.collides,
+                "graspable": m.graspable,
+                "locks": m.locks,
+                **({} if m.fixed is None else {"fixed": m.fixed}),
+            }
+            for name, m in logical.bodies.items()
+        },
+        "frames": {name: parent for name, (parent, _) in logical.frames.items()},
+        "attachments": [a.body for a in logical.attachments],
+        "spawned": [spec.model_dump(mode="json") for spec in logical.spawned.values()],
+        "quiet": dict(logical.quiet),
+    }
+
+
+def from_arrays(world: Contents, arrays: Mapping[str, np.ndarray]) -> None:
+    """Continue from `to_arrays` of a world with the same scene and robot.
+
+    Raises:
+        RlbenchPinError: The arrays are incomplete or damaged, or belong to another scene, robot or version of this format.
+    """
+    as_record(arrays, Mapping, "arrays, what `World.arrays()` returned,")  # type: ignore[type-abstract]
+    missing = (_KEYS if "physics" in arrays else _KEYS | _MEASURED) - set(arrays)
+    if missing:
+        raise RlbenchPinError(
+            f"The arrays are incomplete: {', '.join(sorted(missing))} is missing. `World.arrays()` gives them all."
+        )
+    before = save(world)
+    try:
+        _continue_from(world, arrays)
+    except RlbenchPinError:
+        restore(world, before)
+        raise
+    except (ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError) as error:
+        restore(world, before)
+        problem = f"{type(error).__name__}: {error}"
+        raise RlbenchPinError(f"The arrays are damaged ({problem}). `World.arrays()` gives whole ones.") from error
+
+
+def _continue_from(world: Contents, arrays: Mapping[str, np.ndarray]) -> None:
+    meta = json.loads(np.asarray(arrays["meta"], dtype=np.uint8).tobytes())
+    logical = _logical_state(meta, arrays)
+    _check(world, meta, logical)
+    if "physics" not in arrays:
+        match_spawned(world, logical.spawned)
+        _set_measured(world, arrays, list(logical.bodies))
+        write_logical_state(world, logical)
+        return
+    try:
+        reader = zlib.decompressobj()
+        physics = reader.decompress(np.asarray(arrays["physics"], dtype=np.uint8).tobytes(), _MOST_BYTES)
+    except zlib.error as error:
+        raise RlbenchPinError(f"The array 'physics' is damaged: {error}.") from error
+    if not reader.eof:
+        raise RlbenchPinError("The array 'physics' is damaged: it was cut off, or is too large.")
+    write_logical_state(world, logical)
+    _restore_server(world, lambda client: restore_bytes(client, physics), logical)
+    world.robot.forget_measurements()
+
+
+def _set_measured(world: Contents, arrays: Mapping[str, np.ndarray], names: list[str]) -> None:
+    """Put bodies and joints where the arrays say, with the velocities they say."""
+    joints = np.asarray(arrays["robot_joints"], dtype=float)
+    world.robot.set_joint_states(joints[0], joints[1])
+    states = iter(np.asarray(arrays["joint_states"], dtype=float).reshape(-1, 2))
+    for name, pose, velocity in zip(names, arrays["body_poses"], arrays["body_velocities"], strict=True):
+        body = world.body(name)
+        body.place(pose)
+        if not body.fixed:
+            body.set_velocity(velocity)
+        for joint in body.joints.values():
+            joint.set_state(*next(states))
+
+
+def _logical_state(meta: dict[str, Any], arrays: Mapping[str, np.ndarray]) -> LogicalState:
+    arm, fingers, limits = (np.array(arrays[k], dtype=float) for k in ("arm_control", "finger_control", "finger_limits"))
+    frames = np.array(arrays["frame_poses"], dtype=float).reshape(-1, 7)
+    held = np.array(arrays["attachment_poses"], dtype=float).reshape(-1, 7)
+    specs = [BodySpec.model_validate(s) for s in meta["spawned"]]
+    return LogicalState(
+        ticks=meta["ticks"],
+        arm=ArmControl(meta["arm_mode"], *arm),
+        fingers=FingerControl(fingers[0], fingers[1], float(limits[0]), float(limits[1]), fingers[2]),
+        attachments=tuple(Attachment(n, pose) for n, pose in zip(meta["attachments"], held, strict=True)),
+        frames={n: (parent, local) for (n, parent), local in zip(meta["frames"].items(), frames, strict=True)},
+        bodies={name: _body_state(entry) for name, entry in meta["bodies"].items()},
+        spawned={spec.name: spec for spec in specs},
+        quiet=tuple(meta.get("quiet", {}).items()),
+    )
+
+
+def _body_state(entry: dict[str, Any]) -> LogicalBodyState:
+    colors = {int(k): tuple(v) for k, v in entry["colors"].items()}
+    return LogicalBodyState(colors, entry["collides"], entry["graspable"], entry["locks"], entry.get("fixed"))
+
+
+def _check(world: Contents, meta: dict[str, Any], logical: LogicalState) -> None:
+    if meta["format"] != _FORMAT:
+        raise RlbenchPinError(f"The arrays have format {meta['format']}; this version reads {_FORMAT}.")
+    if meta["robot"] != world.robot.description.name:
+        raise RlbenchPinError(f"The arrays belong to the robot '{meta['robot']}', not '{world.robot.description.name}'.")
+    check_same_scene(world, logical)
+
+
+def _byte_array(data: bytes) -> np.ndarray:
+    return np.frombuffer(data, dtype=np.uint8).copy()

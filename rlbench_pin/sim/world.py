@@ -7,53 +7,37 @@ from collections.abc import Callable, Mapping
 from types import TracebackType
 
 import numpy as np
-import pinocchio as pin
 
 from rlbench_pin.robot.description import RobotDescription
-from rlbench_pin.scene.snapshot import WorldSnapshot
-from rlbench_pin.scene.spec import ROOT, BodySpec, SceneSpec
-from rlbench_pin.sim import portable, state
-from rlbench_pin.sim.arm.gripper import SimGripper
-from rlbench_pin.sim.arm.robot import SimRobot
-from rlbench_pin.sim.bodies.body import Body
-from rlbench_pin.sim.bodies.joint import ObjectJoint
-from rlbench_pin.sim.capture import capture
+from rlbench_pin.scene.spec import SceneSpec
+from rlbench_pin.sim import state
 from rlbench_pin.sim.checks import whole_ratio
-from rlbench_pin.sim.client import open_client
-from rlbench_pin.sim.contacts import Contact
+from rlbench_pin.sim.client import RendererName, open_client
 from rlbench_pin.sim.contents import Contents
-from rlbench_pin.sim.dynamics_overrides import DynamicsOverrides
-from rlbench_pin.sim.frame import Frame, Region
-from rlbench_pin.sim.places import PlaceTree
-from rlbench_pin.sim.render.camera import CameraView, Pictures
-from rlbench_pin.sim.render.egl import RendererName
-from rlbench_pin.sim.render.renderer import Renderer
-from rlbench_pin.sim.render.shadows import ShadowMap
-from rlbench_pin.sim.render.texture_overrides import TextureOverrides
-from rlbench_pin.sim.resting import Resting
-from rlbench_pin.sim.sensor import Sensor
+from rlbench_pin.sim.render.camera import CameraView, Images
+from rlbench_pin.sim.render.lighting import ShadowMap
 from rlbench_pin.sim.state import WorldState
-from rlbench_pin.spatial import PoseLike
-from rlbench_pin.values import as_flag, as_record, as_whole
+from rlbench_pin.values import as_flag, as_record
 
 
-class World:
+class World(Contents):
     """Everything that is simulated; a context manager that frees the physics server.
 
     Args:
-        spec: What the scene file says.
+        spec: The scene.
         robot: The arm behind the table.
         timestep: Physics step [s].
         control_dt: Control tick [s], a whole number of physics steps.
-        renderer: What draws moving things: `cpu`, `egl`, or `auto` for EGL where there is one.
+        renderer: What draws moving bodies: `cpu`, `egl`, or `auto` for EGL where there is one.
 
     Attributes:
         spec: The scene it was built from.
         robot: Arm and fingers.
-        gripper: The hand and what it holds.
+        gripper: The gripper and what it holds.
         bodies: Bodies of the scene and those added at run time, by name.
         room: Table, floor and walls, by name.
-        renderer: Takes the pictures; its `lighting` may be replaced.
+        places: The tree of parents and children.
+        renderer: Takes the images; its `lighting` may be replaced.
         texture_overrides: Textures over the colours of robot, bodies and room.
         dynamics_overrides: Scaled masses, friction, damping and gains.
         resting: Bodies that sleep until something comes near them.
@@ -73,77 +57,16 @@ class World:
         control_dt: float = 0.05,
         renderer: RendererName = "cpu",
     ) -> None:
-        self.spec, self.timestep, self.control_dt = spec, timestep, control_dt
-        self._substeps, self._ticks = whole_ratio(control_dt, timestep), 0
+        self.timestep, self.control_dt = timestep, control_dt
+        self._substeps = whole_ratio(control_dt, timestep)
         self.on_step: list[Callable[[], None]] = []
         self.on_physics: list[Callable[[], None]] = []
-        self.keepers: list[state.StateKeeper] = []
-        self.client = open_client(timestep, renderer)
-        self._finalizer = weakref.finalize(self, self.client.close)
+        client = open_client(timestep, renderer)
+        self._finalizer = weakref.finalize(self, client.close)
         self.saved_states: weakref.WeakSet[WorldState] = weakref.WeakSet()
         self._origin: WorldState | None = None
-        self._build(robot)
-
-    def _build(self, robot: RobotDescription) -> None:
-        self._contents = contents = Contents(self.client, self.spec, robot)
-        self.bodies, self.room, self._places = contents.bodies, contents.room, contents.places
-        self.resting = Resting(self.client, self.bodies, self.room)
-        self._springs = contents.joints_with_springs()
-        self.renderer = Renderer(self.client, self.room, contents.room_ids, contents.masks.table, contents.looks)
-        self.robot = SimRobot(contents.robot, robot, contents.contacts, self.timestep, self._substeps)
-        self.texture_overrides = TextureOverrides(self.renderer, contents.robot, self.bodies, self.room)
-        self.dynamics_overrides = DynamicsOverrides(self.robot)
-        self.gripper = SimGripper(self.robot, self.body, lambda: tuple(self.bodies.values()))
-
-    # Lookup ----------------------------------------------------------------------------------------------------------
-
-    def body(self, name: str) -> Body:
-        """Return a body of the scene or the room.
-
-        Raises:
-            UnknownName: There is none of that name.
-        """
-        return self._contents.body(name)
-
-    def joint(self, name: str) -> ObjectJoint:
-        """Return the joint called `<body>/<joint>`."""
-        return self._contents.joint(name)
-
-    def frame(self, name: str) -> Frame:
-        """Return a frame, region, sensor or waypoint, or the root."""
-        return self._places.frame(name)
-
-    def region(self, name: str) -> Region:
-        """Return a region of the scene."""
-        return self._places.frame_of_kind(name, Region, "region")
-
-    def sensor(self, name: str) -> Sensor:
-        """Return a sensor of the scene."""
-        return self._places.frame_of_kind(name, Sensor, "sensor")
-
-    @property
-    def frames(self) -> Mapping[str, Frame]:
-        """All frames, regions, sensors and waypoints, and the root, by name."""
-        return self._places.frames
-
-    @property
-    def root(self) -> Frame:
-        """The frame that holds the whole task."""
-        return self._places.frame(ROOT)
-
-    def placement(self, name: str) -> pin.SE3:
-        """Return T_world_x of a body, a link, a frame, `root` or `world`."""
-        return self._places.placement(name)
-
-    @property
-    def places(self) -> PlaceTree:
-        """The tree of parents and children."""
-        return self._places
-
-    @property
-    def masks(self) -> Mapping[int, str]:
-        """Mask id -> name: robot and room below 61, task objects from 61 in the order of the scene file."""
-        return dict(self._contents.masks.names)
+        super().__init__(client, spec, robot, timestep, self._substeps)
+        self._springs = [joint for body in self.bodies.values() for joint in body.joints.values() if joint.has_spring]
 
     # Time ------------------------------------------------------------------------------------------------------------
 
@@ -151,15 +74,6 @@ class World:
     def time(self) -> float:
         """Simulated time [s]."""
         return self._ticks * self.control_dt
-
-    @property
-    def ticks(self) -> int:
-        """Control ticks since the world was built."""
-        return self._ticks
-
-    def set_ticks(self, ticks: int) -> None:
-        """Set the clock."""
-        self._ticks = as_whole(ticks, "ticks", least=0)
 
     def step(self) -> None:
         """Advance one control tick."""
@@ -180,57 +94,12 @@ class World:
         for callback in self.on_step:
             callback()
 
-    # Changing the world ----------------------------------------------------------------------------------------------
-
-    def place_root(self, pose: PoseLike) -> None:
-        """Move the root to a pose (7,), and all its descendants; joints stay, velocities become zero."""
-        self.root.set_pose(pose)
-
-    def add_body(self, name: str, spec: BodySpec) -> Body:
-        """Add a body to the running world; restoring an older state removes it.
-
-        Args:
-            name: Name that is not in use.
-            spec: What to load and where; its own name is replaced by `name`.
-        """
-        return self._contents.add(name, spec)
-
-    def remove_body(self, name: str) -> None:
-        """Remove a body that `add_body` made.
-
-        Raises:
-            RlbenchPinError: The body belongs to the scene file.
-        """
-        if name in self.gripper.grasped and name in self._contents.spawned:
-            self.gripper.release()
-        self.dynamics_overrides.forget(self.body(name).model)
-        self.texture_overrides.clear_body(name)
-        self._contents.remove(name)
-
-    @property
-    def spawned(self) -> Mapping[str, BodySpec]:
-        """Bodies added at run time, in order."""
-        return self._contents.spawned
-
-    # Queries ---------------------------------------------------------------------------------------------------------
-
-    def contacts(self, body: str | None = None, other: str | None = None) -> tuple[Contact, ...]:
-        """Return the contact points of the last physics step: all, those of one body, or those between two."""
-        first, second = (None if name is None else self._contents.model(name).uid for name in (body, other))
-        return self._contents.contacts.read(first, second)
-
-    def max_penetration(self) -> float:
-        """Return how deep the deepest contact is [m]; 0 when nothing overlaps."""
-        return self._contents.contacts.deepest()
-
-    def snapshot(self) -> WorldSnapshot:
-        """Return names, shapes, poses and joint values at this instant."""
-        return capture(self.room.values(), self.bodies.values(), self.robot, self.gripper)
+    # Rendering -------------------------------------------------------------------------------------------------------
 
     def render(
         self, camera: CameraView, *, rgb: bool = True, depth: bool = True, mask: bool = True, shadows: bool | ShadowMap = False
-    ) -> Pictures:
-        """Take pictures; see `Renderer.render`."""
+    ) -> Images:
+        """Take the images of one camera; see `Renderer.render`."""
         return self.renderer.render(camera, rgb=rgb, depth=depth, mask=mask, shadows=shadows)
 
     # Saving and restoring --------------------------------------------------------------------------------------------
@@ -246,12 +115,17 @@ class World:
         """Take the present state as the origin, unless there is one."""
         if self._origin is None:
             self.client.end_building()
-            self._origin = state.save(self)
+            self._origin = self._save(portable=False)
 
     def save(self, portable: bool = False) -> WorldState:
         """Remember this instant exactly, in memory; freed with the returned object. A `portable` one can be pickled."""
         self.end_building()
-        return state.save(self, as_flag(portable, "portable"))
+        return self._save(as_flag(portable, "portable"))
+
+    def _save(self, portable: bool) -> WorldState:
+        saved = state.save(self, portable)
+        self.saved_states.add(saved)
+        return saved
 
     def restore(self, saved: WorldState) -> None:
         """Go back to a remembered instant of this world, exactly."""
@@ -269,17 +143,17 @@ class World:
         if self.client.hardware:
             self.restore(self.origin)
             return
-        state.build_again(self)
+        state.build_again(self, self.origin, self.saved_states)
 
     def arrays(self, exact: bool = True) -> dict[str, np.ndarray]:
         """Return this instant as arrays that another process can continue from: exactly, or without contacts and smaller."""
         self.end_building()
-        return portable.to_arrays(self, as_flag(exact, "exact"))
+        return state.to_arrays(self, as_flag(exact, "exact"))
 
     def set_arrays(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Continue from `arrays` of a world with the same scene and robot."""
         self.end_building()
-        portable.from_arrays(self, arrays)
+        state.from_arrays(self, arrays)
 
     # End -------------------------------------------------------------------------------------------------------------
 

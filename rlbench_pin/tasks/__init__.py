@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import lazy_loader as lazy
+
 from rlbench_pin.errors import BoundaryError
-from rlbench_pin.front_door import front_door
 from rlbench_pin.scene.spec import BodySpec
 from rlbench_pin.tasks.conditions import (
     AllOf,
@@ -27,31 +28,28 @@ from rlbench_pin.tasks.conditions import (
 )
 from rlbench_pin.tasks.grasps import Tray, easiest_top_grasp, free_direction
 from rlbench_pin.tasks.palette import BUTTON_COLORS, COLORS, Color, distractor_colors, fill_up_colors
-from rlbench_pin.tasks.placement import PLACEMENT_AREA, place_task, swap_places
+from rlbench_pin.tasks.placement import NO_ROTATION, PLACEMENT_AREA, SpawnBoundary, clearance, place_task, swap_places
 from rlbench_pin.tasks.registry import (
     LIBRARY,
+    OwnTasks,
+    camel_case,
+    checked_class,
     find_task,
+    is_task_file,
     library_names,
+    load_task_file,
+    own_tasks,
     plugin_faults,
     task_class,
+    task_digest,
     task_names,
     task_origin,
+    task_reference,
     task_scene,
     usable_task_names,
 )
 from rlbench_pin.tasks.settling import at_rest, settle
-from rlbench_pin.tasks.spawn_boundary import NO_ROTATION, SpawnBoundary, clearance
 from rlbench_pin.tasks.task import Task, TaskState
-from rlbench_pin.tasks.task_file import (
-    OwnTasks,
-    camel_case,
-    checked_class,
-    is_task_file,
-    load_task_file,
-    own_tasks,
-    task_digest,
-    task_reference,
-)
 from rlbench_pin.tasks.waypoints import Waypoint
 
 if TYPE_CHECKING:
@@ -115,18 +113,17 @@ __all__ = [
     "usable_task_names",
 ]
 
-_OF_DATASETS = ("chosen_tasks_of", "keep_task", "keep_tasks", "stored_task")
-"""What needs the libraries that read data; they are loaded when one of these names is first used."""
+_stored, _, _ = lazy.attach(__name__, submod_attrs={"stored": ["chosen_tasks_of", "keep_task", "keep_tasks", "stored_task"]})
+"""Looks up the names that need the libraries of datasets; these libraries are loaded when one of the names is first used."""
 
 if not TYPE_CHECKING:
-    _look_up, _names = front_door(__name__, dict.fromkeys(_OF_DATASETS, "stored"))
 
     def __getattr__(name: str) -> object:
-        """Import the class of a task on first use, and what deals with datasets."""
+        """Import the class of a task, or a function for datasets, on first use."""
         if name[:1].isupper() and (name in map(camel_case, library_names()) or name in map(camel_case, task_names())):
             return task_class(name)
-        return _look_up(name)
+        return _stored(name)
 
     def __dir__() -> list[str]:
         """List the public names, and the classes of all tasks."""
-        return sorted({*_names(), *map(camel_case, task_names())})
+        return sorted({*globals(), *__all__, *map(camel_case, task_names())})

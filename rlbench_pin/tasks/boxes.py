@@ -9,7 +9,7 @@ from itertools import product
 
 import numpy as np
 
-from rlbench_pin.robot.motion_bounds import cross
+from rlbench_pin.robot.distances import cross
 from rlbench_pin.spatial import FloatArray, compose, pose_at, pose_to_se3
 
 _CORNERS: FloatArray = np.array(list(product((-1.0, 1.0), repeat=3)))

@@ -1,4 +1,4 @@
-"""Where a hand can hold a body: by which part; from above, one of several in a tray; and how it can approach one on the table."""
+"""Grasps: the part by which a body may be held, the easiest grasp from above in a tray, and free ways to a place on the table."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from rlbench_pin.errors import BoundaryError, InvalidValue, UnknownName
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.tasks.things import BODY, Bulky, as_things
+from rlbench_pin.tasks.arguments import BODY_WITH_EXTENT, as_objects
 from rlbench_pin.values import as_number, as_pose, as_record, as_several, as_vector
 
 if TYPE_CHECKING:
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 SIDES = (0.0, -1.0, 1.0)
 """Where a body may be between the fingers: in the middle, or nearly at one of them."""
 OPEN, FINGER = 0.028, 0.053
-"""How far the middle of the hand may be from a side of a body, and from the middle of an open finger [m]."""
+"""How far the middle of the gripper may be from a side of a body, and from the middle of an open finger [m]."""
 PAD = np.array([0.014, 0.016])
 """Half size of the place that a finger needs, along its breadth and its thickness [m]."""
 CORNERS = np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]])
 FARTHEST = 1e3
 """Coordinates and turns are at most so large [m], [rad]."""
 ANGLES = 24
-"""Turns of the hand that are judged."""
+"""Turns of the gripper that are compared."""
 
 
 def graspable_part(world: World, name: str) -> tuple[Body, str]:
@@ -52,7 +52,7 @@ class TopGrasp:
     position: FloatArray
     """Middle between the fingers (3,) in the world [m], at the height of the body."""
     angle: float
-    """Turn of the hand about the vertical [rad]."""
+    """Turn of the gripper about the vertical [rad]."""
 
     def tip_pose(self, height: float | None = None) -> FloatArray:
         """Return the tip pose (7,) in the world, at a height [m] if one is given."""
@@ -91,7 +91,7 @@ def easiest_top_grasp(wanted: Sequence[Body], bodies: Sequence[Body], tray: Tray
         BoundaryError: Nothing is wanted.
         InvalidValue: Something is no body or tray, or a wanted body is not among the bodies.
     """
-    wanted, bodies = as_things(wanted, Bulky, "wanted", BODY), as_things(bodies, Bulky, "bodies", BODY)
+    wanted, bodies = as_objects(wanted, BODY_WITH_EXTENT, "wanted"), as_objects(bodies, BODY_WITH_EXTENT, "bodies")
     as_record(tray, Tray, "tray")
     names = [body.name for body in bodies]
     if missing := [body.name for body in wanted if body.name not in names]:
@@ -108,11 +108,11 @@ def easiest_top_grasp(wanted: Sequence[Body], bodies: Sequence[Body], tray: Tray
 def free_direction(
     place: FloatArray, directions: Iterable[float], others: Iterable[FloatArray], half_width: float, length: float
 ) -> float | None:
-    """Return the first direction in which the lane that ends at a place is free of other things.
+    """Return the first direction in which the lane that ends at a place is free of other objects.
 
     Args:
-        place: Where the hand wants to come to, its x and y (2,) in the world [m].
-        directions: Headings of the hand to try, best first [rad].
+        place: Where the gripper wants to come to, its x and y (2,) in the world [m].
+        directions: Headings of the gripper to try, best first [rad].
         others: x and y (2,) of what may be in the way [m]; the place itself is never in its own way.
         half_width: Half width of the lane [m].
         length: Length of the lane before the place [m].
@@ -141,7 +141,7 @@ def _entries(values: object, what: str) -> tuple[Any, ...]:
 
 
 def _flat_boxes(body: Body, turns: FloatArray) -> FloatArray:
-    """Return the boxes (n, 2, 2), [[min], [max]] each, around a body seen from above along the axes of turned hands [m]."""
+    """Return the boxes (n, 2, 2), [[min], [max]] each, around a body seen from above along the axes of turned grippers [m]."""
     directions = np.zeros((len(turns), 2, 3))
     directions[:, :, :2] = turns.transpose(0, 2, 1)
     return body.extent_along(directions.reshape(-1, 3)).reshape(2, len(turns), 2).transpose(1, 0, 2)
@@ -150,14 +150,14 @@ def _flat_boxes(body: Body, turns: FloatArray) -> FloatArray:
 def _best_grasp(
     body: Body, side: float, angles: FloatArray, turns: FloatArray, boxes: Mapping[str, FloatArray], tray: Tray
 ) -> TopGrasp:
-    """Return the easiest grasp of a body that is in the middle of the hand or nearly at one of the fingers.
+    """Return the easiest grasp of a body that is in the middle of the gripper or nearly at one of the fingers.
 
     Args:
         body: What is gripped.
         side: One of `SIDES`.
-        angles: Turns of the hand to judge (n,) [rad].
+        angles: Turns of the gripper to judge (n,) [rad].
         turns: The same as rotations (n, 2, 2).
-        boxes: Box around each body in the axes of each turned hand (n, 2, 2) [m].
+        boxes: Box around each body in the axes of each turned gripper (n, 2, 2) [m].
         tray: Where they lie.
     """
     position = body.position
@@ -186,6 +186,6 @@ def _depth_in_walls(corners: FloatArray, half: FloatArray) -> FloatArray:
 
 
 def _depth_in_box(fingers: FloatArray, box: FloatArray) -> FloatArray:
-    """Return how far two fingers (n, 2, 2) stand in a box (n, 2, 2) [[min], [max]], all in the axes of the hand (n,) [m]."""
+    """Return how far two fingers (n, 2, 2) stand in a box (n, 2, 2) [[min], [max]], all in the axes of the gripper (n,) [m]."""
     depth = np.minimum(box[:, 1:] - fingers, fingers - box[:, :1]) + PAD
     return np.maximum(depth.min(axis=-1), 0.0).sum(axis=1)

@@ -1,22 +1,222 @@
-"""Random placement of the whole task on the table."""
+"""Random places: of bodies and frames inside regions, without letting them touch, and of the whole task on the table."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from rlbench_pin.errors import BoundaryError, InvalidValue
-from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, pose_to_se3, relative
+from rlbench_pin.errors import BoundaryError, InvalidValue, TaskError
+from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, pose_at, pose_to_se3, relative, se3_to_pose
+from rlbench_pin.tasks.arguments import MOVABLE, REGION, ROOTED_WORLD, Rotation, as_object, as_objects, as_rotations, has_extent
 from rlbench_pin.tasks.boxes import OrientedBox, rotated
-from rlbench_pin.tasks.conditions.parts import as_part
-from rlbench_pin.tasks.spawn_boundary import ANY_YAW
-from rlbench_pin.tasks.things import THING, WORLD, Rooted, Rotation, Thing, as_rotations
-from rlbench_pin.values import as_record, items_of
+from rlbench_pin.values import as_flag, as_function, as_number, as_record, items_of
 
 if TYPE_CHECKING:
-    from rlbench_pin.sim import Body, World
+    from rlbench_pin.sim import Body, Frame, Region, World
+
+
+MAX_SAMPLES, MAX_LAYOUTS = 100, 200
+"""Places that are tried for one object, and layouts of several objects."""
+NO_ROTATION: Rotation = (0.0, 0.0, 0.0)
+ANY_YAW: tuple[Rotation, Rotation] = ((0.0, 0.0, -3.14), (0.0, 0.0, 3.14))
+
+
+class SpawnBoundary:
+    """Places objects inside one or several regions without letting them touch.
+
+    Args:
+        regions: Rectangles (height 0) or boxes.
+
+    Raises:
+        InvalidValue: Something is no region.
+        TaskError: There is none.
+    """
+
+    def __init__(self, regions: Iterable[Region]) -> None:
+        self._regions = as_objects(regions, REGION, "regions")
+        if not self._regions:
+            raise TaskError(f"SpawnBoundary needs at least one region, {REGION.words.removeprefix('a region, ')}.")
+        measures = np.array([_measure(region) for region in self._regions])
+        self._weights = measures / measures.sum()
+        self._placed: list[tuple[str, OrientedBox, FloatArray]] = []
+
+    def clear(self) -> None:
+        """Forget what was placed; call it at the start of every episode."""
+        self._placed.clear()
+
+    def state(self) -> tuple[tuple[str, OrientedBox, FloatArray], ...]:
+        """Return what was placed since the last `clear`."""
+        return tuple(self._placed)
+
+    def set_state(self, state: tuple[tuple[str, OrientedBox, FloatArray], ...]) -> None:
+        """Remember as placed what `state()` returned before."""
+        self._placed[:] = state
+
+    def sample(
+        self,
+        thing: Body | Frame,
+        rng: np.random.Generator,
+        *,
+        min_rotation: Rotation = ANY_YAW[0],
+        max_rotation: Rotation = ANY_YAW[1],
+        min_distance: float = 0.01,
+        apart: Mapping[str, float] | None = None,
+        ignore_collisions: bool = False,
+    ) -> None:
+        """Move a body or a frame to a random place.
+
+        A region is drawn by its area (or volume), then a rotation on top of the present one, then a place at which the turned
+        bounding box fits. A rectangle leaves the height as it is.
+
+        Args:
+            thing: What to place.
+            rng: Random generator.
+            min_rotation: Lowest roll, pitch, yaw in the axes of the region [rad].
+            max_rotation: Highest roll, pitch, yaw [rad].
+            min_distance: Least distance between origins of objects placed by this boundary [m].
+            apart: Larger distances from some of them, by name [m].
+            ignore_collisions: Do not look at what this boundary has placed already.
+
+        Raises:
+            BoundaryError: No place was found in `MAX_SAMPLES` tries.
+            InvalidValue: Something is no body, generator, rotation or distance.
+        """
+        as_object(thing, MOVABLE, "thing")
+        as_record(rng, np.random.Generator, "rng")
+        rotations = as_rotations(min_rotation, max_rotation, "min_rotation", "max_rotation")
+        min_distance = as_number(min_distance, "min_distance", least=0.0)
+        apart = as_record({} if apart is None else apart, Mapping, "apart")  # type: ignore[type-abstract]
+        gaps = {name: as_number(gap, f"apart[{name!r}]", least=0.0) for name, gap in apart.items()}
+        self._place(thing, rng, rotations, min_distance, gaps, as_flag(ignore_collisions, "ignore_collisions"))
+
+    def _place(
+        self,
+        thing: Body | Frame,
+        rng: np.random.Generator,
+        rotations: tuple[FloatArray, FloatArray],
+        min_distance: float,
+        apart: Mapping[str, float],
+        ignore_collisions: bool = False,
+    ) -> None:
+        """Do what `sample` does, when all has been checked."""
+        start, bounds, too_big = np.array(thing.pose), _bounds(thing), 0
+        for _ in range(MAX_SAMPLES):
+            pose = _draw_pose(self._draw_region(rng), bounds, start, rng.uniform(*rotations), rng)
+            if pose is None:
+                too_big += 1
+                continue
+            box = OrientedBox.of(bounds, pose)
+            if ignore_collisions or self._is_free(box, pose[:3], min_distance, apart):
+                thing.set_pose(pose)
+                self._placed.append((thing.name, box, pose[:3]))
+                return
+        raise BoundaryError(self._failure(thing, too_big, min_distance))
+
+    def scatter(
+        self,
+        things: Sequence[Body | Frame],
+        rng: np.random.Generator,
+        *,
+        min_distance: float = 0.01,
+        accept: Callable[[], bool] | None = None,
+    ) -> None:
+        """Forget what was placed and place objects one after another, anew until the layout is accepted.
+
+        Args:
+            things: What to place, each turned by any yaw.
+            rng: Random generator.
+            min_distance: Least distance between their origins [m].
+            accept: Asked after each layout whether it will do; None takes the first.
+
+        Raises:
+            BoundaryError: An object found no place, or none of `MAX_LAYOUTS` layouts was accepted.
+            InvalidValue: Something is no body, generator, distance or function.
+        """
+        things = as_objects(things, MOVABLE, "things")
+        as_record(rng, np.random.Generator, "rng")
+        as_function(accept, "accept")
+        min_distance = as_number(min_distance, "min_distance", least=0.0)
+        rotations = as_rotations(*ANY_YAW, "min_rotation", "max_rotation")
+        for _ in range(MAX_LAYOUTS):
+            self.clear()
+            for thing in things:
+                self._place(thing, rng, rotations, min_distance, {})
+            if accept is None or accept():
+                return
+        names = ", ".join(thing.name for thing in things)
+        raise BoundaryError(f"None of {MAX_LAYOUTS} layouts of {names} was accepted. Enlarge the regions or ask for less space.")
+
+    def _draw_region(self, rng: np.random.Generator) -> Region:
+        return self._regions[int(rng.choice(len(self._regions), p=self._weights)) if len(self._regions) > 1 else 0]
+
+    def _is_free(self, box: OrientedBox, origin: FloatArray, least: float, apart: Mapping[str, float]) -> bool:
+        return not any(
+            _are_near(origin, place, max(least, apart.get(name, 0.0))) or box.overlaps(other)
+            for name, other, place in self._placed
+        )
+
+    def _failure(self, thing: Body | Frame, too_big: int, min_distance: float) -> str:
+        names = ", ".join(region.name for region in self._regions)
+        placed = ", ".join(name for name, _, _ in self._placed) or "nothing"
+        size = np.round(np.ptp(_bounds(thing), axis=0), 3).tolist()
+        return (
+            f"'{thing.name}' of size {size} m found no place in {MAX_SAMPLES} tries in {names}: {too_big} times it did not fit, "
+            f"{MAX_SAMPLES - too_big} times it was within {min_distance} m of or touched what is there ({placed}). "
+            "Enlarge the regions or lower min_distance."
+        )
+
+
+def clearance(thing: Body | Frame, others: Iterable[Body | Frame]) -> float:
+    """Return the least horizontal distance between the origin of an object and those of others [m]; itself does not count.
+
+    Infinity where there are no others.
+    """
+    as_object(thing, MOVABLE, "thing")
+    others = as_objects(others, MOVABLE, "others")
+    gaps = (np.linalg.norm((other.position - thing.position)[:2]) for other in others if other is not thing)
+    return float(min(gaps, default=np.inf))
+
+
+def _are_near(a: FloatArray, b: FloatArray, distance: float) -> bool:
+    return distance > 0.0 and math.dist(a, b) < distance
+
+
+def _measure(region: Region) -> float:
+    size = np.asarray(region.size, dtype=float)
+    return float(np.prod(size if size[2] > 0.0 else size[:2]))
+
+
+def _bounds(thing: Body | Frame) -> FloatArray:
+    """Local bounding box (2, 3) [m]; a frame is a point."""
+    if not has_extent(thing):
+        return np.zeros((2, 3))
+    return np.asarray(cast("Body", thing).bounds(), dtype=float)
+
+
+def _draw_pose(
+    region: Region, bounds: FloatArray, start: FloatArray, rotation: FloatArray, rng: np.random.Generator
+) -> FloatArray | None:
+    """Draw a world pose at which the turned bounding box lies in the region; None when it cannot."""
+    T_world_region = pose_to_se3(region.pose)
+    T_region_thing = T_world_region.actInv(pose_to_se3(start))
+    place = np.array(T_region_thing.translation)
+    T_region_thing = pose_to_se3(pose_at((0.0, 0.0, 0.0), *rotation)) * T_region_thing
+    low, high = bounds
+    turn = T_region_thing.rotation
+    middle, reach = turn @ (0.5 * (low + high)), np.abs(turn) @ (0.5 * (high - low))
+    half = np.asarray(region.size, dtype=float) / 2.0
+    first, last = reach - half - middle, half - reach - middle
+    axes = 3 if half[2] > 0.0 else 2
+    if (first[:axes] > last[:axes]).any():
+        return None
+    place[:axes] = rng.uniform(first[:axes], last[:axes])
+    T_region_thing.translation = place
+    return se3_to_pose(T_world_region * T_region_thing)
+
 
 MAX_TURNS = 100
 """Orientations of the task that are tried."""
@@ -56,7 +256,7 @@ def place_task(world: World, rng: np.random.Generator, bounds: tuple[Rotation, R
         BoundaryError: The footprint does not fit at any of `MAX_TURNS` drawn orientations.
         InvalidValue: Something is no world, generator or pair of rotations.
     """
-    as_part(world, Rooted, "world", WORLD)
+    as_object(world, ROOTED_WORLD, "world")
     as_record(rng, np.random.Generator, "rng")
     if len(items_of(bounds)) != 2:
         raise InvalidValue("bounds", bounds, "has to be the lowest and the highest roll, pitch, yaw", "They are in radians.")
@@ -81,8 +281,8 @@ def place_task(world: World, rng: np.random.Generator, bounds: tuple[Rotation, R
 
 def swap_places(first: Body, second: Body) -> None:
     """Exchange x and y of two bodies; heights and orientations stay."""
-    as_part(first, Thing, "first", THING)
-    as_part(second, Thing, "second", THING)
+    as_object(first, MOVABLE, "first")
+    as_object(second, MOVABLE, "second")
     pose, other = np.array(first.pose), np.array(second.pose)
     pose[:2], other[:2] = other[:2].copy(), pose[:2].copy()
     first.set_pose(pose)

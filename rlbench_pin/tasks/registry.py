@@ -1,19 +1,201 @@
-"""Which tasks there are, by name or by file. A task is imported only when it is asked for."""
+"""Task classes and where they come from: the library, other packages, and task files, with the files that make one up."""
 
 from __future__ import annotations
 
 import importlib
+import re
+import sys
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
+from hashlib import sha256
+from keyword import iskeyword
 from os import PathLike
 from pathlib import Path
+from types import ModuleType
 
-from rlbench_pin.errors import TaskError, UnknownName
+from rlbench_pin.errors import AssetInvalid, AssetNotFound, InvalidValue, TaskError, UnknownName
 from rlbench_pin.plugins import Plugins, PluginTask, installed_plugins
-from rlbench_pin.scene.reader import read_scene
-from rlbench_pin.scene.spec import SceneSpec
+from rlbench_pin.scene.reader import read_scene, resolve_asset
+from rlbench_pin.scene.spec import NAME_PATTERN, SceneSpec
 from rlbench_pin.tasks.task import Task, snake_case
-from rlbench_pin.tasks.task_file import camel_case, checked_class, class_in, load_task_file
-from rlbench_pin.values import as_text
+from rlbench_pin.urdf import read_urdf
+from rlbench_pin.values import as_path, as_several, as_text
+
+OwnTasks = Mapping[str, type[Task]]
+"""Task name -> class that the user named a file of."""
+_PREFIX = "rlbench_pin_task_"
+"""How the modules of task files are called."""
+_NAMED_IN_OBJ = re.compile(rb"^mtllib[ \t]+(\S+)", re.MULTILINE)
+_NAMED_IN_MTL = re.compile(rb"^map_\w+[ \t]+(\S+)", re.MULTILINE)
+
+
+def load_task_file(path: str | PathLike[str]) -> type[Task]:
+    """Run a file outside the package, with its scene file beside it, and return its task class; unchanged files are run once.
+
+    Args:
+        path: The Python file.
+
+    Raises:
+        TaskError: The file does not exist, cannot be run, or holds no task class named after it.
+    """
+    path = as_path(path, "path").resolve()
+    if not path.is_file():
+        near = path.with_name(f"{path.name}.py")
+        advice = f"Did you mean '{near}'?" if near.is_file() else "`rlbench-pin new` makes one."
+        raise TaskError(f"Task file '{path}' does not exist. {advice}")
+    if path.suffix != ".py":
+        raise TaskError(f"Task file '{path}' is not a Python file. Its name must end with `.py`.")
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise TaskError(f"Task file '{path}' cannot be read: {error.strerror}.") from error
+    return _load(path, content)
+
+
+def camel_case(name: str) -> str:
+    """Turn `reach_target` into `ReachTarget`."""
+    return "".join(word.capitalize() for word in as_text(name, "name").split("_"))
+
+
+def name_fault(name: str) -> str:
+    """Return why a new task cannot be called so, with what to do; "" where it can."""
+    if not re.fullmatch(NAME_PATTERN, name):
+        return "it is no name of a task. Use small letters, digits and underscores, a letter first."
+    if iskeyword(name) or iskeyword(camel_case(name)):
+        return "it is a word of Python's own. Choose another name."
+    if camel_case(name) in sys.modules["rlbench_pin.tasks"].__all__:
+        return f"its class would hide rlbench_pin.tasks.{camel_case(name)}, which task files import. Choose another name."
+    return ""
+
+
+def class_in(module: ModuleType, name: str) -> type[Task]:
+    """Return the task class of that name in a module.
+
+    Raises:
+        TaskError: There is none.
+    """
+    found = getattr(module, name, None)
+    if isinstance(found, type) and issubclass(found, Task):
+        return found
+    raise TaskError(f"'{module.__file__}' holds no class '{name}' derived from Task. Name the class after its file.")
+
+
+def checked_class(task: object) -> type[Task]:
+    """Return a task class, or raise InvalidValue."""
+    if not isinstance(task, type) or not issubclass(task, Task):
+        raise InvalidValue("task", task, "has to be a task class", "`find_task(name)` returns one.")
+    return task
+
+
+def is_task_file(task: type[Task]) -> bool:
+    """Whether a task was loaded from a file by `load_task_file`."""
+    return checked_class(task).__module__.startswith(_PREFIX)
+
+
+def is_of_library(task: type[Task]) -> bool:
+    """Whether a task is one of the library."""
+    return task.__module__.startswith("rlbench_pin.tasks.library.")
+
+
+def task_files(task: type[Task]) -> dict[str, Path]:
+    """Return the files that make up a task: its Python file, its scene, and models and images of its own that the scene names.
+
+    Returns:
+        Path below the folder of the task file, with slashes -> file. What lies elsewhere is left out.
+
+    Raises:
+        SceneFileError: The scene file is missing or wrong.
+    """
+    scene = task.scene_file().resolve()
+    folder = scene.parent
+    files = [scene.with_suffix(".py"), scene]
+    for body in read_scene(scene).body:
+        asset = body.asset
+        if asset and asset.startswith(("./", "../")):
+            files += _model_files(resolve_asset(scene, asset))
+    inside = (file for file in files if file.is_relative_to(folder) and file.is_file())
+    return {file.relative_to(folder).as_posix(): file for file in inside}
+
+
+def digests(files: dict[str, Path]) -> dict[str, str]:
+    """Return the SHA-256 of each file, by the same names."""
+    return {name: _digest(file.read_bytes()) for name, file in files.items()}
+
+
+def own_tasks(files: Iterable[str | PathLike[str]]) -> dict[str, type[Task]]:
+    """Load task files that the user names, and return their classes by task name.
+
+    Raises:
+        TaskError: A file cannot be loaded, or two are of one name.
+    """
+    found: dict[str, type[Task]] = {}
+    for file in as_several(files, "files"):
+        task = load_task_file(file)
+        if found.setdefault(task.get_name(), task) is not task:
+            raise TaskError(f"Two task files are called '{task.get_name()}'; the second is '{file}'. Name one of them.")
+    return found
+
+
+def task_reference(task: type[Task]) -> str:
+    """Return the text by which another process finds a task: its name, or the absolute path of its file."""
+    return str(task.scene_file().with_suffix(".py").resolve()) if is_task_file(task) else task.get_name()
+
+
+def task_digest(task: type[Task]) -> str:
+    """Return one text that changes with any file of a task that is not in the library; empty for those of the library."""
+    checked_class(task)
+    return "" if is_of_library(task) else " ".join(f"{n}:{s}" for n, s in sorted(digests(task_files(task)).items()))
+
+
+@lru_cache(maxsize=64)
+def _load(path: Path, content: bytes) -> type[Task]:
+    """Run the bytes of a file. They are compiled here: Python's own import might take stale or foreign bytecode beside it."""
+    name = f"{_PREFIX}{path.stem}_{_digest(bytes(path) + content)[:12]}"
+    module = ModuleType(name)
+    module.__file__ = str(path)
+    sys.modules[name] = module  # dataclasses and annotations look their module up
+    try:
+        exec(compile(content, str(path), "exec", dont_inherit=True), module.__dict__)
+        return class_in(module, camel_case(snake_case(path.stem)))
+    except BaseException as error:
+        del sys.modules[name]
+        if isinstance(error, TaskError) or not isinstance(error, Exception | SystemExit):
+            raise
+        raise TaskError(f"Task file '{path}' cannot be loaded: {type(error).__name__}: {error}.{_line(error, path)}") from error
+
+
+def _line(error: BaseException, path: Path) -> str:
+    """Say in which line of the file an error was raised."""
+    found, trace = 0, error.__traceback__
+    while trace is not None:
+        if trace.tb_frame.f_code.co_filename == str(path):
+            found = trace.tb_lineno
+        trace = trace.tb_next
+    return f" See its line {found}." if found else ""
+
+
+def _model_files(urdf: Path) -> list[Path]:
+    """Return a URDF file and the meshes and images that it leads to, as far as they exist."""
+    try:
+        read = read_urdf(urdf)
+    except (AssetNotFound, AssetInvalid):
+        return [urdf]
+    files = [urdf, *read.meshes, *read.textures]
+    materials = [material for mesh in read.meshes if mesh.suffix == ".obj" for material in _named(mesh, _NAMED_IN_OBJ)]
+    files += materials
+    files += [picture for material in materials for picture in _named(material, _NAMED_IN_MTL)]
+    return [file.resolve() for file in files]
+
+
+def _named(file: Path, pattern: re.Pattern[bytes]) -> list[Path]:
+    if not file.is_file():
+        return []
+    return [file.parent / name.decode(errors="replace") for name in pattern.findall(file.read_bytes())]
+
+
+def _digest(content: bytes) -> str:
+    return sha256(content).hexdigest()
+
 
 LIBRARY = Path(__file__).parent / "library"
 LIST_COMMAND = "rlbench-pin list"
@@ -133,17 +315,3 @@ def _plugin_class(task: PluginTask) -> type[Task]:
     if not found.scene_file().is_file():
         raise TaskError(f"{start} has no scene: '{found.scene_file()}' does not exist. Does that package contain its TOML files?")
     return found
-
-
-__all__ = [
-    "LIBRARY",
-    "LIST_COMMAND",
-    "find_task",
-    "library_names",
-    "plugin_faults",
-    "task_class",
-    "task_names",
-    "task_origin",
-    "task_scene",
-    "usable_task_names",
-]

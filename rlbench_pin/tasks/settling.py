@@ -10,8 +10,7 @@ import numpy as np
 
 from rlbench_pin.errors import BoundaryError, InvalidValue
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.tasks.conditions.parts import as_part
-from rlbench_pin.tasks.things import BODY, WORLD, Loose, Stepped, as_things
+from rlbench_pin.tasks.arguments import LOOSE_BODY, STEPPED_WORLD, as_object, as_objects
 from rlbench_pin.values import as_record
 
 if TYPE_CHECKING:
@@ -57,8 +56,8 @@ def settle(world: World, bodies: Sequence[Body], rng: np.random.Generator) -> No
         BoundaryError: The bodies still move after `MAX_PUSHES` pushes.
         InvalidValue: Something is no world, body or generator, or no body is named.
     """
-    as_part(world, Stepped, "world", WORLD)
-    bodies = as_things(bodies, Loose, "bodies", BODY)
+    as_object(world, STEPPED_WORLD, "world")
+    bodies = as_objects(bodies, LOOSE_BODY, "bodies")
     as_record(rng, np.random.Generator, "rng")
     if not bodies:
         raise InvalidValue("bodies", bodies, "has to name at least one body")

@@ -11,9 +11,19 @@ from pathlib import Path
 
 from rlbench_pin.datasets import checked_task_name, has_manifest, keep_files, kept_task
 from rlbench_pin.errors import DatasetConflict, TaskError, UntrustedTaskFile
-from rlbench_pin.tasks.registry import find_task, library_names, task_class, task_names
+from rlbench_pin.tasks.registry import (
+    OwnTasks,
+    checked_class,
+    digests,
+    find_task,
+    is_of_library,
+    library_names,
+    load_task_file,
+    task_class,
+    task_files,
+    task_names,
+)
 from rlbench_pin.tasks.task import Task, snake_case
-from rlbench_pin.tasks.task_file import OwnTasks, checked_class, digests, is_of_library, load_task_file, task_files
 from rlbench_pin.values import as_flag, as_names, as_record, as_several
 
 

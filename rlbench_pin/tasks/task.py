@@ -5,24 +5,77 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
-from rlbench_pin.errors import TaskError
+from rlbench_pin.errors import NoShapedReward, TaskError
+from rlbench_pin.scene.reader import resolve_asset
+from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks.conditions import Condition
 from rlbench_pin.tasks.grasps import graspable_part
-from rlbench_pin.tasks.low_dim import LowDimState
 from rlbench_pin.tasks.placement import place_task
-from rlbench_pin.tasks.saved.portable_state import PortableTaskState, TaskState, take_over
-from rlbench_pin.tasks.saved.state import Memory, recall, remember
+from rlbench_pin.tasks.saved.portable_state import Memory, PortableTaskState, TaskState, recall, remember, take_over
 from rlbench_pin.tasks.waypoints import Waypoint, WaypointHook, waypoints_of
+from rlbench_pin.urdf import read_urdf
 
 if TYPE_CHECKING:
     from rlbench_pin.observation import Observation
-    from rlbench_pin.sim import World
+    from rlbench_pin.sim import Body, World
+
+
+@dataclass(frozen=True)
+class LowDimPart:
+    """Some of the numbers of a state."""
+
+    name: str
+    """`<body>`, or `<body>/<joint>`."""
+    kind: Literal["pose", "slider", "hinge"]
+    """Pose of a body (7 numbers, [m] and unit quaternion), or value of a joint that slides [m] or turns [rad]."""
+
+    @property
+    def size(self) -> int:
+        """How many numbers it has."""
+        return 7 if self.kind == "pose" else 1
+
+
+def low_dim_layout(spec: SceneSpec) -> tuple[LowDimPart, ...]:
+    """Return what the default state of a scene holds, in order: the bodies by name, then their movable joints by name."""
+    bodies = sorted(body.name for body in spec.body)
+    joints = sorted(
+        (f"{body.name}/{joint.name}", joint.kind)
+        for body in spec.body
+        for joint in read_urdf(resolve_asset(spec, body.asset)).joints
+        if joint.kind != "fixed"
+    )
+    poses = [LowDimPart(name, "pose") for name in bodies]
+    return (*poses, *(LowDimPart(name, "slider" if kind == "prismatic" else "hinge") for name, kind in joints))
+
+
+class LowDimState:
+    """Reads the pose of every body of a world and the value of every joint, in the order of their names.
+
+    The layout is fixed by the scene file: a body that was removed gives zeros, one that an episode adds is left out.
+    """
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._layout = low_dim_layout(world.spec)
+
+    def read(self) -> FloatArray:
+        """Return poses (7 each, [m] and unit quaternion), then joint values [m] or [rad]."""
+        present = self._world.bodies
+        parts = [self._value(part, present.get(part.name.split("/")[0])) for part in self._layout]
+        return np.concatenate(parts) if parts else np.zeros(0)
+
+    def _value(self, part: LowDimPart, body: Body | None) -> FloatArray:
+        if body is None:
+            return np.zeros(part.size)
+        return body.pose if part.kind == "pose" else np.array([float(self._world.joint(part.name).position)])
+
 
 RotationBounds = tuple[tuple[float, float, float], tuple[float, float, float]]
 """Lowest and highest roll, pitch, yaw [rad]."""
@@ -48,12 +101,12 @@ class Task:
     Attributes:
         world: The world: `body`, `joint`, `frame`, `region`, `sensor` by name.
         robot: The arm.
-        gripper: The hand.
+        gripper: The gripper.
         round: How often the waypoints were played, for tasks that call `register_rounds`.
     """
 
     solved_by_chance: ClassVar[bool] = False
-    """Whether a flailing arm may reach the goal now and then, as with a ball in the air; otherwise that is a fault."""
+    """Whether a randomly moving arm may reach the goal now and then, as with a ball in the air; otherwise that is a fault."""
     variations_share_goals: ClassVar[bool] = False
     """Whether some variations ask for the same, in the same words; otherwise that is a fault."""
 
@@ -74,7 +127,7 @@ class Task:
     # What a task file overrides ---------------------------------------------------------------------------------------
 
     def init_task(self) -> None:
-        """Look things up and register what never changes; called once, when the world was built."""
+        """Look objects up and register what never changes; called once, when the world was built."""
         raise NotImplementedError
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
@@ -94,7 +147,7 @@ class Task:
         return 1
 
     def step(self) -> None:
-        """Run after every control tick of an action or a demonstration; not while things settle in a reset."""
+        """Run after every control tick of an action or a demonstration; not while objects settle in a reset."""
 
     def cleanup(self) -> None:
         """Run after an episode, when the next one begins, before the world is put back."""
@@ -131,7 +184,7 @@ class Task:
         self._fail = tuple(conditions)
 
     def register_graspable_objects(self, names: Iterable[str]) -> None:
-        """Allow the hand to hold these bodies, where both fingers touch them. Replaces what was registered before.
+        """Allow the gripper to hold these bodies, where both fingers touch them. Replaces what was registered before.
 
         Args:
             names: `body`, or `body/link` for a body that may be held by that link alone.
@@ -145,12 +198,12 @@ class Task:
         self._graspable = wanted
 
     def register_waypoint_ability_start(self, index: int, hook: WaypointHook) -> None:
-        """Call `hook(waypoint)` before the leg to a waypoint is planned; where waypoints repeat, resets call it as well."""
+        """Call `hook(waypoint)` before the segment to a waypoint is planned; where waypoints repeat, resets call it as well."""
         self._start_hooks[self._checked(index)] = hook
         self._waypoints[index].set_hooks(hook, self._end_hooks.get(index))
 
     def register_waypoint_ability_end(self, index: int, hook: WaypointHook) -> None:
-        """Call `hook(waypoint)` after the leg to a waypoint was run and the hand has acted."""
+        """Call `hook(waypoint)` after the segment to a waypoint was run and the gripper has acted."""
         self._end_hooks[self._checked(index)] = hook
         self._waypoints[index].set_hooks(self._start_hooks.get(index), hook)
 
@@ -239,7 +292,7 @@ class Task:
         return self._success
 
     def get_graspable_objects(self) -> tuple[str, ...]:
-        """Return the names of the bodies that the hand may hold."""
+        """Return the names of the bodies that the gripper may hold."""
         return tuple(dict.fromkeys(name.partition("/")[0] for name in self._graspable))
 
     def get_waypoints(self) -> list[Waypoint]:
@@ -298,3 +351,45 @@ _FIXED = frozenset({"world", "robot", "gripper", "_low_dim"})
 def snake_case(name: str) -> str:
     """Turn `ReachTarget` into `reach_target`."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
+
+
+class Verdict:
+    """What a task said of the ticks of one action; the first tick that ends the episode counts.
+
+    Args:
+        task: The running task.
+
+    Attributes:
+        success: Whether the goal was reached.
+        over: Whether the episode has ended, by success or by the fail list.
+    """
+
+    def __init__(self, task: Task) -> None:
+        self._task, self._asked = task, False
+        self.success = self.over = False
+
+    def ask(self) -> None:
+        """Ask the task about the tick that has just ended; once the episode is over nothing changes."""
+        if self.over:
+            return
+        self._asked = True
+        success, over = self._task.success()
+        self.success, self.over = bool(success), bool(over)
+
+    def reward(self, shaped: bool = False) -> float:
+        """Return 1 when the goal was reached, else 0; when `shaped`, the task's own reward at the present instant.
+
+        Raises:
+            NoShapedReward: The task gives none (also a RuntimeError).
+        """
+        if not shaped:
+            return float(self.success)
+        reward = self._task.reward()
+        if reward is None:
+            raise NoShapedReward(self._task.get_name())
+        return float(reward)
+
+    def ask_at_least_once(self) -> None:
+        """Ask about the present instant where an action took no tick."""
+        if not self._asked:
+            self.ask()

@@ -30,7 +30,7 @@ class Waypoint:
 
     Attributes:
         skip: Leave this waypoint out; a start hook may set it. False again in every episode.
-        gripper_amount: Opening fraction of the hand after this waypoint.
+        gripper_amount: Opening fraction of the gripper after this waypoint.
     """
 
     def __init__(self, index: int, frame: Frame, spec: WaypointSpec, amount_before: float = 1.0) -> None:
@@ -60,24 +60,24 @@ class Waypoint:
 
     @property
     def gripper(self) -> Literal["open", "close"] | float | None:
-        """What the hand does on arrival; None leaves it alone."""
+        """What the gripper does on arrival; None leaves it alone."""
         return self.spec.gripper
 
     @property
     def releases(self) -> bool:
-        """Whether the hand opens on arrival and so lets go of what it holds."""
+        """Whether the gripper opens on arrival and so lets go of what it holds."""
         if isinstance(self.spec.gripper, float):
             return self._opens
         return self.spec.gripper == "open"
 
     @property
     def lets_go(self) -> bool:
-        """Whether the hand, closed by the waypoints before, opens on arrival."""
+        """Whether the gripper, closed by the waypoints before, opens on arrival."""
         return self.releases and self._opens
 
     @property
     def symmetry(self) -> int:
-        """The hand may arrive turned about its z by any multiple of 2 pi / symmetry."""
+        """The gripper may arrive turned about its z by any multiple of 2 pi / symmetry."""
         return self.spec.symmetry
 
     def curve_poses(self, previous: FloatArray) -> list[FloatArray]:
@@ -94,7 +94,7 @@ class Waypoint:
         return swept(previous, self.frame.pose, arc.axis, angles, twist=arc.twist)
 
     def set_hooks(self, start: WaypointHook | None, end: WaypointHook | None) -> None:
-        """Register what runs before the leg is planned and after it was run."""
+        """Register what runs before the segment is planned and after it was run."""
         self._start, self._end = start, end
 
     def state(self) -> bool:

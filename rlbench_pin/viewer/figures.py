@@ -17,11 +17,11 @@ from viser import FrameHandle, MeshHandle, SceneApi
 from rlbench_pin.assets import asset_path
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.robot import DEFAULT_ROBOT, RobotDescription, robot_description
-from rlbench_pin.robot.surfaces import shape_surface
+from rlbench_pin.robot.geometry import shape_surface
 from rlbench_pin.scene import BodySpec, SceneSpec, resolve_asset
 from rlbench_pin.scene.snapshot import ROOM
-from rlbench_pin.sim.render.quads import Quad, read_quads
-from rlbench_pin.sim.render.raster.normals import creased_normals
+from rlbench_pin.sim.render.raster.meshes import creased_normals
+from rlbench_pin.sim.room import Quad, read_quads
 from rlbench_pin.spatial import FloatArray, PoseLike, compose, pose_to_matrix, relative
 from rlbench_pin.urdf import UrdfLink, UrdfShape, read_urdf
 from rlbench_pin.values import as_pose

@@ -22,7 +22,7 @@ from rlbench_pin.environment import (
 from rlbench_pin.environment.observations.config import LOW_DIM_FIELDS
 from rlbench_pin.observation import PRODUCTS, Observation, OptionalFields
 from rlbench_pin.tasks import Task, library_names, task_class, task_scene
-from rlbench_pin.tasks.low_dim import low_dim_layout
+from rlbench_pin.tasks.task import low_dim_layout
 
 SIZE = (32, 24)
 """Width and height of the pictures that are looked at [px]; the page says w and h."""

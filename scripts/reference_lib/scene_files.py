@@ -13,9 +13,18 @@ from pydantic_core import PydanticUndefined
 
 from reference_lib.docs import attribute_docs, doc_of, shown, table
 from rlbench_pin.errors import shown as shortened
-from rlbench_pin.scene.kinds import MOST_THINGS, MOST_WAYPOINTS, Kind
-from rlbench_pin.scene.short_forms import SHORT_KEYS, TablePlacement
-from rlbench_pin.scene.spec import ArcSpec, PlacementSpec, PosedSpec, SceneSpec, Spec, SpringSpec
+from rlbench_pin.scene.reader import SHORT_KEYS, TablePlacement
+from rlbench_pin.scene.spec import (
+    MOST_THINGS,
+    MOST_WAYPOINTS,
+    ArcSpec,
+    Kind,
+    PlacementSpec,
+    PosedSpec,
+    SceneSpec,
+    Spec,
+    SpringSpec,
+)
 
 INNER: Mapping[str, type[Spec]] = {"joint.spring": SpringSpec, "waypoint.arc": ArcSpec}
 """Tables inside tables."""

@@ -18,7 +18,8 @@ from rlbench.action_modes.gripper_action_modes import Discrete, GripperJointPosi
 from rlbench_pin.compat import arm_planning
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment import ObservationConfig
-from rlbench_pin.tasks import OpenDrawer, TakeLidOffSaucepan
+from rlbench_pin.tasks.library.open_drawer import OpenDrawer
+from rlbench_pin.tasks.library.take_lid_off_saucepan import TakeLidOffSaucepan
 
 
 @pytest.fixture(scope="module")

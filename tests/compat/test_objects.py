@@ -15,7 +15,9 @@ from pyrep.objects.cartesian_path import CartesianPath
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment import ObservationConfig
 from rlbench_pin.errors import RlbenchPinError
-from rlbench_pin.tasks import OpenDrawer, ReachTarget, TakeLidOffSaucepan
+from rlbench_pin.tasks.library.open_drawer import OpenDrawer
+from rlbench_pin.tasks.library.reach_target import ReachTarget
+from rlbench_pin.tasks.library.take_lid_off_saucepan import TakeLidOffSaucepan
 
 
 @pytest.fixture(scope="module")

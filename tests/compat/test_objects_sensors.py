@@ -16,7 +16,8 @@ from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment import ObservationConfig, rgb_handles_to_mask
 from rlbench_pin.errors import CameraError
 from rlbench_pin.sim import look_at
-from rlbench_pin.tasks import OpenDrawer, ReachTarget
+from rlbench_pin.tasks.library.open_drawer import OpenDrawer
+from rlbench_pin.tasks.library.reach_target import ReachTarget
 
 TEXTURES = Path(__file__).parents[2] / "rlbench_pin" / "assets" / "textures"
 

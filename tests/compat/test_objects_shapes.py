@@ -19,7 +19,8 @@ from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment import ObservationConfig
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.sim import look_at
-from rlbench_pin.tasks import OpenDrawer, TakeLidOffSaucepan
+from rlbench_pin.tasks.library.open_drawer import OpenDrawer
+from rlbench_pin.tasks.library.take_lid_off_saucepan import TakeLidOffSaucepan
 
 TABLE = 0.752
 

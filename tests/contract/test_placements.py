@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.environment import TaskEnvironment
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.description import robot_description
 from rlbench_pin.scene import DepartureSpec, SceneSpec
 from rlbench_pin.sim import World
 from rlbench_pin.spatial import quaternion_yaw

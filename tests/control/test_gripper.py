@@ -6,7 +6,7 @@ import pytest
 
 from rlbench_pin.control import GripperConfig, GripperController
 from rlbench_pin.errors import InvalidTarget
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.description import robot_description
 
 CONFIG = GripperConfig.of(robot_description("panda"))
 

@@ -7,8 +7,7 @@ import pytest
 
 from rlbench_pin.control import OperationalSpaceConfig, OperationalSpaceQP, PoseIK
 from rlbench_pin.errors import InvalidTarget
-from rlbench_pin.robot.limits import JointLimits
-from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.robot.model import JointLimits, RobotModel
 from rlbench_pin.spatial import FloatArray
 from tests.control.analytic_worlds import TOP_DOWN, simulate
 

@@ -1,14 +1,14 @@
-"""The safety filter: nothing it passes on breaks a limit or touches, and it says what it did."""
+"""The safety filter and its records."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from rlbench_pin.control import DifferentialIK, SafetyConfig, SafetyFilter
+from rlbench_pin.control import DifferentialIK, FilterCounts, SafeCommand, SafetyConfig, SafetyFilter
 from rlbench_pin.control.qp.constraints import HeldQuantity
-from rlbench_pin.control.qp.quadratic_program import QuadraticProgram
-from rlbench_pin.errors import InfeasibleControl, InvalidTarget
+from rlbench_pin.control.qp.programs import QuadraticProgram
+from rlbench_pin.errors import InfeasibleControl, InvalidTarget, InvalidValue
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import WorldSnapshot
@@ -206,3 +206,32 @@ def test_bad_input_is_refused(model: RobotModel) -> None:
     for arguments in ((bad, good, good), (good, bad, good), (good, good, bad), (good, good, np.zeros(6))):
         with pytest.raises(InvalidTarget):
             guard.filter(*arguments)
+
+
+WRONG: list[tuple[dict[str, object], str]] = [
+    ({"ticks": -1}, "FilterCounts.ticks"),
+    ({"solves": 1.5}, "FilterCounts.solves"),
+    ({"interventions": True}, "FilterCounts.interventions"),
+    ({"stops": float("nan")}, "FilterCounts.stops"),
+    ({"reasons": {"limit": 1}}, r"FilterCounts.reasons has to map reasons \(limits, distance, braking, torque, infeasible\)"),
+    ({"reasons": [("limits", 1)]}, "FilterCounts.reasons"),
+    ({"reasons": {"limits": -1}}, r"FilterCounts.reasons\['limits'\]"),
+]
+
+
+@pytest.mark.parametrize(("values", "words"), WRONG)
+def test_counts_are_counts(values: dict[str, object], words: str) -> None:
+    """What is none is refused by name."""
+    with pytest.raises(InvalidValue, match=words):
+        FilterCounts(**values)  # type: ignore[arg-type]
+
+
+def test_only_commands_are_counted() -> None:
+    """A command is counted once, for each of its reasons; what is no command is refused, and nothing is counted."""
+    counts = FilterCounts(ticks=2, reasons={"limits": 1})
+    counts.add(SafeCommand(np.zeros(7), np.ones(7), ("limits", "distance"), (), True))
+    assert (counts.ticks, counts.interventions, counts.stops) == (3, 1, 1)
+    assert counts.reasons == {"limits": 2, "distance": 1}
+    with pytest.raises(InvalidValue, match="command has to be a SafeCommand"):
+        counts.add("stop")  # type: ignore[arg-type]
+    assert counts.ticks == 3

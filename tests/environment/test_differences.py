@@ -25,7 +25,8 @@ from rlbench_pin.environment.randomization import RandomizeEvery, VisualRandomiz
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.scene.reader import read_scene
-from rlbench_pin.tasks import ReachTarget, task_class, task_names
+from rlbench_pin.tasks import task_class, task_names
+from rlbench_pin.tasks.library.reach_target import ReachTarget
 
 LID = "take_lid_off_saucepan"
 

@@ -19,7 +19,7 @@ from rlbench_pin.environment import (
 )
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.environment.replay import key_frame_actions
-from rlbench_pin.tasks.conditions.condition import Condition
+from rlbench_pin.tasks.conditions import Condition
 
 pytestmark = pytest.mark.simulation
 ARMS = {

@@ -11,7 +11,7 @@ import numpy as np
 
 from rlbench_pin import control, gym, robot
 from rlbench_pin.checking import Item, TrialJournal, explain_failure, run_trials
-from rlbench_pin.control.qp.quadratic_program import empty_rows
+from rlbench_pin.control.qp.programs import empty_rows
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.evaluation import EvaluationConfig, evaluate, follow_demo, follow_leg, plan_trial, record_legs
 from rlbench_pin.recording import PictureConfig, ProcessEngine, RecordConfig, SerialEngine, record, rerender, write_seeds

@@ -21,8 +21,7 @@ from rlbench_pin.control import (
 )
 from rlbench_pin.errors import RobotModelError
 from rlbench_pin.planning.planner import MotionPlanner
-from rlbench_pin.robot.catalogue import robot_description
-from rlbench_pin.robot.description import RobotDescription
+from rlbench_pin.robot.description import RobotDescription, robot_description
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import World

@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rlbench_pin.robot.catalogue import robot_description
-from rlbench_pin.robot.limits import JointLimits
-from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.robot.description import robot_description
+from rlbench_pin.robot.model import JointLimits, RobotModel
 from tests.worlds_for_tests import Boxes
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from rlbench_pin.errors import GoalInCollision, NoIkSolution, NoPath, NotStraight, StartInCollision
 from rlbench_pin.planning.planner import MotionPlanner, Plan, PlannerConfig
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.description import robot_description
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import pose_at, rotation_distance

@@ -22,8 +22,7 @@ from rlbench_pin.planning import (
 )
 from rlbench_pin.planning.requests import FORGIVEN
 from rlbench_pin.planning.timing import ArcLimits
-from rlbench_pin.robot.limits import JointLimits
-from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.robot.model import JointLimits, RobotModel
 from rlbench_pin.spatial import FloatArray
 
 Call = Callable[[MotionPlanner, object], object]

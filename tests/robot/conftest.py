@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.description import robot_description
 from rlbench_pin.robot.model import RobotModel
 from tests.worlds_for_tests import Boxes
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,9 @@ import pytest
 from rlbench_pin.errors import AssetInvalid, AssetNotFound, SceneFileError
 from rlbench_pin.scene import SceneSpec, read_scene, read_scene_text, resolve_asset
 from rlbench_pin.scene.reader import raw_scene, scene_from_raw
+from rlbench_pin.scene.spec import FrameSpec, PlacementSpec
+from rlbench_pin.scene.writer import write_scene
+from rlbench_pin.spatial import TABLE_HEIGHT, euler_to_quaternion
 from rlbench_pin.tasks import LIBRARY
 
 CUBE = 'asset = "objects/cube/cube.urdf"'
@@ -215,3 +219,256 @@ def test_a_scene_is_frozen() -> None:
     scene = SceneSpec(format=1)
     with pytest.raises(ValueError, match="frozen"):
         scene.format = 1  # type: ignore[misc]
+
+
+ROW = """format = 2
+
+[[frame]]
+name = "before"
+
+[[body]]
+name = "man3"                               # to man5
+asset = "objects/cube/cube.urdf"
+poses = [[0.0, 0.1, 0.02], [0.1, 0.1, 0.02], [0.2, 0.1, 0.02]]
+rpy = [0.0, 0.0, 1.5707963]
+
+[[body]]
+name = "king"
+asset = "objects/cube/cube.urdf"
+
+[[sensor]]
+name = "square0"
+parent = "king"
+poses = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0, 0.5]]
+shape = "sphere"
+size = [0.1]
+"""
+
+MISTAKES_short_forms = {
+    "unnumbered array": ('[[frame]]\nname = "man"\nposes = [[0, 0, 0]]', "[[frame]] 'man', key 'name'", "'piece0'"),
+    "padded array": ('[[frame]]\nname = "man00"\nposes = [[0, 0, 0]]', "[[frame]] 'man00', key 'name'", "numbered name"),
+    "pose and poses": ('[[frame]]\nname = "a0"\npose = [0, 0, 0]\nposes = [[0, 0, 0]]', "key 'poses'", "Leave one of them out"),
+    "no poses": ('[[frame]]\nname = "a0"\nposes = []', "[[frame]] 'a0', key 'poses'", "one for each thing"),
+    "flat poses": ('[[frame]]\nname = "a0"\nposes = [0, 0, 0]', "[[frame]] 'a0', key 'poses'", "[[x, y, z], ...]"),
+    "bad pose in an array": ('[[frame]]\nname = "a0"\nposes = [[0, 0, 0], [0, 0]]', "[[frame]] 'a1', key 'pose'", "not 2"),
+    "array of waypoints": (
+        '[[waypoint]]\nname = "waypoint0"\nposes = [[0, 0, 0]]',
+        "'poses' is not known",
+        "Did you mean 'pose'?",
+    ),
+    "misspelt poses": ('[[body]]\nname = "a0"\nposses = [[0, 0, 0]]', "key 'posses'", "Did you mean 'poses'?"),
+    "two rotations": (
+        '[[frame]]\nname = "a"\npose = [0, 0, 0, 1]\nrpy = [0, 0, 0]',
+        "[[frame]] 'a', key 'rpy'",
+        "pose [x, y, z]",
+    ),
+    "two angles": ('[[frame]]\nname = "a"\nrpy = [0, 0]', "[[frame]] 'a', key 'rpy'", "three angles"),
+    "same name in and beside an array": (
+        '[[frame]]\nname = "a0"\nposes = [[0, 0, 0], [1, 0, 0]]\n[[frame]]\nname = "a1"',
+        "'a1'",
+        "twice",
+    ),
+}
+
+
+def written_short_forms(folder: Path, text: str) -> Path:
+    """Write a scene file and return where."""
+    file = folder / "scene.toml"
+    file.write_text(text)
+    return file
+
+
+@pytest.mark.parametrize(("text", "where", "advice"), MISTAKES_short_forms.values(), ids=MISTAKES_short_forms.keys())
+def test_a_mistake_is_named_with_its_place_and_remedy(tmp_path: Path, text: str, where: str, advice: str) -> None:
+    """As for every other key."""
+    with pytest.raises(SceneFileError) as caught:
+        read_scene(written_short_forms(tmp_path, f"format = 2\n{text}"))
+    assert where in str(caught.value)
+    assert advice in str(caught.value)
+
+
+@pytest.mark.parametrize("key", ["rpy = [0, 0, 0]", "poses = [[0, 0, 0]]"])
+def test_a_file_of_format_1_has_no_short_forms(tmp_path: Path, key: str) -> None:
+    """The message says from which format on they are known."""
+    with pytest.raises(SceneFileError, match="known from `format = 2` on"):
+        read_scene(written_short_forms(tmp_path, f'format = 1\n[[frame]]\nname = "a0"\n{key}'))
+
+
+@pytest.mark.parametrize(
+    ("number", "z", "height"), [(1, 0.752, 0.752), (2, 0.0, TABLE_HEIGHT), (2, 0.1, round(TABLE_HEIGHT + 0.1, 12))]
+)
+def test_heights_of_format_2_count_from_the_table_top(tmp_path: Path, number: int, z: float, height: float) -> None:
+    """Those of format 1 from the floor; the records hold the height in the world."""
+    scene = read_scene(written_short_forms(tmp_path, f"format = {number}\n[placement]\npose = [0.1, 0.2, {z}, 0.5]"))
+    assert scene.placement.pose[:3] == (0.1, 0.2, height)
+    assert scene.format == number
+    default = read_scene(written_short_forms(tmp_path, f"format = {number}\n[placement]\nstatic = true"))
+    assert default.placement == PlacementSpec(static=True)
+
+
+def test_rpy_is_the_rotation_of_spatial(tmp_path: Path) -> None:
+    """Right angles with seven digits give exact quaternions; waypoints have it too."""
+    text = (
+        'format = 2\n[[frame]]\nname = "down"\npose = [0.1, 0, 0]\nrpy = [3.1415927, 0, 0]\n'
+        '[[frame]]\nname = "a"\nrpy = [0.1, -0.2, 0.3]\n[[waypoint]]\nname = "waypoint0"\nrpy = [0, 1.5707963, 0]\n'
+    )
+    scene = read_scene(written_short_forms(tmp_path, text))
+    assert scene.frame[0].pose == (0.1, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+    np.testing.assert_allclose(scene.frame[1].pose[3:], euler_to_quaternion(0.1, -0.2, 0.3), atol=1e-7)
+    half = FrameSpec(name="a", pose=(0.0, 0.0, 0.0, 0.0, 0.7071068, 0.0, 0.7071068))
+    assert scene.waypoint[0].pose == half.pose
+
+
+def test_an_array_counts_on_from_the_name_of_its_first_thing(tmp_path: Path) -> None:
+    """Its things stand where the array stood, in its order, and share everything but the pose."""
+    scene = read_scene(written_short_forms(tmp_path, ROW))
+    assert [body.name for body in scene.body] == ["man3", "man4", "man5", "king"]
+    assert [body.pose[0] for body in scene.body] == [0.0, 0.1, 0.2, 0.0]
+    assert len({body.pose[1:] for body in scene.body[:3]}) == 1
+    assert scene.body[1].pose[3:] == pytest.approx([0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5)])
+    assert [(s.name, s.parent, s.size) for s in scene.sensor] == [("square0", "king", (0.1,)), ("square1", "king", (0.1,))]
+
+
+def test_an_array_in_which_nothing_changed_stays_one(tmp_path: Path) -> None:
+    """Other entries of its table may change."""
+    file = written_short_forms(tmp_path, ROW)
+    scene = read_scene(file)
+    write_scene(scene, file)
+    assert file.read_text() == ROW
+    king = scene.body[3].model_copy(update={"scale": 2.0})
+    write_scene(scene.model_copy(update={"body": (*scene.body[:3], king)}), file)
+    assert "scale = 2.0" in file.read_text()
+    assert "to man5" in file.read_text()
+
+
+def test_an_array_in_which_something_changed_is_written_out(tmp_path: Path) -> None:
+    """In its place, thing by thing; one that is gone is left out; the other array stays."""
+    file = written_short_forms(tmp_path, ROW)
+    scene = read_scene(file)
+    moved = scene.body[1].model_copy(update={"pose": (0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)})
+    changed = scene.model_copy(update={"body": (scene.body[0], moved, scene.body[3])})
+    write_scene(changed, file)
+    text = file.read_text()
+    assert [body.name for body in read_scene(file).body] == ["man3", "man4", "king"]
+    assert read_scene(file).body[1] == moved
+    np.testing.assert_allclose(read_scene(file).body[0].pose, scene.body[0].pose, atol=1e-8)
+    written_out = (
+        '"before"\n\n[[body]]\nname = "man3"\npose = [0.0, 0.1, 0.02, 1.570796327]\nasset = "objects/cube/cube.urdf"\n\n'
+    )
+    assert f'{written_out}[[body]]\nname = "man4"\npose = [0.5, 0.0, 0.0]\nasset = "objects/cube/cube.urdf"\n\n[[body]]' in text
+    assert "poses = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0, 0.5]]" in text
+
+
+def test_a_rotation_that_changed_is_written_as_a_pose(tmp_path: Path) -> None:
+    """Where it did not, `rpy` stays as it was written_short_forms."""
+    file = written_short_forms(tmp_path, 'format = 2\n\n[[frame]]\nname = "a"\nrpy = [3.1415927, 0.0, 0.0]\n')
+    scene = read_scene(file)
+    write_scene(scene, file)
+    assert "rpy = [3.1415927, 0.0, 0.0]" in file.read_text()
+    turned = scene.frame[0].model_copy(update={"pose": (0.0, 0.0, 0.1, 0.0, 1.0, 0.0, 0.0)})
+    write_scene(scene.model_copy(update={"frame": (turned,)}), file)
+    assert "rpy" not in file.read_text()
+    assert read_scene(file).frame[0] == turned
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_a_file_keeps_its_format(tmp_path: Path, number: int) -> None:
+    """The height of a moved root is written_short_forms as that format means it."""
+    file = written_short_forms(tmp_path, f"format = {number}\n")
+    placed = PlacementSpec(pose=(0.3, 0.0, TABLE_HEIGHT + 0.05, 0.0, 0.0, 0.0, 1.0))
+    write_scene(SceneSpec(format=2, placement=placed), file)
+    assert f"format = {number}\n" in file.read_text()
+    assert f"pose = [0.3, 0.0, {round(TABLE_HEIGHT + 0.05, 9) if number == 1 else 0.05}]" in file.read_text()
+    assert read_scene(file).placement == placed
+
+
+def test_a_new_file_has_format_2(tmp_path: Path) -> None:
+    """Whatever the scene was read from."""
+    write_scene(SceneSpec(format=1), tmp_path / "new.toml")
+    assert read_scene(tmp_path / "new.toml").format == 2
+
+
+ARC = '[[waypoint]]\nname = "waypoint0"\npath = "curve"\narc = {{ axis = {axis}, angle = {angle} }}\n'
+BODY = '[[body]]\nname = "cube"\nasset = "objects/cube_small/cube_small.urdf"\n'
+
+
+def read(tmp_path: Path, content: str) -> SceneSpec:
+    """Read a file of format 2."""
+    (tmp_path / "scene.toml").write_text(f"format = 2\n{content}", encoding="utf-8")
+    return read_scene(tmp_path / "scene.toml")
+
+
+@pytest.mark.parametrize("angle", ["90", "-90.0", "1e20", "7.0"])
+def test_angles_in_degrees_are_recognised(tmp_path: Path, angle: str) -> None:
+    """At once, with the angle in radians."""
+    began = time.monotonic()
+    with pytest.raises(SceneFileError, match=r"'waypoint0', key 'arc.angle': .*at most one turn.*degrees") as caught:
+        read(tmp_path, ARC.format(axis="[0, 0, 1]", angle=angle))
+    assert time.monotonic() - began < 2.0
+    if angle == "90":
+        assert "90 degrees are 1.5708 rad" in str(caught.value)
+
+
+def test_a_full_turn_is_an_angle(tmp_path: Path) -> None:
+    """6.2832 is one turn."""
+    (waypoint,) = read(tmp_path, ARC.format(axis="[0, 0, 1]", angle="6.283185")).waypoint
+    assert waypoint.arc is not None
+    assert waypoint.arc.angle == 6.283185
+
+
+@pytest.mark.parametrize(
+    ("content", "key"),
+    [
+        (ARC.format(axis="[0, 0, 0]", angle="1"), "arc.axis"),
+        (ARC.format(axis="[0, 0, 1]", angle="true"), "arc.angle"),
+        (ARC.format(axis="[0, 0, 1]", angle='"1"'), "arc.angle"),
+        (BODY + "pose = [true, 0, 0]", "pose"),
+        (BODY + 'pose = ["0", "0", "0"]', "pose"),
+        (BODY + "pose = [1e9, 0, 0]", "pose"),
+        (BODY + "pose = [0, 0, 0, 90.0]", "pose"),
+        (BODY + "pose = [0, 0, 0, 0, 0, 0, 0]", "pose"),
+        (BODY + "rpy = [180.0, 0, 0]", "rpy"),
+        (BODY + "rpy = [true, 0, 0]", "rpy"),
+        (BODY + 'fixed = "yes"', "fixed"),
+        (BODY + "fixed = 1", "fixed"),
+        (BODY + "scale = true", "scale"),
+        (BODY + "scale = 1e20", "scale"),
+        (BODY + "color = [200, 0, 0]", "color"),
+        ('[[waypoint]]\nname = "waypoint0"\nsymmetry = true', "symmetry"),
+        ('[[waypoint]]\nname = "waypoint0"\nsymmetry = "4"', "symmetry"),
+        ('[[waypoint]]\nname = "waypoint0"\ngripper = true', "gripper"),
+        ('[[region]]\nname = "patch"\nsize = [1e300, 1, 0]', "size"),
+        ('[[sensor]]\nname = "eye"\nshape = "sphere"\nsize = [true]', "size"),
+        ("[placement]\nyaw = [-180, 180]", "yaw"),
+        ("[placement]\nfootprint = [-1.0, 1.0]", "footprint"),
+        ('[placement]\nstatic = "no"', "static"),
+    ],
+)
+def test_what_is_no_number_of_its_kind_is_refused(tmp_path: Path, content: str, key: str) -> None:
+    """Truth values and text are not read as numbers, numbers not as switches; lengths and angles have bounds."""
+    with pytest.raises(SceneFileError, match=key):
+        read(tmp_path, content)
+
+
+@pytest.mark.parametrize("number", ["true", "1.0", '"2"', "1979-05-27"])
+def test_the_format_is_a_whole_number(tmp_path: Path, number: str) -> None:
+    """`true` is not format 1."""
+    (tmp_path / "scene.toml").write_text(f"format = {number}\n", encoding="utf-8")
+    with pytest.raises(SceneFileError, match="key 'format'"):
+        read_scene(tmp_path / "scene.toml")
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "a = " + "[" * 100_000,
+        "a = " + "9" * 6000,
+        '[[frame]]\nname = "a' + "9" * 6000 + '"\nposes = [[0, 0, 0]]',
+        '[[frame]]\nname = "a0"\nposes = [' + "[0, 0, 0]," * 2000 + "]",
+        "".join(f'[[waypoint]]\nname = "waypoint{i}"\n' for i in range(300)),
+    ],
+)
+def test_endless_files_are_refused(tmp_path: Path, content: str) -> None:
+    """Too deep, too many digits, too many things: typed, and at once."""
+    with pytest.raises(SceneFileError):
+        read(tmp_path, content)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.description import robot_description
 from rlbench_pin.scene.spec import BodySpec, FrameSpec, JointSpec, RegionSpec, SceneSpec, SensorSpec, SpringSpec
 from rlbench_pin.sim import World
 from rlbench_pin.spatial import above_table

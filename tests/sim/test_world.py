@@ -1,4 +1,4 @@
-"""A world is built from a scene, finds its things by name, and frees itself."""
+"""A physics world: building, stepping, queries and snapshots."""
 
 from __future__ import annotations
 
@@ -208,7 +208,38 @@ def test_a_body_may_pass_through_things():
 @pytest.mark.simulation
 def test_the_library_is_silent():
     """Importing and running the simulation prints nothing on stdout or stderr."""
-    code = "from rlbench_pin.robot.catalogue import robot_description as r; from rlbench_pin.scene.spec import SceneSpec as S;\n"
+    code = (
+        "from rlbench_pin.robot.description import robot_description as r; from rlbench_pin.scene.spec import SceneSpec as S;\n"
+    )
     code += "from rlbench_pin.sim import World\nwith World(S(format=1), r('panda')) as w: w.step(); w.restore(w.save())"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert result.stdout == "" and result.stderr == ""
+
+
+def test_snapshot_of_furniture():
+    """Room and bodies with collision geometry are there, with the frames of their colliding links and the robot's joints."""
+    with build(furniture_scene()) as world:
+        snapshot = world.snapshot()
+        assert [b.name for b in snapshot.bodies] == ["table", "floor", "button", "chest", "cube"]
+        assert [b.name for b in snapshot.bodies if b.in_room] == ["table", "floor"]
+        chest = snapshot.body("chest")
+        assert chest.link_names[0] == "chest" and "drawer_top_link" in chest.link_names
+        row = chest.link_names.index("drawer_top_link")
+        np.testing.assert_allclose(chest.link_poses[row], world.body("chest").link_pose("drawer_top_link"))
+        assert chest.fixed and not snapshot.body("cube").fixed
+        np.testing.assert_allclose(snapshot.configuration(), [*HOME, 0.04, 0.04])
+
+
+def test_bodies_that_are_only_seen_are_left_out():
+    """Markers have nothing to collide with."""
+    ball = BodySpec(name="ball", asset="objects/ball_marker/ball_marker.urdf", fixed=True)
+    with build(SceneSpec(format=1, body=(ball,))) as world:
+        assert "ball" not in [b.name for b in world.snapshot().bodies]
+
+
+def test_what_the_hand_holds():
+    """A grasped body is named."""
+    with build() as world:
+        close_on_cube(world)
+        world.gripper.grasp("cube")
+        assert world.snapshot().attached == ("cube",)

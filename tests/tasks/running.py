@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from rlbench_pin.errors import BoundaryError
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.description import robot_description
 from rlbench_pin.sim import World
 from rlbench_pin.tasks import Task, task_class, task_scene
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.errors import BoundaryError
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.description import robot_description
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
 from rlbench_pin.sim import World
 from rlbench_pin.tasks import at_rest, settle, settling

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.errors import TaskError
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.description import robot_description
 from rlbench_pin.scene.spec import BodySpec, RegionSpec, SceneSpec, SensorSpec, WaypointSpec
 from rlbench_pin.sim import World
 from rlbench_pin.tasks import InOrder, JointMoved, ListEmpty, SpawnBoundary, Task

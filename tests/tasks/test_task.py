@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.errors import TaskError, UnknownName
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.description import robot_description
 from rlbench_pin.scene.spec import BodySpec, JointSpec, PlacementSpec, SceneSpec, WaypointSpec
 from rlbench_pin.sim import World
 from rlbench_pin.spatial import TABLE_HEIGHT

@@ -10,7 +10,7 @@ import pytest
 from viser import FrameHandle, MeshHandle, ViserServer
 
 from rlbench_pin.robot import RobotModel, robot_description
-from rlbench_pin.robot.surfaces import shape_surface
+from rlbench_pin.robot.geometry import shape_surface
 from rlbench_pin.scene import BodySpec, SceneSpec, resolve_asset
 from rlbench_pin.spatial import FloatArray, pose_to_matrix
 from rlbench_pin.urdf import UrdfShape, read_urdf

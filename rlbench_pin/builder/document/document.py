@@ -31,7 +31,7 @@ from rlbench_pin.errors import RlbenchPinError, SceneFileError
 from rlbench_pin.scene import SceneSpec
 from rlbench_pin.scene.reader import scene_from_raw
 from rlbench_pin.tasks import camel_case
-from rlbench_pin.tasks.task_file import name_fault
+from rlbench_pin.tasks.registry import name_fault
 from rlbench_pin.values import as_path, as_text
 from rlbench_pin.viewer.recording import Problem
 

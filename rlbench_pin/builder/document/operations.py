@@ -34,7 +34,7 @@ from rlbench_pin.builder.document.scene_text import (
 from rlbench_pin.builder.document.scene_values import exact_pose_keys, written_keys
 from rlbench_pin.builder.document.texts import Texts
 from rlbench_pin.errors import InvalidValue
-from rlbench_pin.scene.short_forms import POSED_TABLES, placement_for_file
+from rlbench_pin.scene.reader import POSED_TABLES, placement_for_file
 from rlbench_pin.scene.spec import ROOT, PlacementSpec
 from rlbench_pin.scene.writer import TABLES
 from rlbench_pin.values import as_choice, as_text, as_whole

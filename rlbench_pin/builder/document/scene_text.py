@@ -17,9 +17,7 @@ from rlbench_pin.builder.document.errors import EditRefused
 from rlbench_pin.builder.document.scene_values import is_same, literal, place_of, pose_keys, short_pose
 from rlbench_pin.builder.document.texts import Replacement, replaced
 from rlbench_pin.errors import UnknownName
-from rlbench_pin.scene.checks import RESERVED
-from rlbench_pin.scene.reader import raw_scene
-from rlbench_pin.scene.short_forms import ShortFormError, write_out
+from rlbench_pin.scene.reader import RESERVED, ShortFormError, raw_scene, write_out
 from rlbench_pin.scene.writer import TABLES
 
 PLACEMENT = "placement"

@@ -11,7 +11,7 @@ import tomlkit
 
 from rlbench_pin.errors import InvalidValue, RlbenchPinError, UnknownName
 from rlbench_pin.scene import FrameSpec
-from rlbench_pin.scene.short_forms import ShortFormError, TablePlacement, write_out
+from rlbench_pin.scene.reader import ShortFormError, TablePlacement, write_out
 from rlbench_pin.scene.spec import ArcSpec, PlacementSpec, Spec, SpringSpec
 from rlbench_pin.scene.writer import TABLES
 from rlbench_pin.spatial import FloatArray, euler_to_quaternion, pose_to_matrix

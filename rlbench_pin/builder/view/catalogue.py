@@ -14,7 +14,7 @@ from PIL import Image
 
 from rlbench_pin.assets import ASSETS
 from rlbench_pin.errors import InvalidValue, RlbenchPinError
-from rlbench_pin.robot.surfaces import shape_surface
+from rlbench_pin.robot.geometry import shape_surface
 from rlbench_pin.spatial import FloatArray, pose_to_matrix
 from rlbench_pin.urdf import read_urdf
 from rlbench_pin.values import as_choice, as_number, as_text

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from rlbench_pin.errors import RlbenchPinError
-from rlbench_pin.robot.surfaces import shape_surface
+from rlbench_pin.robot.geometry import shape_surface
 from rlbench_pin.scene import BodySpec, SceneSpec, resolve_asset
 from rlbench_pin.scene.spec import ROOT, PosedSpec
 from rlbench_pin.spatial import IDENTITY, TABLE_HEIGHT, FloatArray, PoseLike, compose, inverse, pose_at, pose_to_matrix

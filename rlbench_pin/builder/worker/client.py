@@ -32,7 +32,7 @@ from rlbench_pin.builder.worker.process import (
     WorkerStopped,
     check_name,
 )
-from rlbench_pin.robot.catalogue import robot_description
+from rlbench_pin.robot.description import robot_description
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_array, as_flag, as_function, as_number, as_pose, as_record, as_seed, as_text, as_whole
 from rlbench_pin.viewer.recording import Frame, Problem, Recording

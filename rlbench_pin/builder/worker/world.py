@@ -36,7 +36,7 @@ from rlbench_pin.scene.spec import ROOT, PlacementSpec, SceneSpec
 from rlbench_pin.sim import Body, World
 from rlbench_pin.spatial import IDENTITY, FloatArray, compose, relative
 from rlbench_pin.tasks import Task, camel_case
-from rlbench_pin.tasks.task_file import load_task_file
+from rlbench_pin.tasks.registry import load_task_file
 from rlbench_pin.urdf import UrdfJoint, read_urdf
 from rlbench_pin.values import as_vector
 from rlbench_pin.viewer.places import origin_pose

@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw
 
 from rlbench_pin.checking.pages.sheet import font
 from rlbench_pin.checking.reach import Reach
-from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
+from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.tasks import PLACEMENT_AREA
 
 _SCALE = 210.0

@@ -21,7 +21,7 @@ from rlbench_pin.compat.objects.scene_objects import BodyObject, LinkObject, Sce
 from rlbench_pin.compat.objects.table import ObjectTable
 from rlbench_pin.environment.runtime import EmptyTable
 from rlbench_pin.errors import AssetInvalid, RlbenchPinError
-from rlbench_pin.robot import surfaces
+from rlbench_pin.robot import geometry
 from rlbench_pin.scene.spec import WORLD, BodySpec
 from rlbench_pin.spatial import FloatArray, pose_to_se3, relative
 from rlbench_pin.urdf import read_urdf
@@ -169,7 +169,7 @@ def read_mesh(filename: str, scale: float) -> tuple[FloatArray, NDArray[np.int64
     file = Path(filename).expanduser().resolve()
     if file.suffix.lower() in (".ttm", ".ttt"):
         raise AssetInvalid(file, "it is a model of another simulator; export its shapes as obj or stl, and import those")
-    return surfaces.mesh_surface(file, scale)
+    return geometry.mesh_surface(file, scale)
 
 
 def spawn(table: ObjectTable, name: str, asset: Path, settings: BodySettings) -> Element:
@@ -257,13 +257,13 @@ def surface(item: SceneObject) -> tuple[FloatArray, NDArray[np.int64], FloatArra
 
 def _surfaces(item: SceneObject) -> list[tuple[FloatArray, NDArray[np.int64]]]:
     if not isinstance(item, BodyObject | LinkObject):
-        return [surfaces.part_surface(part) for parts, _ in item.solids() for part in parts]
+        return [geometry.part_surface(part) for parts, _ in item.solids() for part in parts]
     links = item.body.links if isinstance(item, BodyObject) else (item.link,)
     visuals = {link.name: link.visuals for link in read_urdf(item.body.model.urdf).links}
     found = []
     for link in links:
         T_item_link = pose_to_se3(relative(item.body.link_pose(link), item.pose))
         for shape in visuals[link]:
-            vertices, faces = surfaces.shape_surface(shape, item.body.model.scale)
+            vertices, faces = geometry.shape_surface(shape, item.body.model.scale)
             found.append((vertices @ T_item_link.rotation.T + T_item_link.translation, faces))
     return found

@@ -5,13 +5,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from rlbench_pin.control.qp.constraints import HeldQuantity, JointBounds
 from rlbench_pin.control.qp.objectives import PostureObjective, TipObjective
-from rlbench_pin.control.qp.osqp_solver import OsqpSolver
-from rlbench_pin.control.qp.quadratic_program import QPSolver, QuadraticProgram
-from rlbench_pin.front_door import front_door
+from rlbench_pin.control.qp.programs import OsqpSolver, QPSolver, QuadraticProgram
 
 __all__ = [
     "HeldQuantity",
@@ -22,6 +18,3 @@ __all__ = [
     "QuadraticProgram",
     "TipObjective",
 ]
-
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)

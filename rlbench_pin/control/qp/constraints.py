@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rlbench_pin.control.checks import LARGEST_STATE, as_state, as_vector
-from rlbench_pin.robot.limits import JointLimits
+from rlbench_pin.robot.model import JointLimits
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_choice, as_flag, as_number, as_record
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench_pin.control.qp.quadratic_program import QuadraticProgram
+from rlbench_pin.control.qp.programs import QuadraticProgram
 from rlbench_pin.errors import InfeasibleControl, MissingExtra, UnknownName
 from rlbench_pin.spatial import FloatArray
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rlbench_pin.control.safety_filter import SafetyFilter
-from rlbench_pin.control.safety_records import FilterCounts, SafeCommand, SafetyConfig
+from rlbench_pin.control.safety_filter import FilterCounts, SafeCommand, SafetyConfig, SafetyFilter
 from rlbench_pin.environment.actions.arm_mode import ArmActionMode
 from rlbench_pin.environment.actions.mode import BoundMode, PartMode, checked, execute
 from rlbench_pin.environment.actions.specification import ActionSpec

@@ -18,7 +18,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from rlbench_pin.robot.collision_geometry import Distance
+from rlbench_pin.robot.collision import Distance
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.sim import World

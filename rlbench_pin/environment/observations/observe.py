@@ -15,7 +15,7 @@ from rlbench_pin.environment.observations.noise import Identity
 from rlbench_pin.environment.observations.placing import CameraPlaces, Cameras
 from rlbench_pin.observation import Observation
 from rlbench_pin.robot.model import RobotModel
-from rlbench_pin.sim import CameraView, Lighting, Pictures, Request, World
+from rlbench_pin.sim import CameraView, Images, Lighting, Request, World
 from rlbench_pin.spatial import FloatArray, compose
 from rlbench_pin.tasks import Task
 
@@ -104,7 +104,7 @@ class Observer:
 
 
 def _add_pictures(
-    observation: Observation, name: str, config: CameraConfig, view: CameraView, pictures: Pictures, rng: np.random.Generator
+    observation: Observation, name: str, config: CameraConfig, view: CameraView, pictures: Images, rng: np.random.Generator
 ) -> None:
     """Add what one camera delivers."""
     if pictures.rgb is not None:

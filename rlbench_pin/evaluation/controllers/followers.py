@@ -29,8 +29,8 @@ from rlbench_pin.control import (
 )
 from rlbench_pin.environment.actions.safe_arm import LIMIT_MARGIN
 from rlbench_pin.robot.distances import DistanceModel
+from rlbench_pin.robot.dynamics import payload_inertia
 from rlbench_pin.robot.model import RobotModel
-from rlbench_pin.robot.payload import payload_inertia
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.sim import DriveMode

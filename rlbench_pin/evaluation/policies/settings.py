@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from rlbench_pin.control.safety_records import SafetyConfig
+from rlbench_pin.control.safety_filter import SafetyConfig
 from rlbench_pin.environment.actions import (
     ActionMode,
     Discrete,

@@ -11,8 +11,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from rlbench_pin.datasets.manifest import parse_json, short
 from rlbench_pin.datasets.storage import write_whole
-from rlbench_pin.datasets.trust import parse_json, short
 from rlbench_pin.errors import InvalidValue, ResultsFileError, UnknownName
 from rlbench_pin.values import (
     LARGEST_COUNT,

@@ -13,7 +13,7 @@ from rlbench_pin.environment.episode import EVALUATION_SEEDS, drawn_variations
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import InvalidArgument, RlbenchPinError, TaskEnvironmentError
 from rlbench_pin.evaluation.policies.settings import PolicySettings
-from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
+from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.tasks import Task, checked_class, find_task, is_task_file, task_digest, task_reference
 from rlbench_pin.values import as_flag, as_names, as_number, as_record, as_text, as_whole
 

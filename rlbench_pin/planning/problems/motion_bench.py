@@ -13,8 +13,7 @@ import yaml
 
 from rlbench_pin.errors import ProblemFileError
 from rlbench_pin.planning.problems.problem import PlanningProblem, solid_body
-from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
-from rlbench_pin.robot.description import RobotDescription
+from rlbench_pin.robot.description import DEFAULT_ROBOT, RobotDescription, robot_description
 from rlbench_pin.scene.snapshot import BodySnapshot, Shape, WorldSnapshot
 from rlbench_pin.spatial import FloatArray, compose
 

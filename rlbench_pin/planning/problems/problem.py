@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from rlbench_pin.errors import ProblemFileError, StorageError
-from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
-from rlbench_pin.robot.collision_geometry import body_geometry
+from rlbench_pin.robot.collision import body_geometry
+from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.robot.geometry import as_shape
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import NO_FILE, ROOM, BodySnapshot, Shape, WorldSnapshot

@@ -9,8 +9,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from rlbench_pin.planning.proof.chain import ArmChain
-from rlbench_pin.robot.collision import CollisionModel
-from rlbench_pin.robot.collision_geometry import CollisionGeometry
+from rlbench_pin.robot.collision import CollisionGeometry, CollisionModel
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray
 

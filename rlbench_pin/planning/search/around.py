@@ -13,7 +13,7 @@ from rlbench_pin.planning.rules import Rules
 from rlbench_pin.planning.search.sampling import sample_path
 from rlbench_pin.planning.search.simplify import shorten
 from rlbench_pin.planning.stages import Stages
-from rlbench_pin.robot.limits import JointLimits
+from rlbench_pin.robot.model import JointLimits
 from rlbench_pin.spatial import FloatArray
 
 _REPAIRS = 3

@@ -17,7 +17,7 @@ from ompl import util as ou
 from rlbench_pin.errors import NoPath
 from rlbench_pin.planning.path import IsFree
 from rlbench_pin.planning.search.connect import Connector
-from rlbench_pin.robot.limits import JointLimits
+from rlbench_pin.robot.model import JointLimits
 from rlbench_pin.spatial import FloatArray
 
 Algorithm = Literal[

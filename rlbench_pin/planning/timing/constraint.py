@@ -12,7 +12,7 @@ import toppra
 import toppra.constraint
 
 from rlbench_pin.planning.timing.arc import ArcLimits
-from rlbench_pin.robot.limits import JointLimits
+from rlbench_pin.robot.model import JointLimits
 from rlbench_pin.spatial import FloatArray
 
 _TINY = 1e-12

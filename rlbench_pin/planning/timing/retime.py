@@ -14,7 +14,7 @@ from rlbench_pin.planning.timing.arc import ArcLimits
 from rlbench_pin.planning.timing.constraint import MotionConstraint
 from rlbench_pin.planning.timing.passes import fastest_speeds
 from rlbench_pin.planning.timing.torque import TorqueLimits
-from rlbench_pin.robot.limits import JointLimits
+from rlbench_pin.robot.model import JointLimits
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_number, as_record, as_rows, as_vector

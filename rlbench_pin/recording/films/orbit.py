@@ -47,4 +47,4 @@ class Orbit:
 
     def picture(self, world: World, frame: int) -> np.ndarray:
         """Picture number `frame` of what happens now, uint8 (h, w, 3)."""
-        return world.renderer.picture(self.view(frame))
+        return world.renderer.image(self.view(frame))

@@ -1,1 +1,1 @@
-"""The simulated arm and hand."""
+"""The simulated arm and gripper."""

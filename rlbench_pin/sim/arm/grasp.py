@@ -1,4 +1,4 @@
-"""Fixing bodies to the hand: a constraint at the present relative pose, and no contact between body and fingers meanwhile."""
+"""Fixing bodies to the gripper: a constraint at the present relative pose, and no contact between body and fingers meanwhile."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from rlbench_pin.robot.description import RobotDescription
-from rlbench_pin.sim.bodies.body import Body
-from rlbench_pin.sim.bodies.model import LoadedModel
+from rlbench_pin.sim.body import Body
 from rlbench_pin.sim.client import bullet
+from rlbench_pin.sim.loaded_model import LoadedModel
 from rlbench_pin.spatial import FloatArray, pose_to_se3, relative, se3_to_pose
 
 _FORCE = 200.0
@@ -17,19 +17,19 @@ _FORCE = 200.0
 
 @dataclass(frozen=True, eq=False)
 class Attachment:
-    """One body that is fixed to the hand."""
+    """One body that is fixed to the gripper."""
 
     body: str
     T_hand_body: FloatArray
-    """Pose (7,) of the body's base link in the frame of the hand link."""
+    """Pose (7,) of the body's base link in the frame of the gripper link."""
 
 
 class Attachments:
-    """The bodies that are fixed to the hand, in the order in which they were grasped.
+    """The bodies that are fixed to the gripper, in the order in which they were grasped.
 
     Args:
         robot: The loaded robot.
-        description: Names of hand and fingers.
+        description: Names of gripper and fingers.
     """
 
     def __init__(self, robot: LoadedModel, description: RobotDescription) -> None:
@@ -51,12 +51,12 @@ class Attachments:
         return tuple(attachment for attachment, _, _ in self._held.values())
 
     def attach(self, body: Body) -> None:
-        """Fix a body to the hand where it is."""
+        """Fix a body to the gripper where it is."""
         hand = self._robot.link_pose_at(self._hand)
         self.add(Attachment(body.name, relative(body.pose, hand)), body)
 
     def add(self, attachment: Attachment, body: Body) -> None:
-        """Fix a body to the hand at a given relative pose."""
+        """Fix a body to the gripper at a given relative pose."""
         T_com = self._T_hand_com.inverse() * pose_to_se3(attachment.T_hand_body) * body.model.T_base_com
         frame = se3_to_pose(T_com).tolist()
         constraint = self._client.change(

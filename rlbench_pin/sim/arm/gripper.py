@@ -1,4 +1,4 @@
-"""The hand: fingers that close at a given speed and force, and what they hold."""
+"""The gripper: fingers that close at a given speed and force, and what they hold."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import pinocchio as pin
 
 from rlbench_pin.errors import InvalidActionError, InvalidValue
 from rlbench_pin.robot import geometry
+from rlbench_pin.sim.arm.control import SimRobot
 from rlbench_pin.sim.arm.grasp import Attachment, Attachments
-from rlbench_pin.sim.arm.robot import SimRobot
-from rlbench_pin.sim.bodies.body import Body
+from rlbench_pin.sim.body import Body
 from rlbench_pin.sim.client import bullet
 from rlbench_pin.sim.contacts import touched_links
-from rlbench_pin.sim.sensor import volume_meets
+from rlbench_pin.sim.frames import volume_meets
 from rlbench_pin.spatial import FloatArray, pose_to_se3
 from rlbench_pin.values import as_number
 
@@ -23,7 +23,7 @@ _GAIN = 0.05
 """Share of the position error that a finger motor removes in one physics step; more makes a friction grip tremble."""
 _PAD_FRICTION = 1.0
 _OPEN = 0.9  # fraction of the range above which a finger counts as open
-_MOVED = 1e-3  # motion in a tick above which the hand counts as moving [m]
+_MOVED = 1e-3  # motion in a tick above which the gripper counts as moving [m]
 _GEAR_FORCE = 200.0  # of the coupling between the fingers [N]
 
 
@@ -44,11 +44,11 @@ class FingerControl:
 
 
 class SimGripper:
-    """Two coupled fingers and the bodies fixed to the hand.
+    """Two coupled fingers and the bodies fixed to the gripper.
 
     Args:
-        robot: The arm that carries the hand.
-        find: Looks a body up by name.
+        robot: The arm that carries the gripper.
+        find: Appearance a body up by name.
         bodies: Returns all bodies of the scene.
     """
 
@@ -70,7 +70,7 @@ class SimGripper:
         robot.on_reset.append(lambda fingers_too: self.hold() if fingers_too else None)
 
     def _couple(self) -> None:
-        """Make the fingers move alike, as the gear of a real hand does."""
+        """Make the fingers move alike, as the gear of a real gripper does."""
         left, right = self._joints
         uid, change = self._model.uid, self._client.change
         gear = change(bullet.createConstraint, uid, left, uid, right, bullet.JOINT_GEAR, [1, 0, 0], [0, 0, 0], [0, 0, 0])
@@ -100,7 +100,7 @@ class SimGripper:
         Args:
             amount: 0 shut to 1 open.
             speed: Finger speed [m/s]; None is the one of closing on something.
-            force: Largest force of one finger [N]; None is the hand's own.
+            force: Largest force of one finger [N]; None is the gripper's own.
 
         Raises:
             InvalidActionError: `amount` is not in 0..1, or speed or force is not positive and finite.
@@ -123,7 +123,7 @@ class SimGripper:
 
     @property
     def grasped(self) -> tuple[str, ...]:
-        """Names of the bodies fixed to the hand."""
+        """Names of the bodies fixed to the gripper."""
         return self._attachments.names
 
     def between_fingers(self) -> tuple[str, ...]:
@@ -152,7 +152,7 @@ class SimGripper:
         return volume_meets(box, geometry.radius(box), T_world_box, body)
 
     def grasp(self, name: str) -> bool:
-        """Fix a body to the hand where it is, and hold the fingers; False when it is held already or cannot move."""
+        """Fix a body to the gripper where it is, and hold the fingers; False when it is held already or cannot move."""
         body = self._find(name)
         if name in self.grasped or body.fixed:
             return False
@@ -177,7 +177,7 @@ class SimGripper:
         self._control = control
 
     def attachments(self) -> tuple[Attachment, ...]:
-        """What is fixed to the hand."""
+        """What is fixed to the gripper."""
         return self._attachments.state()
 
     def set_attachments(self, attachments: tuple[Attachment, ...]) -> None:

@@ -1,1 +1,1 @@
-"""Cameras, lights, textures and pictures."""
+"""Cameras, lights, textures and images."""

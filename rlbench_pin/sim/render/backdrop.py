@@ -7,16 +7,197 @@ still sees of the room is drawn once and kept.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rlbench_pin.sim.render.camera import CameraView
-from rlbench_pin.sim.render.canvas import Canvas, Panel, sights_of
+from rlbench_pin.sim.render.camera import CameraView, pixel_rays
 from rlbench_pin.sim.render.lighting import Lighting
+from rlbench_pin.sim.render.texture import Texture
+
+_CLOSE = 1e-3  # [m]
+_SLACK = 1.0001  # for rounding
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One rectangle in the world."""
+
+    corner: NDArray[np.float64]
+    """(3,) [m]."""
+    edges: NDArray[np.float64]
+    """(2, 3) [m]."""
+    id: int
+    """Mask id."""
+    color: tuple[float, float, float]
+    texture: Texture | None = None
+    uv: NDArray[np.float64] | None = None
+
+    @property
+    def normal(self) -> NDArray[np.float64]:
+        """Unit vector (3,) out of the side that is seen."""
+        n = np.cross(self.edges[0], self.edges[1])
+        return n / np.linalg.norm(n)
+
+
+@dataclass(frozen=True, eq=False)
+class PanelSight:
+    """Where one rectangle can be seen, and how 1/z, s/z and t/z follow from the ray of a pixel."""
+
+    number: int
+    window: tuple[slice, slice]
+    """Rows and columns."""
+    forms: NDArray[np.float64]
+    """(3, 3): each times (x, y, 1) of a ray."""
+    nearest: float
+    """Greatest 1/z that its plane has in the window."""
+
+
+class Canvas:
+    """An image to which rectangles are added.
+
+    Args:
+        view: The camera.
+
+    Attributes:
+        view: The same.
+        owner: Number of the rectangle that each pixel sees, -1 for none, (h, w).
+        inverse: Its inverse depth (h, w) [1/m].
+        only: The rectangle that fills the image, if one does.
+    """
+
+    def __init__(self, view: CameraView) -> None:
+        width, height = view.size
+        self.view, self._shape = view, (height, width)
+        self.columns, self.rows = pixel_rays(view)
+        self.owner = np.full(self._shape, -1, dtype=np.int32)
+        self.inverse, self._s, self._t = (np.zeros(self._shape, dtype=np.float32) for _ in range(3))
+        self.only: PanelSight | None = None
+        self._drawn: list[int] = []
+
+    def draw(self, sights: Sequence[PanelSight]) -> None:
+        """Draw rectangles, the nearest first."""
+        if sights and self._hides(sights[0], sights[1:]):
+            self.only = sights[0]
+            self.owner[:] = self.only.number
+            self.inverse = self._affine(self.only.forms[0], self.only.window)
+            return
+        for sight in sights:
+            self._add(sight)
+
+    def _hides(self, sight: PanelSight, others: Sequence[PanelSight]) -> bool:
+        """Whether a rectangle fills the image and lies before all others; if its corners do, all of the image does."""
+        rays = np.array([[x, y, 1.0] for x in self.columns[[0, -1]] for y in self.rows[[0, -1]]])
+        inverse, s, t = sight.forms @ rays.T
+        beside = np.minimum(np.minimum(s, t), inverse - np.maximum(s, t)).min()
+        nearest = max((other.nearest for other in others), default=0.0)
+        return bool(beside > 0.0 and inverse.max() * self.view.near * _SLACK < 1.0 and inverse.min() > nearest * _SLACK)
+
+    def _add(self, sight: PanelSight) -> None:
+        """Draw one rectangle where it is nearer than what is there."""
+        window = sight.window
+        there = self.inverse[window]
+        if float(there.min()) > sight.nearest * _SLACK:
+            return
+        inverse, s, t = (self._affine(form, window) for form in sight.forms)
+        seen = (inverse > there) & (s >= 0.0) & (s <= inverse) & (t >= 0.0) & (t <= inverse)
+        seen &= inverse * np.float32(self.view.near) < 1.0
+        if not seen.any():
+            return
+        self._drawn.append(sight.number)
+        np.copyto(self.owner[window], sight.number, where=seen)
+        for target, value in ((self.inverse, inverse), (self._s, s), (self._t, t)):
+            np.copyto(target[window], value, where=seen)
+
+    def _affine(self, form: NDArray, window: tuple[slice, slice]) -> NDArray[np.float32]:
+        rows = (form[1] * self.rows[window[0]] + form[2]).astype(np.float32)
+        columns = (form[0] * self.columns[window[1]]).astype(np.float32)
+        return rows[:, None] + columns[None, :]
+
+    def visible(self) -> Iterator[tuple[int, NDArray[np.int64] | slice]]:
+        """Rectangles that are seen, each with the flat indices of its pixels."""
+        if self.only is not None:
+            yield self.only.number, slice(None)
+            return
+        owner = self.owner.ravel()
+        for number in self._drawn:
+            pixels = (owner == number).nonzero()[0]
+            if len(pixels):
+                yield number, pixels
+
+    def texels(self, panel: Panel, pixels: NDArray[np.int64] | slice) -> NDArray[np.int32]:
+        """Rows (n,) of the texture of a rectangle that its pixels show."""
+        inverse = self.inverse.ravel()[pixels]
+        texture = panel.texture
+        if texture is None:
+            return np.zeros(len(inverse), dtype=np.int32)
+        assert panel.uv is not None
+        depth = np.float32(1.0) / inverse
+        density = texture.size * math.hypot(*panel.uv[1]) / math.hypot(*panel.edges[0])  # [texels/m]
+        per_depth = np.float32(1.4 * density / -self.view.intrinsics()[0, 0])
+        if self.only is not None:
+            forms = panel.uv.T @ self.only.forms
+            u, v = (self._affine(form, self.only.window).ravel() for form in forms)
+        else:
+            (u0, v0), (us, vs), (ut, vt) = panel.uv.astype(np.float32)
+            s, t = self._s.ravel()[pixels], self._t.ravel()[pixels]
+            u, v = us * s + ut * t + u0 * inverse, vs * s + vt * t + v0 * inverse
+        u *= depth
+        v *= depth
+        depth *= per_depth
+        return texture.indices(u, v, depth)
+
+
+def sights_of(canvas: Canvas, corners: NDArray, edges: NDArray, bases: NDArray) -> list[PanelSight]:
+    """Rectangles that face a camera and reach into its image, the nearest first.
+
+    Args:
+        canvas: The image.
+        corners: First corner of each rectangle in the frame of the camera (m, 3) [m].
+        edges: Its edges (m, 2, 3) [m].
+        bases: Its normal, and vectors whose products with one of its points give s and t, (m, 3, 3).
+    """
+    view = canvas.view
+    points = corners[:, None] + np.stack([0.0 * corners, edges[:, 0], edges[:, 1], edges[:, 0] + edges[:, 1]], axis=1)
+    chosen = _in_sight(view, np.einsum("ij,ij->i", bases[:, 0], corners) < 0.0, points)
+    corners, bases, points = corners[chosen], bases[chosen], points[chosen]
+    along = np.einsum("ijk,ik->ij", bases, corners)
+    forms = bases.copy()
+    forms[:, 0] /= along[:, :1]
+    forms[:, 1:] -= along[:, 1:, None] * forms[:, :1]
+    low, high = _windows(view, points)
+    rows, columns = (rays[np.stack([low[:, axis], high[:, axis] - 1])] for rays, axis in ((canvas.rows, 1), (canvas.columns, 0)))
+    nearest = (forms[:, 0, 1] * rows).max(axis=0) + (forms[:, 0, 0] * columns).max(axis=0) + forms[:, 0, 2]
+    return [
+        PanelSight(int(chosen[i]), (slice(low[i, 1], high[i, 1]), slice(low[i, 0], high[i, 0])), forms[i], float(nearest[i]))
+        for i in np.argsort(-nearest, kind="stable").tolist()
+        if (low[i] < high[i]).all()
+    ]
+
+
+def _in_sight(view: CameraView, facing: NDArray[np.bool_], points: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Numbers of the rectangles that face the camera and whose corners (m, 4, 3) reach into its pyramid."""
+    width, height = view.size
+    slope_x, slope_y = (0.5 * (side + 2) / abs(view.intrinsics()[0, 0]) * points[..., 2] for side in (width, height))
+    x, y, z = points[..., 0], points[..., 1], points[..., 2]
+    outside = [x > slope_x, -x > slope_x, y > slope_y, -y > slope_y, z < view.near]
+    return np.flatnonzero(facing & ~np.any([side.all(axis=1) for side in outside], axis=0))
+
+
+def _windows(view: CameraView, points: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """First and one beyond the last column and row (m, 2) that rectangles with corners (m, 4, 3) can cover."""
+    k, depths = view.intrinsics(), points[..., 2]
+    is_before = depths.min(axis=1) >= _CLOSE
+    pixels = points[..., :2] / np.where(is_before[:, None], depths, 1.0)[..., None] @ k[:2, :2] + k[:2, 2]
+    low = np.clip(np.floor(pixels.min(axis=1)), 0, np.array(view.size) - 1).astype(int)
+    high = np.clip(np.ceil(pixels.max(axis=1)) + 1, 0, view.size).astype(int)
+    low[~is_before], high[~is_before] = 0, view.size
+    return low, np.maximum(high, 1)
+
 
 _ON_WALLS = 0.65
 """By how much more of the ambient light upright sides of the room get, as from lamps along the ceiling."""

@@ -40,7 +40,7 @@ class CameraView:
             raise CameraError(f"A camera needs 0 < fov < pi and 0 < near < far, not {self.fov}, {self.near}, {self.far}.")
 
     def intrinsics(self) -> FloatArray:
-        """Matrix (3, 3) with negative focal lengths [px]: picture u grows to the camera's -x, v to -y.
+        """Matrix (3, 3) with negative focal lengths [px]: image u grows to the camera's -x, v to -y.
 
         f = -longer side / (2 tan(fov / 2)); the principal point is half the resolution.
         """
@@ -71,14 +71,14 @@ class CameraView:
         return pose_to_matrix(self.pose)
 
     @cached_property
-    def to_picture(self) -> FloatArray:
+    def to_image(self) -> FloatArray:
         """Matrix (3, 4) from world coordinates to u z, v z and z, where z is the depth."""
         return self._intrinsics @ np.linalg.inv(self._extrinsics)[:3]
 
     @cached_property
     def sides(self) -> FloatArray:
         """Planes (5, 4) of all that is seen and a pixel more: products with (x, y, z, 1) are the distances inside them [m]."""
-        (x, y, z), (width, height) = self.to_picture, self.size
+        (x, y, z), (width, height) = self.to_image, self.size
         planes = np.stack([x + z, width * z - x, y + z, height * z - y, z])
         planes[4, 3] -= self.near
         sides: FloatArray = planes / np.linalg.norm(planes[:, :3], axis=1, keepdims=True)
@@ -113,7 +113,7 @@ class _FinerView(CameraView):
 
 
 @dataclass(frozen=True, eq=False)
-class Pictures:
+class Images:
     """What a camera delivered, top row first; None where it was not asked for."""
 
     rgb: NDArray[np.uint8] | None

@@ -1,8 +1,8 @@
-"""Pictures: moving things drawn over the room, with shadows and fill lights on top.
+"""Images: moving objects drawn over the room, with shadows and fill lights on top.
 
-A separate drawing of the room saves most work: a camera that stands still draws it once. Where a moving thing is nearer than the
-room it is seen; this is exact to the pixel. Moving things are drawn for all cameras of an instant together, and for the key
-light, whose picture gives the shadows. The fill lights follow from the slopes of the depth.
+A separate drawing of the room saves most work: a camera that stands still draws it once. Where a moving object is nearer than the
+room it is seen; this is exact to the pixel. Moving objects are drawn for all cameras of an instant together, and for the key
+light, whose image gives the shadows. The fill lights follow from the slopes of the depth.
 """
 
 from __future__ import annotations
@@ -14,18 +14,27 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rlbench_pin.sim.bodies.room import RoomBody
 from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.sim.render.backdrop import Painter
-from rlbench_pin.sim.render.camera import CameraView, Pictures
-from rlbench_pin.sim.render.lighting import Light, Lighting
+from rlbench_pin.sim.render.camera import CameraView, Images
+from rlbench_pin.sim.render.lighting import Light, Lighting, ShadowMap, light_view
 from rlbench_pin.sim.render.masks import bodies_of, rows_of
 from rlbench_pin.sim.render.raster.drawing import Sight
-from rlbench_pin.sim.render.raster.stage import Looks
-from rlbench_pin.sim.render.shading import KeptBackdrop, as_bytes, darken_feet, halved, put_pixels, shade_rooms
-from rlbench_pin.sim.render.shadows import ShadowMap, light_view
-from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, Rasterizer, Shot
-from rlbench_pin.sim.render.surfaces import LinkTexture, colors_in_light, put_textures, surfaces_of
+from rlbench_pin.sim.render.raster.stage import Appearance
+from rlbench_pin.sim.render.shading import (
+    KeptBackdrop,
+    LinkTexture,
+    as_bytes,
+    colors_in_light,
+    darken_feet,
+    halved,
+    put_pixels,
+    put_textures,
+    shade_rooms,
+    surfaces_of,
+)
+from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, Shot
+from rlbench_pin.sim.room import RoomBody
 from rlbench_pin.values import as_flag, as_record
 
 _KEPT = 12
@@ -65,14 +74,14 @@ class Request:
 
 
 class Renderer:
-    """Takes the pictures of one world.
+    """Takes the images of one world.
 
     Args:
         client: The physics server.
         room: What the backdrop draws.
         room_ids: Mask id of each room body.
         ids: Returns the mask ids of body b and link l at `[b, l + 1]`.
-        looks: What the server does not tell of visuals.
+        appearance: What the server does not tell of visuals.
 
     Attributes:
         lighting: The lights; may be replaced at any time.
@@ -84,13 +93,11 @@ class Renderer:
         room: Mapping[str, RoomBody],
         room_ids: Mapping[str, int],
         ids: Callable[[], NDArray[np.int32]],
-        looks: Looks,
+        appearance: Appearance,
     ) -> None:
         self._client, self._room, self._room_ids, self._ids = client, room, room_ids, ids
         numbers = frozenset(body.model.uid for body in room.values())
-        self._rasterizer: Rasterizer = (
-            BulletRasterizer(client, numbers) if client.hardware else NumpyRasterizer(client, numbers, looks)
-        )
+        self._rasterizer = BulletRasterizer(client, numbers) if client.hardware else NumpyRasterizer(client, numbers, appearance)
         self.lighting = Lighting()
         self._light_view: tuple[Light, CameraView] | None = None
         self._link_textures: dict[tuple[int, int], LinkTexture] = {}
@@ -122,8 +129,8 @@ class Renderer:
 
     def render(
         self, view: CameraView, *, rgb: bool, depth: bool, mask: bool, shadows: bool | ShadowMap, antialiasing: bool = False
-    ) -> Pictures:
-        """Take the pictures of one camera.
+    ) -> Images:
+        """Take the images of one camera.
 
         Args:
             view: The camera.
@@ -140,15 +147,15 @@ class Renderer:
         light = shadows if isinstance(shadows, ShadowMap) else None
         return self.render_all([Request(view, rgb, depth, mask, shadows is not False, antialiasing)], light)[0]
 
-    def picture(self, view: CameraView) -> NDArray[np.uint8]:
-        """Return a picture for people, uint8 (h, w, 3): with shadows, and with smooth edges."""
+    def image(self, view: CameraView) -> NDArray[np.uint8]:
+        """Return an image for people, uint8 (h, w, 3): with shadows, and with smooth edges."""
         as_record(view, CameraView, "camera")
         image = self.render_all([Request(view, depth=False, mask=False, shadows=True, antialiasing=True)])[0].rgb
         assert image is not None
         return image
 
-    def render_all(self, requests: Sequence[Request], shadows: ShadowMap | None = None) -> list[Pictures]:
-        """Take the pictures of some cameras at this instant, cheaper than one after the other and the same.
+    def render_all(self, requests: Sequence[Request], shadows: ShadowMap | None = None) -> list[Images]:
+        """Take the images of some cameras at this instant, cheaper than one after the other and the same.
 
         Args:
             requests: What each is to deliver.
@@ -158,8 +165,8 @@ class Renderer:
         taken = iter(self._take([part for group in parts for part in group], shadows))
         return [_joined(request, [next(taken) for _ in group]) for request, group in zip(requests, parts, strict=True)]
 
-    def _take(self, requests: Sequence[Request], shadows: ShadowMap | None) -> list[Pictures]:
-        """Take the pictures of some cameras at their own size."""
+    def _take(self, requests: Sequence[Request], shadows: ShadowMap | None) -> list[Images]:
+        """Take the images of some cameras at their own size."""
         if not requests:
             return []
         painter = self._present_painter()
@@ -172,11 +179,11 @@ class Renderer:
             shadows = _shadow_map(view, shots.pop())
         images = self._images(requests, backdrops, shots, shadows)
         return [
-            self._pictures(request, backdrop, shot, image)
+            self._put_together(request, backdrop, shot, image)
             for request, backdrop, shot, image in zip(requests, backdrops, shots, images, strict=True)
         ]
 
-    # Moving things ---------------------------------------------------------------------------------------------------
+    # Moving objects ---------------------------------------------------------------------------------------------------
 
     def _view_of_light(self) -> CameraView:
         if self._light_view is None or self._light_view[0] != self.lighting.key:
@@ -186,40 +193,40 @@ class Renderer:
     def _sight(self, request: Request, backdrop: KeptBackdrop) -> Sight:
         lighting = self.lighting
         ambient = lighting.ambient if request.shadows else lighting.ambient + lighting.mean_fill
-        return Sight(request.view, backdrop.picture.depth.ravel(), request.rgb, ambient)
+        return Sight(request.view, backdrop.image.depth.ravel(), request.rgb, ambient)
 
-    def _pictures(self, request: Request, backdrop: KeptBackdrop, shot: Shot, image: NDArray[np.uint8] | None) -> Pictures:
+    def _put_together(self, request: Request, backdrop: KeptBackdrop, shot: Shot, image: NDArray[np.uint8] | None) -> Images:
         """Put depth and ids of what moves before those of the room, as far as they are asked for."""
         distance = ids = None
         if request.depth:
-            distance = backdrop.picture.depth.copy()
+            distance = backdrop.image.depth.copy()
             distance.ravel()[shot.pixels] = shot.depth
         if request.mask:
-            ids = backdrop.picture.mask.copy()
+            ids = backdrop.image.mask.copy()
             of_segments = self._ids()[bodies_of(shot.segments), rows_of(shot.segments)]
             ids.ravel()[shot.pixels] = of_segments.take(shot.segment)
-        return Pictures(image, distance, ids)
+        return Images(image, distance, ids)
 
     def _images(
         self, requests: Sequence[Request], backdrops: Sequence[KeptBackdrop], shots: Sequence[Shot], shadows: ShadowMap | None
     ) -> list[NDArray[np.uint8] | None]:
         """Colours of what moves before those of the room, with shadows, fill lights and textures; None where none are wanted."""
         images = [
-            backdrop.picture.rgb.copy() if request.rgb else None for request, backdrop in zip(requests, backdrops, strict=True)
+            backdrop.image.rgb.copy() if request.rgb else None for request, backdrop in zip(requests, backdrops, strict=True)
         ]
         for is_shaded in (False, True):
             chosen = [n for n, request in enumerate(requests) if request.rgb and request.shadows == is_shaded]
             if not chosen:
                 continue
             surfaces = [surfaces_of(backdrops[n], shots[n]) for n in chosen]
-            pictures = [image for n in chosen if (image := images[n]) is not None]
+            chosen_images = [image for n in chosen if (image := images[n]) is not None]
             if is_shaded and shadows is not None:
-                shade_rooms(pictures, [backdrops[n] for n in chosen], shadows)
-                for image, n in zip(pictures, chosen, strict=True):
+                shade_rooms(chosen_images, [backdrops[n] for n in chosen], shadows)
+                for image, n in zip(chosen_images, chosen, strict=True):
                     if requests[n].feet:
                         darken_feet(image, backdrops[n], shadows)
             colors = colors_in_light(surfaces, self.lighting, shadows if is_shaded else None)
-            for image, own, seen in zip(pictures, colors, surfaces, strict=True):
+            for image, own, seen in zip(chosen_images, colors, surfaces, strict=True):
                 if self._link_textures:
                     put_textures(own, seen, self._link_textures, self._frame)
                 put_pixels(image, seen.shot.pixels, as_bytes(own))
@@ -262,8 +269,8 @@ class Renderer:
         return made
 
 
-def _joined(request: Request, parts: Sequence[Pictures]) -> Pictures:
-    """Return what a request is to deliver from the pictures of its parts."""
+def _joined(request: Request, parts: Sequence[Images]) -> Images:
+    """Return what a request is to deliver from the images of its parts."""
     if parts[0].rgb is None or not request.antialiasing:
         return parts[0]
     return replace(parts[-1], rgb=halved(parts[0].rgb))

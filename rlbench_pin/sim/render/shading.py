@@ -1,8 +1,12 @@
-"""Shadows of moving things on the room."""
+"""Light, shadows and textures on the room and on moving objects.
+
+Textures on moving objects are projected along the main axes of each link, whatever its mesh says.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -10,7 +14,19 @@ from numpy.typing import NDArray
 
 from rlbench_pin.sim.render.backdrop import PIXEL, Backdrop
 from rlbench_pin.sim.render.camera import CameraView
-from rlbench_pin.sim.render.shadows import LightSpots, ShadowMap, joined_spots, spots_in_picture
+from rlbench_pin.sim.render.lighting import (
+    SPECULAR,
+    Light,
+    Lighting,
+    LightSpots,
+    ShadowMap,
+    joined_spots,
+    spots_in_image,
+    spots_of,
+)
+from rlbench_pin.sim.render.masks import segment_of
+from rlbench_pin.sim.render.shots import Shot
+from rlbench_pin.sim.render.texture import Texture
 
 _EDGE = np.float32(1e9)
 
@@ -20,41 +36,41 @@ class KeptBackdrop:
 
     Args:
         view: The camera.
-        picture: What it sees of the room.
+        image: What it sees of the room.
     """
 
-    def __init__(self, view: CameraView, picture: Backdrop) -> None:
-        self.view, self.picture = view, picture
+    def __init__(self, view: CameraView, image: Backdrop) -> None:
+        self.view, self.image = view, image
         self._spots: tuple[CameraView, LightSpots] | None = None
         self._was_shaded = False
 
     @cached_property
     def inverse(self) -> NDArray[np.float32]:
         """Inverse depth [1/m] with one more pixel on every side, ((h + 2) * (w + 2),)."""
-        height, width = self.picture.depth.shape
+        height, width = self.image.depth.shape
         padded = np.full((height + 2, width + 2), _EDGE, dtype=np.float32)
-        np.divide(np.float32(1.0), self.picture.depth, out=padded[1:-1, 1:-1])
+        np.divide(np.float32(1.0), self.image.depth, out=padded[1:-1, 1:-1])
         return padded.ravel()
 
     def spots(self, light: CameraView) -> LightSpots:
-        """Where its pixels lie in the picture that the key light takes."""
+        """Where its pixels lie in the image that the key light takes."""
         if self._spots is None or self._spots[0] is not light:
-            self._spots = light, spots_in_picture(light, self.view, self.picture.depth)
+            self._spots = light, spots_in_image(light, self.view, self.image.depth)
         return self._spots[1]
 
     def dark(self, pixels: NDArray[np.int64]) -> NDArray[np.void]:
         """Colours (n,), of type `PIXEL`, of some pixels in the shadow of the key light; from the second time on all are kept."""
         if self._was_shaded:
-            return self.picture.all_dark.take(pixels)
+            return self.image.all_dark.take(pixels)
         self._was_shaded = True
-        return self.picture.dark(pixels)
+        return self.image.dark(pixels)
 
 
 def shade_rooms(images: Sequence[NDArray[np.uint8]], backdrops: Sequence[KeptBackdrop], shadows: ShadowMap) -> None:
-    """Darken the room in images (h, w, 3) where moving things stand in the key light.
+    """Darken the room in images (h, w, 3) where moving objects stand in the key light.
 
     Args:
-        images: The pictures, of all cameras.
+        images: The images, of all cameras.
         backdrops: The room as these cameras see it.
         shadows: The shadows.
     """
@@ -122,3 +138,269 @@ def _mixed(low: NDArray[np.void], high: NDArray[np.void], share: NDArray[np.floa
         values *= share
         values += start
     return as_bytes(colors)
+
+
+_HEIGHTS = np.array([-1.0, -0.25, 0.0, 0.15, 0.55, 0.8, 1.0], dtype=np.float32)
+"""z of directions in which glossy objects look."""
+_ROOM = np.array([0.30, 0.40, 0.15, 0.50, 0.65, 0.95, 1.05], dtype=np.float32)
+"""Brightness of what they mirror there: the table, a dark horizon, walls, lamps at the ceiling."""
+_SHARPNESS, _HIGHLIGHT = 6, np.float32(4.0)
+"""The cosine to the key light is squared so often, so that its mirror image is 8 degrees wide; how bright its middle is."""
+_WINDOWS = np.float32(0.35)
+"""How much brighter four of eight directions around are, which draw streaks along round walls."""
+_OTHERS = np.array([[1, 2], [0, 2], [0, 1]])
+LinkFrame = Callable[[int, int], NDArray[np.float32]]
+"""Returns the placement (4, 4) of a link in the world, by body and link."""
+
+
+@dataclass(frozen=True, eq=False)
+class LinkTexture:
+    """A texture on one link."""
+
+    texture: Texture
+    repeats: float = 4.0
+    """How often the texture repeats along one metre."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surfaces:
+    """Moving objects as one camera sees them."""
+
+    backdrop: KeptBackdrop
+    """The camera."""
+    shot: Shot
+    """What it sees."""
+    normals: NDArray[np.float32]
+    """Unit normals (3, n) in the world."""
+
+    def points(self) -> NDArray[np.float32]:
+        """Where they are (3, n), in the frame of the camera [m]."""
+        k, depth = self.backdrop.view.intrinsics().astype(np.float32), self.shot.depth
+        row, column = _places(self.shot.pixels, self.backdrop.view.size[0])
+        points = np.empty((3, len(depth)), dtype=np.float32)
+        np.multiply(column - k[0, 2], depth / k[0, 0], out=points[0])
+        np.multiply(row - k[1, 2], depth / k[1, 1], out=points[1])
+        points[2] = depth
+        return points
+
+    def rays(self) -> NDArray[np.float32]:
+        """Unit directions (3, k) in the world in which the camera sees what is glossy."""
+        view = self.backdrop.view
+        k = view.intrinsics().astype(np.float32)
+        row, column = _places(self.shot.pixels.take(self.shot.glossy), view.size[0])
+        rays = np.stack([(column - k[0, 2]) / k[0, 0], (row - k[1, 2]) / k[1, 1], np.ones_like(row)])
+        rays /= np.sqrt((rays * rays).sum(axis=0))
+        return view.extrinsics()[:3, :3].astype(np.float32) @ rays
+
+
+def surfaces_of(backdrop: KeptBackdrop, shot: Shot) -> Surfaces:
+    """Moving objects as one camera sees them; where nothing else tells their normals, they follow from the depth."""
+    return Surfaces(backdrop, shot, _normals_of_depth(backdrop, shot) if shot.normals is None else shot.normals)
+
+
+def colors_in_light(surfaces: Sequence[Surfaces], lighting: Lighting, shadows: ShadowMap | None) -> list[NDArray[np.float32]]:
+    """Return the colours (3, n) in 0..255 of what each of some cameras sees.
+
+    Args:
+        surfaces: What they see; all from the same renderer.
+        lighting: The lights.
+        shadows: The shadows. Without them fills are part of the ambient light.
+    """
+    colors = np.concatenate([each.shot.colors for each in surfaces], axis=1)
+    normals = np.concatenate([each.normals for each in surfaces], axis=1)
+    share = None
+    is_lit = any(each.shot.normals is None for each in surfaces)
+    if not is_lit or shadows is not None:
+        cosine = _on(normals, lighting.key)
+        if shadows is not None and not shadows.is_empty:
+            share = shadows.lit(joined_spots([_spots(each, shadows) for each in surfaces]), _bias(cosine))
+        light = _light(normals, cosine, share, lighting, shadows is not None)
+        if is_lit:
+            light /= np.float32(lighting.ambient) + cosine * np.float32(lighting.key.intensity)
+        colors *= light
+    ends = np.cumsum([0, *(len(each.shot.pixels) for each in surfaces)])
+    glossy = np.concatenate([each.shot.glossy + end for each, end in zip(surfaces, ends)])
+    if shadows is not None and len(glossy):
+        lit = np.float32(1.0) if share is None else share.take(glossy)
+        rays = np.concatenate([each.rays() for each in surfaces], axis=1)
+        gloss = np.concatenate([each.shot.gloss for each in surfaces], axis=1)
+        own = colors.take(glossy, axis=1)
+        colors[:, glossy] = _mirrored(own, gloss, rays, normals.take(glossy, axis=1), lit, lighting)
+    return [colors[:, a:b] for a, b in zip(ends, ends[1:])]
+
+
+def _mirrored(
+    colors: NDArray[np.float32],
+    gloss: NDArray[np.float32],
+    rays: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    lit: NDArray[np.float32] | np.float32,
+    lighting: Lighting,
+) -> NDArray[np.float32]:
+    """Colours (3, k) in 0..255 of glossy points, with what they mirror: more of it at a grazing angle; overwrites `colors`.
+
+    C. Schlick, An Inexpensive BRDF Model for Physically-based Rendering, 1994, equation 15.
+
+    Args:
+        colors: Their own colours (3, k) in the light.
+        gloss: Share of red, green, blue that they mirror (3, k).
+        rays: Unit directions (3, k) in the world in which they are seen.
+        normals: Their unit normals (3, k) in the world.
+        lit: Share of the key light that reaches them (k,).
+        lighting: The lights.
+    """
+    cosine = np.minimum((rays * normals).sum(axis=0), np.float32(0.0))
+    seen = rays - (np.float32(2.0) * cosine) * normals
+    strongest = gloss.max(axis=0)
+    grazing = np.float32(1.0) + cosine
+    grazing *= (grazing * grazing) ** 2
+    share = gloss + (strongest - gloss * strongest) * grazing
+    light = _on(seen, lighting.key)
+    for _ in range(_SHARPNESS):
+        light *= light
+    light *= lit * (_HIGHLIGHT * np.float32(lighting.key.intensity))
+    x, y = seen[0] * seen[0], seen[1] * seen[1]
+    light += _WINDOWS * (x * x - np.float32(6.0) * x * y + y * y)
+    light += np.interp(seen[2], _HEIGHTS, _ROOM).astype(np.float32)
+    light *= np.float32(255.0)
+    colors *= np.float32(1.0) - share.max(axis=0)
+    colors += share * light
+    return colors
+
+
+def _light(
+    normals: NDArray[np.float32],
+    cosine: NDArray[np.float32],
+    share: NDArray[np.float32] | None,
+    lighting: Lighting,
+    has_fills: bool,
+) -> NDArray[np.float32]:
+    """Brightness (n,), or (3, n) where lights are coloured, with a highlight where what mirrors the light looks upwards.
+
+    Args:
+        normals: Unit normals (3, n) in the world.
+        cosine: Of the angle to the key light (n,), 0 where they point away.
+        share: Share of the key light that reaches the points (n,); all of it when None.
+        lighting: The lights.
+        has_fills: Whether fills shine; otherwise they are part of the ambient light, and all lights are white.
+    """
+    key_light = lighting.key
+    mirrored = (np.float32(2.0) * cosine) * normals[2]
+    mirrored -= np.float32(key_light.unit[2])
+    np.maximum(mirrored, np.float32(0.0), out=mirrored)
+    mirrored *= mirrored
+    mirrored *= np.float32(SPECULAR if key_light.intensity else 0.0)
+    key = cosine * np.float32(key_light.intensity)
+    key += mirrored
+    if share is not None:
+        key *= share
+    if not has_fills:
+        return key + np.float32(lighting.ambient + lighting.mean_fill)
+    if lighting.is_white:
+        key += np.float32(lighting.ambient)
+        for fill in lighting.fills:
+            key += _on(normals, fill) * np.float32(fill.intensity)
+        return key
+    tint = np.array(key_light.color, dtype=np.float32)
+    mixed = np.float32(lighting.ambient) * (tint * np.float32(0.5) + np.float32(0.5))[:, None] + key * tint[:, None]
+    for fill in lighting.fills:
+        mixed += _on(normals, fill) * np.array(fill.color, dtype=np.float32)[:, None] * np.float32(fill.intensity)
+    return mixed
+
+
+def _on(normals: NDArray[np.float32], light: Light) -> NDArray[np.float32]:
+    """Cosines (n,) between normals (3, n) and the direction to a light, 0 where they point away from each other."""
+    x, y, z = light.unit.astype(np.float32)
+    cosine = normals[0] * x
+    cosine += normals[1] * y
+    cosine += normals[2] * z
+    return np.maximum(cosine, np.float32(0.0), out=cosine)
+
+
+def _spots(surfaces: Surfaces, shadows: ShadowMap) -> LightSpots:
+    return spots_of(shadows.view, surfaces.backdrop.view, surfaces.points())
+
+
+def _bias(cosine: NDArray[np.float32]) -> NDArray[np.float32]:
+    """By how much (n,) an object must be nearer to the light to shade a point; surfaces that light grazes have more room [m]."""
+    tangent = np.sqrt(np.float32(1.0) - np.minimum(cosine, np.float32(1.0)) ** 2) / np.maximum(cosine, np.float32(0.15))
+    tangent *= np.float32(0.008)
+    tangent += np.float32(0.006)
+    return tangent
+
+
+def put_textures(
+    colors: NDArray[np.float32], surfaces: Surfaces, textures: Mapping[tuple[int, int], LinkTexture], frame: LinkFrame
+) -> None:
+    """Multiply colours (3, n) by textures of links.
+
+    Args:
+        colors: Colours of the points.
+        surfaces: The points.
+        textures: Textures by body and link.
+        frame: Says where a link is.
+    """
+    shot, focal = surfaces.shot, np.float32(-surfaces.backdrop.view.intrinsics()[0, 0])
+    pose, local = surfaces.backdrop.view.extrinsics().astype(np.float32), surfaces.points()
+    segments = shot.segments.take(shot.segment)
+    for (body, link), texture in textures.items():
+        chosen = np.flatnonzero(segments == segment_of(body, link))
+        if len(chosen):
+            points = local[:, chosen].T @ pose[:3, :3].T + pose[:3, 3]
+            normals = np.ascontiguousarray(surfaces.normals[:, chosen].T)
+            colors[:, chosen] *= _texture_colors(texture, frame(body, link), points, normals, shot.depth[chosen] / focal).T
+
+
+def _texture_colors(
+    link_texture: LinkTexture,
+    frame: NDArray[np.float32],
+    points: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    metres_per_pixel: NDArray[np.float32],
+) -> NDArray[np.float32]:
+    """Colours (n, 3) in 0..1 of points on a link.
+
+    Args:
+        link_texture: The texture on it.
+        frame: Placement (4, 4) of the link in the world.
+        points: World points (n, 3) [m].
+        normals: Unit normals (n, 3) in the world.
+        metres_per_pixel: Size of a pixel at each point (n,) [m].
+    """
+    rotation = frame[:3, :3]
+    local, axis = (points - frame[:3, 3]) @ rotation, np.argmax(np.abs(normals @ rotation), axis=1)
+    plane = np.take_along_axis(local, _OTHERS[axis], axis=1) * np.float32(link_texture.repeats)
+    texture = link_texture.texture
+    density = np.float32(texture.size * link_texture.repeats)
+    return texture.texels[texture.indices(plane[:, 0], plane[:, 1], metres_per_pixel * density)]
+
+
+def _places(pixels: NDArray[np.int64], width: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Rows and columns (n,) of pixels."""
+    row = pixels // width
+    return row.astype(np.float32), (pixels - row * width).astype(np.float32)
+
+
+def _normals_of_depth(backdrop: KeptBackdrop, shot: Shot) -> NDArray[np.float32]:
+    """Unit normals (3, n) in the world of what a camera sees, from its depth.
+
+    On a plane m . P = 1 the inverse depth is m . ray, affine over the image; its slopes therefore give m. At edges the smaller
+    of the two one-sided slopes is that of the surface itself.
+    """
+    view = backdrop.view
+    width = view.size[0]
+    row, column = _places(shot.pixels, width)
+    place = shot.pixels + 2 * (shot.pixels // width)
+    place += width + 3
+    inverse = backdrop.inverse.copy()
+    inverse[place] = here = shot.inverse
+    along = _smaller(inverse.take(place + 1) - here, here - inverse.take(place - 1))
+    down = _smaller(inverse.take(place + (width + 2)) - here, here - inverse.take(place - (width + 2)))
+    k = view.intrinsics().astype(np.float32)
+    normals = np.stack([along * -k[0, 0], down * -k[1, 1], along * (column - k[0, 2]) + down * (row - k[1, 2]) - here])
+    normals /= np.maximum(np.sqrt((normals * normals).sum(axis=0)), np.float32(1e-12))
+    return view.extrinsics()[:3, :3].astype(np.float32) @ normals
+
+
+def _smaller(a: NDArray[np.float32], b: NDArray[np.float32]) -> NDArray[np.float32]:
+    return np.where(np.abs(a) < np.abs(b), a, b)

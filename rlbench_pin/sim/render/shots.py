@@ -5,19 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rlbench_pin.sim.client import PhysicsClient, bullet
+from rlbench_pin.sim.output import captured_output
 from rlbench_pin.sim.render.camera import CameraView, projection_matrix
 from rlbench_pin.sim.render.lighting import SPECULAR, Lighting
 from rlbench_pin.sim.render.masks import bodies_of
 from rlbench_pin.sim.render.raster.drawing import TOUCHING, Drawn, Sight, draw
-from rlbench_pin.sim.render.raster.parts import Parts
-from rlbench_pin.sim.render.raster.stage import Looks, Stage
-from rlbench_pin.sim.server.output import captured_output
+from rlbench_pin.sim.render.raster.stage import Appearance, Parts, Stage
 
 _HARDWARE_NEAR = 0.03  # its depth has so few bits that a nearer plane would cost millimetres [m]
 
@@ -28,7 +26,7 @@ _DULL: NDArray[np.float32] = np.zeros((3, 0), dtype=np.float32)
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """The pixels of one picture that see moving things, ascending."""
+    """The pixels of one image that see moving objects, ascending."""
 
     pixels: NDArray[np.int64]
     """Flat indices (n,)."""
@@ -44,19 +42,11 @@ class Shot:
     """Colours (3, n) in 0..255; none when no colours were wanted."""
     normals: NDArray[np.float32] | None
     """Unit normals (3, n) in the world. None when the renderer does not tell; then the colours are those in the ambient and key
-    light without shadows, otherwise those of the things themselves."""
+    light without shadows, otherwise those of the objects themselves."""
     glossy: NDArray[np.int64] = field(default_factory=lambda: _NONE)
     """Which of the pixels see something glossy (k,)."""
     gloss: NDArray[np.float32] = field(default_factory=lambda: _DULL)
     """Share of red, green, blue that it throws back like a mirror (3, k)."""
-
-
-class Rasterizer(Protocol):
-    """Takes shots of the present instant."""
-
-    def shoot(self, sights: Sequence[Sight], lighting: Lighting) -> list[Shot]:
-        """Return one shot for each camera."""
-        ...
 
 
 class NumpyRasterizer:
@@ -65,11 +55,11 @@ class NumpyRasterizer:
     Args:
         client: The physics server.
         room: Numbers of the bodies of the room.
-        looks: What the server does not tell.
+        appearance: What the server does not tell.
     """
 
-    def __init__(self, client: PhysicsClient, room: frozenset[int], looks: Looks) -> None:
-        self._stage, self._other = Stage(client, room, looks), BulletRasterizer(client, room)
+    def __init__(self, client: PhysicsClient, room: frozenset[int], appearance: Appearance) -> None:
+        self._stage, self._other = Stage(client, room, appearance), BulletRasterizer(client, room)
 
     def shoot(self, sights: Sequence[Sight], lighting: Lighting) -> list[Shot]:
         """Return one shot for each camera."""
@@ -80,7 +70,7 @@ class NumpyRasterizer:
         drawn = draw(placed, self._stage.layers, (colors[:, 3] > 0.0).take(shape), sights)
         paint = np.ascontiguousarray((colors[:, :3] * np.float32(255.0)).T)
         gloss = np.ascontiguousarray(self._stage.gloss.T)
-        return [_shot(picture, placed.parts, paint, gloss, sight.is_lit) for picture, sight in zip(drawn, sights, strict=True)]
+        return [_shot(image, placed.parts, paint, gloss, sight.is_lit) for image, sight in zip(drawn, sights, strict=True)]
 
 
 def _shot(drawn: Drawn, parts: Parts, paint: NDArray[np.float32], gloss: NDArray[np.float32], is_lit: bool) -> Shot:

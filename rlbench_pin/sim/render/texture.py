@@ -1,4 +1,4 @@
-"""Small pictures as textures: read, made square, and halved level by level so that far surfaces do not flicker."""
+"""Small images as textures: read, made square, and halved level by level so that far surfaces do not flicker."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _LARGEST = 512  # [px]
 
 
 class Texture:
-    """A square picture that repeats, with all its halvings in one row of texels.
+    """A square image that repeats, with all its halvings in one row of texels.
 
     Args:
         pixels: uint8 (h, w, 3); resampled to a power of two up to 512.
@@ -57,7 +57,7 @@ class Texture:
         return self.texels[-1]
 
     def indices(self, u: NDArray, v: NDArray, texels_per_pixel: NDArray) -> NDArray[np.int32]:
-        """Rows of `texels` for texture coordinates; v grows upwards, the picture's top row is v = 1.
+        """Rows of `texels` for texture coordinates; v grows upwards, the image's top row is v = 1.
 
         Args:
             u: Horizontal coordinate (n,), repeating with period 1.
@@ -84,13 +84,13 @@ class Texture:
 
 @lru_cache(maxsize=64)
 def read_texture(path: Path) -> Texture:
-    """Read a picture file.
+    """Read an image file.
 
     Raises:
-        CameraError: It is missing or no picture.
+        CameraError: It is missing or no image.
     """
     try:
         with Image.open(path) as image:
             return Texture(np.asarray(image.convert("RGB")))
     except (OSError, UnidentifiedImageError, ValueError) as error:
-        raise CameraError(f"The texture '{path}' cannot be read as a picture: {error}") from error
+        raise CameraError(f"The texture '{path}' cannot be read as an image: {error}") from error

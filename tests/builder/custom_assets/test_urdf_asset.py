@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from rlbench_pin.builder.custom_assets.uploads import UploadRefused
-from rlbench_pin.sim.bodies.urdf import check_urdf
+from rlbench_pin.sim.client import check_urdf
 from rlbench_pin.urdf import Urdf, read_urdf
 from tests.builder.custom_assets.files import CABINET, LINK, angle, cabinet, make, obj, put, stl, zipped
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rlbench_pin.builder.figures import places_at_rest
 
 from rlbench_pin.builder.document import EditRefused, HasDependants
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.spatial import compose, inverse
+from rlbench_pin.viewer.places import places_at_rest
 from tests.builder.document.conftest import Opener
 
 

@@ -13,7 +13,7 @@ import pytest
 from rlbench_pin.builder.contracts import TaskText
 from rlbench_pin.builder.worker.process import PrivateFolder
 from rlbench_pin.errors import InvalidValue
-from rlbench_pin.scene.model_files import resolve_asset
+from rlbench_pin.scene.reader import resolve_asset
 
 
 def _text(folder: Path, scene: str) -> TaskText:

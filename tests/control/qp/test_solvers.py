@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rlbench_pin.control.qp.osqp_solver import OsqpSolver
-from rlbench_pin.control.qp.quadratic_program import QuadraticProgram, empty_rows
+from rlbench_pin.control.qp.programs import OsqpSolver, QuadraticProgram, empty_rows
 from rlbench_pin.errors import InfeasibleControl
 
 ROWS = 5

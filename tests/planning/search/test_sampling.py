@@ -12,7 +12,7 @@ import pytest
 from rlbench_pin.errors import NoPath
 from rlbench_pin.planning.path import edge_is_free
 from rlbench_pin.planning.search.sampling import ALGORITHMS, sample_path
-from rlbench_pin.robot.limits import JointLimits
+from rlbench_pin.robot.model import JointLimits
 
 ONE = np.ones(2)
 SQUARE = JointLimits(-ONE, ONE, ONE, ONE, ONE)

@@ -8,8 +8,7 @@ import pytest
 from rlbench_pin.planning.path import along
 from rlbench_pin.planning.straight import straight_spline
 from rlbench_pin.planning.timing import ArcLimits, retime
-from rlbench_pin.robot.limits import JointLimits
-from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.robot.model import JointLimits, RobotModel
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import pose_at
 

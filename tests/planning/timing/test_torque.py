@@ -11,8 +11,8 @@ import pytest
 from rlbench_pin.planning.path import along
 from rlbench_pin.planning.timing.retime import retime
 from rlbench_pin.planning.timing.torque import TorqueLimits
+from rlbench_pin.robot.dynamics import payload_inertia
 from rlbench_pin.robot.model import RobotModel
-from rlbench_pin.robot.payload import payload_inertia
 from rlbench_pin.scene.snapshot import BodySnapshot
 from tests.worlds_for_tests import HOME, Boxes
 

@@ -217,7 +217,7 @@ def test_renderers_are_chosen_by_name(monkeypatch):
     """An unknown renderer is refused; without EGL it is an error that says what to do, unless falling back was allowed."""
     with pytest.raises(UnknownName, match="'egl'"):
         World(SceneSpec(format=1), PANDA, renderer="elg")
-    monkeypatch.setattr("rlbench_pin.sim.render.egl.importlib.util.find_spec", lambda name: None)
+    monkeypatch.setattr("rlbench_pin.sim.client.importlib.util.find_spec", lambda name: None)
     with pytest.raises(CameraError, match="doctor"):
         World(SceneSpec(format=1), PANDA, renderer="egl")
     with World(SceneSpec(format=1), PANDA, renderer="auto") as world:

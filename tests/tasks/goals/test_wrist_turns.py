@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench_pin.tasks import SetClockToTime
+from rlbench_pin.tasks.library.set_clock_to_time import SetClockToTime
 from tests.tasks.goals.goal import Goal, goal_of
 
 

@@ -32,7 +32,7 @@ from rlbench_pin.environment.randomization.config import check_randomization
 from rlbench_pin.environment.stored import read_stored_descriptions
 from rlbench_pin.errors import DatasetError, TaskEnvironmentError
 from rlbench_pin.planning.planner import PlannerConfig
-from rlbench_pin.robot.catalogue import UnknownRobot
+from rlbench_pin.robot.description import UnknownRobot
 
 DIR_PATH = str(Path(__file__).parent)
 """Folder of this package."""

@@ -22,7 +22,7 @@ from rlbench_pin.environment.randomization import DynamicsRandomizationConfig, R
 from rlbench_pin.environment.randomization import VisualRandomizationConfig as NativeVisualRandomizationConfig
 from rlbench_pin.environment.randomization.config import RandomizationConfig
 from rlbench_pin.environment.randomization.randomizer import Randomizer
-from rlbench_pin.robot.catalogue import SUPPORTED_ROBOTS
+from rlbench_pin.robot.description import SUPPORTED_ROBOTS
 
 __all__ = [
     "Distributions",

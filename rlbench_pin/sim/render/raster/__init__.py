@@ -1,1 +1,1 @@
-"""Moving things as triangles, drawn by numpy for all cameras of an instant at once."""
+"""Moving objects as triangles, drawn by numpy for all cameras of an instant at once."""

@@ -1,7 +1,7 @@
 """Which triangle each pixel of some cameras sees, and how far away.
 
 All points are projected for all cameras in one go, and the few triangles that face one and hold the middle of a pixel are cut
-into spans of pixels, row by row. With P the matrix of the homogeneous picture points (u z, v z, z) of its corners, 1/z is
+into spans of pixels, row by row. With P the matrix of the homogeneous image points (u z, v z, z) of its corners, 1/z is
 (1, 1, 1) P^-1 (u, v, 1), affine over a triangle, and any quantity q of the corners is q P^-1 (u, v, 1) z: perspective comes out
 right. What rests before a camera at rest is drawn once: keys of pixels, which merge by the greatest, are kept in layers.
 """
@@ -15,18 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rlbench_pin.sim.render.camera import CameraView
-from rlbench_pin.sim.render.raster.layers import Layers
-from rlbench_pin.sim.render.raster.outlines import Projection, outlines_of
-from rlbench_pin.sim.render.raster.parts import Placed
-from rlbench_pin.sim.render.raster.spans import Spans, parts_of_keys
+from rlbench_pin.sim.render.raster.spans import Projection, Spans, outlines_of, parts_of_keys
+from rlbench_pin.sim.render.raster.stage import Layers, Placed
 
 TOUCHING = np.float32(1e-5)
-"""So far behind the room things are still seen [m]."""
+"""So far behind the room objects are still seen [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """A camera, and what hides moving things from it."""
+    """A camera, and what hides moving objects from it."""
 
     view: CameraView
     limit: NDArray[np.float32] | None
@@ -54,7 +52,7 @@ class Drawn:
 
 
 def draw(placed: Placed, layers: Layers, shown: NDArray[np.bool_], sights: Sequence[Sight]) -> list[Drawn]:
-    """Draw all triangles as some cameras see them; a picture is the same whatever other cameras look, and was drawn before.
+    """Draw all triangles as some cameras see them; an image is the same whatever other cameras look, and was drawn before.
 
     Args:
         placed: The triangles.
@@ -146,7 +144,7 @@ def _with_normals(drawn: Sequence[tuple[NDArray, ...]], sights: Sequence[Sight],
 
 
 def _inverse_depths(p: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Factors (3, k) of u, v and 1 that give the inverse depth of triangles with picture points (3 corners, 3, k)."""
+    """Factors (3, k) of u, v and 1 that give the inverse depth of triangles with image points (3 corners, 3, k)."""
     a, b = p[1] - p[0], p[2] - p[0]
     plane = np.stack([a[(j + 1) % 3] * b[(j + 2) % 3] - a[(j + 2) % 3] * b[(j + 1) % 3] for j in range(3)])
     determinant = p[0, 0] * plane[0] + p[0, 1] * plane[1] + p[0, 2] * plane[2]
@@ -155,7 +153,7 @@ def _inverse_depths(p: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _inverses(p: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Inverse (3, 3, k) of matrices whose columns are the picture points (3 corners, 3, k) of triangles."""
+    """Inverse (3, 3, k) of matrices whose columns are the image points (3 corners, 3, k) of triangles."""
     rows = np.empty_like(p)
     for i in range(3):
         a, b = p[(i + 1) % 3], p[(i + 2) % 3]

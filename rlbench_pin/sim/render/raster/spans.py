@@ -1,11 +1,182 @@
-"""Runs of pixels in one row that lie in one triangle, and which of them is nearest."""
+"""Triangles in the images of some cameras: projected, clipped at the near plane, and cut into runs of pixels.
+
+Triangles out of sight are left out. Of the triangles in a pixel the nearest is kept.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rlbench_pin.sim.render.raster.outlines import Outlines
+from rlbench_pin.sim.render.camera import CameraView
+from rlbench_pin.sim.render.raster.stage import Placed
+
+_LEAST_AREA = 1e-4  # twice the area of a triangle that is drawn; smaller ones are slivers [px^2]
+_EDGE = np.float32(1.0)  # this far outside an image nothing is drawn any more [px]
+
+
+@dataclass(frozen=True, eq=False)
+class Outlines:
+    """Triangles in images, clipped at the near plane."""
+
+    x: NDArray[np.float32]
+    """Columns (3, k) of the corners [px]."""
+    y: NDArray[np.float32]
+    """Rows (3, k) of the corners [px]."""
+    camera: NDArray[np.int64]
+    """Number of the camera (k,)."""
+    triangle: NDArray[np.int64]
+    """Number of the triangle (k,)."""
+
+
+class Projection:
+    """Triangles as some cameras see them.
+
+    Args:
+        placed: The triangles.
+        views: The cameras.
+
+    Attributes:
+        views: The same.
+        normals: Normals of the corners in the world, (3 corners, 3, m).
+        corner_points: Numbers (3, m) of the points at the corners of the triangles.
+        facing: Whether each camera (c, m) is on the side from which a triangle is seen.
+        reached: Whether something of each link (l,) may be in the image of each camera, (c, l).
+    """
+
+    def __init__(self, placed: Placed, views: Sequence[CameraView]) -> None:
+        self.views, self.normals, self.corner_points = views, placed.normals, placed.parts.corners
+        cameras = np.stack([view.to_image for view in views]).astype(np.float32)
+        # one product for each camera: larger ones are rounded otherwise
+        points = np.matmul(cameras, placed.points)
+        eyes = np.ones((len(views), 1, 4), dtype=np.float32)
+        eyes[:, 0, :3] = [view.pose[:3] for view in views]
+        self.facing: NDArray[np.bool_] = np.matmul(eyes, placed.planes)[:, 0] > 0.0
+        self.reached = _reached(views, placed)
+        self._count = points.shape[2]
+        self._points = points.ravel()
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            self._pixels = (points[:, :2] / points[:, 2:]).ravel()
+
+    def image(self, camera: NDArray[np.int64], triangle: NDArray[np.int64]) -> tuple[NDArray[np.float32], ...]:
+        """Columns and rows [px] and depth [m] of the corners of triangles, each (3, k); infinite or nan behind a camera."""
+        points = self.corner_points.take(triangle, axis=1)
+        place = points + camera * (2 * self._count)
+        x = self._pixels.take(place)
+        place += self._count
+        y = self._pixels.take(place)
+        points += camera * (3 * self._count) + 2 * self._count
+        return x, y, self._points.take(points)
+
+    def corners(self, camera: NDArray[np.int64], triangle: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Homogeneous image points u z, v z and z of the corners of triangles, (3 corners, 3, k)."""
+        place = self.corner_points.take(triangle, axis=1)
+        place += camera * (3 * self._count)
+        result = np.empty((3, 3, len(triangle)))
+        for i in range(3):
+            result[:, i] = self._points.take(place + i * self._count)
+        return result
+
+
+def _reached(views: Sequence[CameraView], placed: Placed) -> NDArray[np.bool_]:
+    """Whether the ball around each link may reach into the pyramid of each camera (c, l), with a pixel to spare."""
+    sides = np.stack([view.sides for view in views]).astype(np.float32)
+    inside = np.matmul(sides, placed.middles) + placed.parts.balls[:, 3]
+    result: NDArray[np.bool_] = inside.min(axis=1) > 0.0
+    return result
+
+
+def outlines_of(projection: Projection, wanted: NDArray[np.bool_]) -> Outlines:
+    """Triangles of those that each camera wants (c, m) that face it and may hold the middle of one of its pixels."""
+    each = [faces.nonzero()[0] for faces in projection.facing & wanted]
+    counts = [len(triangles) for triangles in each]
+    triangle, camera = np.concatenate(each), np.repeat(np.arange(len(each)), counts)
+    x, y, depth = projection.image(camera, triangle)
+    near = np.repeat(np.array([view.near for view in projection.views], dtype=np.float32), counts)
+    is_before = _least(depth) >= near
+    chosen = is_before.copy()
+    for values, axis in ((x, 0), (y, 1)):
+        last = np.repeat(np.array([view.size[axis] - 1 for view in projection.views], dtype=np.float32), counts)
+        low, high = np.ceil(_least(values)), _greatest(values)
+        chosen &= (low <= high) & (low <= last) & (high >= 0.0)
+    chosen &= _twice_area(x, y) < -_LEAST_AREA
+    whole = chosen.nonzero()[0]
+    outlines = Outlines(x.take(whole, axis=1), y.take(whole, axis=1), camera.take(whole), triangle.take(whole))
+    crossing = (~is_before & (_greatest(depth) > near)).nonzero()[0]
+    if not len(crossing):
+        return outlines
+    return _joined([outlines, *_clipped(projection, camera.take(crossing), triangle.take(crossing))])
+
+
+def _least(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Smallest (...,) of the values (3, ...) of three corners."""
+    return np.minimum(np.minimum(values[0], values[1]), values[2])
+
+
+def _greatest(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    return np.maximum(np.maximum(values[0], values[1]), values[2])
+
+
+def _twice_area(x: NDArray, y: NDArray) -> NDArray:
+    """Twice the area (...,) of triangles with corners (3, ...), negative where they are seen from the front."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        area: NDArray = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])
+    return area
+
+
+def _joined(outlines: Sequence[Outlines]) -> Outlines:
+    return Outlines(*(np.concatenate([getattr(o, name) for o in outlines], axis=-1) for name in ("x", "y", "camera", "triangle")))
+
+
+def _clipped(projection: Projection, camera: NDArray[np.int64], triangle: NDArray[np.int64]) -> list[Outlines]:
+    """What of triangles that cross the near plane lies beyond it: triangles with one corner there, or quadrilaterals as two."""
+    points = projection.corners(camera, triangle)
+    inside = np.flatnonzero(_reaches_in(points, np.array([view.size for view in projection.views]).take(camera, axis=0)))
+    if not len(inside):
+        return []
+    camera, triangle = camera.take(inside), triangle.take(inside)
+    limit = np.array([view.near for view in projection.views]).take(camera)
+    points = points.take(inside, axis=2).transpose(2, 0, 1)  # (k, 3 corners, 3)
+    beyond = points[:, :, 2] > limit[:, None]
+    found: list[Outlines] = []
+    for count in (1, 2):
+        chosen = np.flatnonzero(beyond.sum(axis=1) == count)
+        # the corner that is alone on its side comes first
+        first = np.argmax(beyond[chosen] == (count == 1), axis=1)
+        a, b, c = (points[chosen, (first + i) % 3] for i in range(3))
+        ab, ac = (_cut(a, other, limit[chosen]) for other in (b, c))
+        polygons = [(a, ab, ac)] if count == 1 else [(ab, b, c), (ab, c, ac)]
+        for polygon in polygons:
+            p = np.stack(polygon).astype(np.float32)
+            x, y = p[..., 0] / p[..., 2], p[..., 1] / p[..., 2]
+            seen = np.flatnonzero(_twice_area(x, y) < -_LEAST_AREA)
+            kept = chosen.take(seen)
+            found.append(Outlines(x.take(seen, axis=1), y.take(seen, axis=1), camera.take(kept), triangle.take(kept)))
+    return found
+
+
+def _reaches_in(points: NDArray[np.float64], sizes: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Whether triangles (k,) reach into the pyramid of a camera, unless all corners lie beyond one of its sides.
+
+    Args:
+        points: Homogeneous image points (3 corners, 3, k).
+        sizes: Width and height (k, 2) of the images [px].
+    """
+    x, y, z = points.transpose(1, 0, 2)
+    result = np.ones(len(sizes), dtype=np.bool_)
+    for values, last in ((x, sizes[:, 0]), (y, sizes[:, 1])):
+        result &= (values + _EDGE * z > 0.0).any(axis=0) & (values < last * z).any(axis=0)
+    return result
+
+
+def _cut(a: NDArray, b: NDArray, depth: NDArray) -> NDArray:
+    """Points (k, 3) between a and b at some depth."""
+    share = (depth - a[:, 2]) / (b[:, 2] - a[:, 2])
+    return a + (b - a) * share[:, None]
+
 
 _BITS = 32
 """Bits of the number of a triangle in a key; above them are those of its inverse depth."""
@@ -18,8 +189,8 @@ class Spans:
 
     Args:
         outlines: The triangles.
-        widths: Width of the picture of each (k,) [px].
-        heights: Height of the picture of each (k,) [px].
+        widths: Width of the image of each (k,) [px].
+        heights: Height of the image of each (k,) [px].
     """
 
     def __init__(self, outlines: Outlines, widths: NDArray, heights: NDArray) -> None:
@@ -45,10 +216,10 @@ class Spans:
         Keys are ordered by inverse depth; of triangles that are equally near that with the highest number is seen.
 
         Args:
-            nearest: Greatest key (n,) of each pixel of all pictures so far, 0 for none; changed here.
+            nearest: Greatest key (n,) of each pixel of all images so far, 0 for none; changed here.
             plane: Inverse depth of each outline is plane . (u, v, 1), (3, k).
-            starts: Flat index of the first pixel of the picture of each outline (k,).
-            widths: Width of that picture (k,) [px].
+            starts: Flat index of the first pixel of the image of each outline (k,).
+            widths: Width of that image (k,) [px].
         """
         slope, down, shift = plane.take(self._owner, axis=1)
         begin = slope * self._column + down * self._row + shift
@@ -88,7 +259,7 @@ def _bounds(
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """First and last column of rows of triangles [px].
 
-    Edges that go down the picture bound from the left, those that go up from the right: one on one side, up to two on the other.
+    Edges that go down the image bound from the left, those that go up from the right: one on one side, up to two on the other.
 
     Args:
         x: Columns (3, k) of the corners [px].

@@ -9,16 +9,12 @@ import pytest
 
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import CameraView, Lighting, World, look_at
-from rlbench_pin.sim.render.backdrop import Painter
-from rlbench_pin.sim.render.canvas import Panel
+from rlbench_pin.sim.render.backdrop import Painter, Panel
 from rlbench_pin.sim.render.raster.drawing import Sight
-from rlbench_pin.sim.render.raster.layers import Layers
 from rlbench_pin.sim.render.raster.meshes import Triangles
-from rlbench_pin.sim.render.raster.parts import Placed, join
-from rlbench_pin.sim.render.raster.stage import Looks
-from rlbench_pin.sim.render.shading import KeptBackdrop
+from rlbench_pin.sim.render.raster.stage import Appearance, Layers, Placed, join
+from rlbench_pin.sim.render.shading import KeptBackdrop, colors_in_light, surfaces_of
 from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, Shot
-from rlbench_pin.sim.render.surfaces import colors_in_light, surfaces_of
 from tests.sim.support import ABOVE, BodySpec, build, cube, cube_scene
 
 PANEL = Panel(np.zeros(3), np.eye(3)[:2], 1, (1.0, 1.0, 1.0))
@@ -37,7 +33,7 @@ def shots(world: World, views: list[CameraView]) -> tuple[list[Shot], list[Shot]
     sights = [Sight(v, np.full(v.size[0] * v.size[1], v.far, dtype=np.float32), True, 0.5 + Lighting().mean_fill) for v in views]
     ours, theirs = (
         rasterizer.shoot(sights, Lighting())
-        for rasterizer in (NumpyRasterizer(world.client, room, Looks()), BulletRasterizer(world.client, room))
+        for rasterizer in (NumpyRasterizer(world.client, room, Appearance()), BulletRasterizer(world.client, room))
     )
     return ours, [_nearer(shot, view) for shot, view in zip(theirs, views, strict=True)]
 
@@ -143,7 +139,7 @@ def test_what_was_drawn_before_changes_no_byte() -> None:
         room = frozenset(body.model.uid for body in world.room.values())
         views = [view_from(eye) for eye in EYES[:2]]
         sights = [Sight(view, None, True) for view in views]
-        old = NumpyRasterizer(world.client, room, Looks())
+        old = NumpyRasterizer(world.client, room, Appearance())
         rest = np.zeros(7)
 
         def turn() -> None:
@@ -168,7 +164,7 @@ def test_what_was_drawn_before_changes_no_byte() -> None:
         ]
         for change in changes:
             change()
-            fresh = NumpyRasterizer(world.client, room, Looks()).shoot(sights, Lighting())
+            fresh = NumpyRasterizer(world.client, room, Appearance()).shoot(sights, Lighting())
             for ours, expected in zip(old.shoot(sights, Lighting()), fresh, strict=True):
                 for name in PRODUCTS:
                     np.testing.assert_array_equal(getattr(ours, name), getattr(expected, name))

@@ -11,7 +11,7 @@ import pytest
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import CameraView, look_at
 from rlbench_pin.sim.render.raster.meshes import Triangles, triangles_of
-from rlbench_pin.sim.render.raster.stage import Looks, Stage
+from rlbench_pin.sim.render.raster.stage import Appearance, Stage
 from tests.sim.support import BodySpec, build
 
 SHAPES = [
@@ -95,6 +95,6 @@ def test_a_world_with_such_a_mesh_is_left_to_tinyrenderer(tmp_path: Path) -> Non
         name="thing", asset=str(tmp_path / "thing.urdf"), parent="world", pose=(0.3, 0.0, 1.2, 0, 0, 0, 1), fixed=True
     )
     with build(SceneSpec(format=1, body=(body,))) as world:
-        assert Stage(world.client, frozenset(), Looks()).update() is None
+        assert Stage(world.client, frozenset(), Appearance()).update() is None
         view = CameraView(pose=look_at((1.3, 0.3, 1.6), (0.3, 0.0, 1.2)), fov=0.7, size=(64, 64), near=0.01, far=4.0)
         assert (world.render(view, shadows=True).mask == 61).sum() > 50

@@ -14,7 +14,7 @@ from rlbench_pin.compat.objects import Element, ObjectTable, made_shapes
 from rlbench_pin.compat.objects import ObjectType as TypeName
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.errors import RlbenchPinError
-from rlbench_pin.robot import surfaces
+from rlbench_pin.robot import geometry
 from rlbench_pin.sim import Body, read_texture
 from rlbench_pin.spatial import FloatArray, compose, pose_at, pose_to_matrix
 from rlbench_pin.urdf import UrdfOrigin, read_urdf
@@ -345,7 +345,7 @@ class Shape(Object):
         Where parts overlap, their volume counts twice.
         """
         parts = [part for parts, _ in self.scene_object.solids() for part in parts]
-        self.set_mass(density * float(np.sum([surfaces.part_volume(part) for part in parts])))
+        self.set_mass(density * float(np.sum([geometry.part_volume(part) for part in parts])))
 
     def add_force(self, position: Numbers, force: Numbers, reset_force_torque: bool = False) -> None:
         """Push it during the next step. The push acts as an impulse at once; call it before each step to go on pushing.

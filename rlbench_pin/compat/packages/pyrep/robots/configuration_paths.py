@@ -14,7 +14,7 @@ from pyrep.errors import ConfigurationPathError
 from pyrep.robots import Numbers
 from rlbench_pin.compat import arm_planning
 from rlbench_pin.compat.simulator import Simulator
-from rlbench_pin.control.tracking import TrajectoryTracker
+from rlbench_pin.control.following import TrajectoryTracker
 from rlbench_pin.errors import RetimingError
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray

@@ -1,1 +1,0 @@
-"""Bodies of a scene and of the room, their joints and models."""

@@ -1,0 +1,428 @@
+"""Bodies of the scene and their joints, as tasks see them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from rlbench_pin.errors import UnknownName
+from rlbench_pin.robot import geometry
+from rlbench_pin.scene.spec import JointSpec
+from rlbench_pin.sim.checks import InvalidNumbers, color_values, finite_vector, pose_vector
+from rlbench_pin.sim.client import bullet
+from rlbench_pin.sim.loaded_model import BASE, JointInfo, LoadedModel
+from rlbench_pin.spatial import FloatArray, PoseLike, compose, pose_to_se3, relative
+from rlbench_pin.urdf import read_urdf
+from rlbench_pin.values import as_flag, as_number, as_record, as_rows
+
+_LOCK_FORCE = 1000.0  # [N] or [N m]
+_LOCK_GAIN = 0.5
+
+
+class ObjectJoint:
+    """One movable joint of an object.
+
+    Args:
+        name: `<body>/<joint>`.
+        model: The body it belongs to.
+        info: What PyBullet says about it.
+    """
+
+    def __init__(self, name: str, model: LoadedModel, info: JointInfo) -> None:
+        self.name, self.spec = name, JointSpec(name=name)
+        self._model, self._info = model, info
+        self._locked_at: float | None = None
+        self._inertia = _link_inertia(model, info)
+        self._drive()
+
+    def configure(self, spec: JointSpec) -> None:
+        """Take start value, friction, damping, spring and lock from the scene file."""
+        self.spec = spec
+        if spec.damping is not None:
+            self._change(bullet.changeDynamics, jointDamping=spec.damping)
+        self._reset(spec.position)
+        self._locked_at = spec.position if spec.locked else None
+        self._drive()
+
+    @property
+    def lower(self) -> float:
+        """Lower limit [m] or [rad]; -inf without one."""
+        return self._info.lower
+
+    @property
+    def upper(self) -> float:
+        """Upper limit [m] or [rad]; inf without one."""
+        return self._info.upper
+
+    @property
+    def position(self) -> float:
+        """Value [m] or [rad]."""
+        return self.state()[0]
+
+    @property
+    def velocity(self) -> float:
+        """Speed [m/s] or [rad/s]."""
+        return self.state()[1]
+
+    def state(self) -> tuple[float, float]:
+        """Value and speed."""
+        state = bullet.getJointState(self._model.uid, self._info.index, physicsClientId=self._model.client.id)
+        return state[0], state[1]
+
+    def set_position(self, position: float) -> None:
+        """Put the joint at a value [m] or [rad], at rest; a lock holds it there from now on."""
+        value = as_number(position, f"The value of joint '{self.name}'", InvalidNumbers)
+        self._reset(value)
+        if self.locked:
+            self.set_lock(value)
+
+    def set_state(self, position: float, velocity: float) -> None:
+        """Set value and speed, and leave the lock as it is."""
+        position = as_number(position, f"The value of joint '{self.name}'", InvalidNumbers)
+        self._reset(position, as_number(velocity, f"The speed of joint '{self.name}'", InvalidNumbers))
+
+    @property
+    def locked(self) -> bool:
+        """Whether a stiff motor holds the joint."""
+        return self._locked_at is not None
+
+    @property
+    def lock_position(self) -> float | None:
+        """Value at which the joint is locked; None when it is free."""
+        return self._locked_at
+
+    def lock(self) -> None:
+        """Hold the joint where it is."""
+        self.set_lock(self.position)
+
+    def unlock(self) -> None:
+        """Let the joint move."""
+        self.set_lock(None)
+
+    def set_lock(self, position: float | None) -> None:
+        """Hold the joint at a value [m] or [rad], or let it move.
+
+        Raises:
+            InvalidNumbers: It is no finite number (also a ValueError).
+        """
+        if position is not None:
+            position = as_number(position, f"The value of joint '{self.name}'", InvalidNumbers)
+        if position != self._locked_at:
+            self._locked_at = position
+            self._drive()
+
+    def _reset(self, position: float, velocity: float = 0.0) -> None:
+        self._change(bullet.resetJointState, position, targetVelocity=velocity)
+
+    def _change(self, function: Callable[..., None], *positional: float, **named: float) -> None:
+        self._model.client.change(function, self._model.uid, self._info.index, *positional, **named)
+
+    def _drive(self) -> None:
+        """Set PyBullet's motor as lock and friction require."""
+        if self._locked_at is not None:
+            self._change(
+                bullet.setJointMotorControl2,
+                controlMode=bullet.POSITION_CONTROL,
+                targetPosition=self._locked_at,
+                positionGain=_LOCK_GAIN,
+                velocityGain=1.0,
+                force=_LOCK_FORCE,
+            )
+        else:
+            friction = self.spec.friction
+            self._change(bullet.setJointMotorControl2, controlMode=bullet.VELOCITY_CONTROL, targetVelocity=0.0, force=friction)
+
+    # Spring ----------------------------------------------------------------------------------------------------------
+
+    @property
+    def has_spring(self) -> bool:
+        """Whether a spring pulls the joint."""
+        return self.spec.spring is not None
+
+    def pull(self, timestep: float) -> None:
+        """Apply the spring's force for one physics step of length `timestep` [s].
+
+        The force is k (rest - x) - d v. When k dt^2 + d dt exceeds the moving inertia the explicit force would grow from step
+        to step, so it is scaled down to what an implicit step would give.
+        """
+        spring = self.spec.spring
+        if spring is None or self._locked_at is not None:
+            return
+        position, velocity = self.state()
+        force = spring.stiffness * (spring.rest - position) - spring.damping * velocity
+        demand = (spring.stiffness * timestep + spring.damping) * timestep
+        force *= min(1.0, self._inertia / demand) if demand > 0.0 else 1.0
+        limit = spring.max_force if spring.max_force is not None else float("inf")
+        force = max(-limit, min(limit, force))
+        bullet.setJointMotorControl2(
+            self._model.uid, self._info.index, bullet.TORQUE_CONTROL, force=force, physicsClientId=self._model.client.id
+        )
+
+
+def _link_inertia(model: LoadedModel, info: JointInfo) -> float:
+    """Inertia that the joint moves [kg] or [kg m^2], of its own link alone."""
+    dynamics = bullet.getDynamicsInfo(model.uid, info.index, physicsClientId=model.client.id)
+    return float(dynamics[0]) if info.prismatic else float(max(dynamics[2]))
+
+
+OnMove = Callable[[str, FloatArray, FloatArray], None]
+"""Called with the name of a body and its old and new pose (7,)."""
+Color = tuple[float, float, float, float]
+_STATIC = (2, -3)  # PyBullet's own collision group and mask of objects that never move
+_DYNAMIC = (1, -1)
+
+
+class Body:
+    """One object; its pose is that of the base link frame of its URDF.
+
+    Args:
+        name: Name in the scene file.
+        model: What was loaded.
+        fixed: Welded to its place when it is loaded; see `DynamicsOverrides.set_fixed`.
+        collides: Touches other objects.
+        on_move: Called with the old and the new pose when `set_pose` moved the body, to carry its descendants along.
+    """
+
+    def __init__(self, name: str, model: LoadedModel, *, fixed: bool, collides: bool, on_move: OnMove) -> None:
+        self.name, self.model, self.fixed, self.loaded_fixed = name, model, fixed, fixed
+        self.graspable = False
+        """Whether closing the gripper may attach this body; set by tasks."""
+        self.grasp_links: tuple[str, ...] = ()
+        """Links by which the gripper may hold it; empty: by all."""
+        self.obstacle = True
+        """Whether plans avoid this body; physics does not care."""
+        self.joints: dict[str, ObjectJoint] = {n: ObjectJoint(f"{name}/{n}", model, info) for n, info in model.joints.items()}
+        self._on_move = on_move
+        self._collides = True
+        self._visuals, self._gloss = visual_colors(model), visual_gloss(model)
+        self._colors: dict[int, Color] = {}
+        self._rigid_bounds: FloatArray | None = None
+        if not collides:
+            self.set_collides(False)
+
+    # Place -----------------------------------------------------------------------------------------------------------
+
+    @property
+    def pose(self) -> FloatArray:
+        """Pose (7,) of the base link frame in the world."""
+        return self.model.base_pose()
+
+    @property
+    def position(self) -> FloatArray:
+        """Origin (3,) of the base link frame [m]."""
+        return self.pose[:3]
+
+    @property
+    def quaternion(self) -> FloatArray:
+        """Orientation (4,) of the base link frame, [qx, qy, qz, qw]."""
+        return self.pose[3:]
+
+    @property
+    def velocity(self) -> FloatArray:
+        """Velocity (6,) of the base's centre of mass, linear [m/s] then angular [rad/s], in world axes."""
+        linear, angular = bullet.getBaseVelocity(self.model.uid, physicsClientId=self.model.client.id)
+        return np.array(linear + angular)
+
+    def set_pose(self, pose: PoseLike, zero_velocity: bool = True) -> None:
+        """Put the body at a pose (7,); bodies that are its children in the scene file move along.
+
+        Args:
+            pose: Pose of the base link frame in the world.
+            zero_velocity: Bring the body to rest as well.
+        """
+        new = pose_vector(pose, f"pose of '{self.name}'")
+        zero_velocity = as_flag(zero_velocity, "zero_velocity")
+        old, velocity = self.pose, self.velocity
+        self.place(new)
+        if not zero_velocity:
+            self.set_velocity(velocity)
+        self._on_move(self.name, old, new)
+
+    def place(self, pose: PoseLike) -> None:
+        """Put this body alone at a pose (7,), at rest."""
+        self.model.set_base_pose(pose)
+        if not self.fixed:
+            self.set_velocity(np.zeros(6))
+
+    def set_velocity(self, velocity: Sequence[float] | FloatArray) -> None:
+        """Set linear [m/s] and angular [rad/s] velocity (6,) of the base's centre of mass."""
+        v = finite_vector(velocity, 6, f"velocity of '{self.name}'").tolist()
+        self.model.client.change(bullet.resetBaseVelocity, self.model.uid, v[:3], v[3:])
+
+    def link_pose(self, link: str) -> FloatArray:
+        """Pose (7,) of the URDF frame of `link` in the world."""
+        return self.model.link_pose(link)
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """Names of all links, base first."""
+        return tuple(self.model.links)
+
+    # Shape -----------------------------------------------------------------------------------------------------------
+
+    def bounds(self) -> FloatArray:
+        """Corners [[min], [max]] (2, 3) of the box around the body in its own frame, with its joints where they are [m]."""
+        if not self.joints:
+            if self._rigid_bounds is None:
+                alone = len(self.model.links) == 1
+                model = self.model
+                self._rigid_bounds = geometry.rigid_bounds(model.urdf, model.scale) if alone else self.bounds_from(self.pose)
+            return self._rigid_bounds.copy()
+        return self.bounds_from(self.pose)
+
+    def bounds_from(self, frame: PoseLike) -> FloatArray:
+        """Corners [[min], [max]] (2, 3) of the box around the body along the axes of a frame (7,), from its origin [m]."""
+        boxes = []
+        parts = geometry.solid_geometry(self.model.urdf, self.model.scale)
+        for link in self.model.solid_links():
+            T_base_link = pose_to_se3(relative(self.link_pose(link), frame))
+            boxes.append(geometry.bounds((shape, T_base_link * local) for shape, local in parts[link]))
+        if not boxes:
+            return np.zeros((2, 3))
+        return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
+
+    def extent_along(self, directions: FloatArray) -> FloatArray:
+        """How far the body reaches along unit vectors (n, 3) of the world, [[least], [most]] (2, n), from its origin [m]."""
+        directions = as_rows(directions, 3, "directions")
+        parts = geometry.solid_geometry(self.model.urdf, self.model.scale)
+        placed = ((parts[link], self.model.placement(self.model.links[link])) for link in self.model.solid_links())
+        reaches = [geometry.extent_along(shapes, placement, directions) for shapes, placement in placed]
+        if not reaches:
+            return np.zeros((2, len(directions)))
+        return np.stack([np.min([r[0] for r in reaches], axis=0), np.max([r[1] for r in reaches], axis=0)])
+
+    def aabb_size(self) -> FloatArray:
+        """Size (3,) of the box around the body in its own frame [m]."""
+        low, high = self.bounds()
+        return high - low
+
+    # Appearance and contact ------------------------------------------------------------------------------------------
+
+    @property
+    def color(self) -> Color:
+        """Colour rgba in 0..1: the last one set on the base, or that of its first visual."""
+        for index in (BASE, *sorted(self._visuals)):
+            if index in self._colors:
+                return self._colors[index]
+            if index in self._visuals:
+                return self._visuals[index][0]
+        return (1.0, 1.0, 1.0, 1.0)
+
+    def set_color(self, color: Sequence[float], link: str | None = None) -> None:
+        """Colour every visual of one link, or of all links.
+
+        Args:
+            color: rgb or rgba in 0..1.
+            link: Name of the link; None colours them all.
+
+        Raises:
+            InvalidNumbers: It is no colour (also a ValueError).
+            UnknownName: The body has no such link.
+        """
+        red, green, blue, alpha = color_values(color)
+        indices = list(self._visuals) if link is None else [self.model.link_index(link)]
+        for index in indices:
+            self._paint(index, (red, green, blue, alpha))
+
+    def _paint(self, index: int, color: Color) -> None:
+        if self._colors.get(index) == color or index not in self._visuals:
+            return
+        self._colors[index] = color
+        self.model.client.change(bullet.changeVisualShape, self.model.uid, index, rgbaColor=color)
+
+    def _unpaint(self, index: int) -> None:
+        """Give the visuals of a link the colours of the URDF back."""
+        del self._colors[index]
+        for shape, color in enumerate(self._visuals[index]):
+            self.model.client.change(bullet.changeVisualShape, self.model.uid, index, shapeIndex=shape, rgbaColor=color)
+
+    def repaint(self) -> None:
+        """Show the colours that the body has, whatever was painted over it."""
+        for index in self._visuals:
+            if index in self._colors:
+                color = self._colors.pop(index)
+                self._paint(index, color)
+            else:
+                self._colors[index] = (0.0, 0.0, 0.0, 0.0)
+                self._unpaint(index)
+
+    @property
+    def visual_links(self) -> tuple[int, ...]:
+        """Numbers of the links that have visuals."""
+        return tuple(sorted(self._visuals))
+
+    @property
+    def colors(self) -> dict[int, Color]:
+        """Colours that were set, by link number."""
+        return dict(self._colors)
+
+    @property
+    def mixed_colors(self) -> dict[int, tuple[Color, ...]]:
+        """Colours of the visuals of links that have several and show them, by link number; PyBullet tells only one of them."""
+        return {link: own for link, own in self._visuals.items() if link not in self._colors and len(set(own)) > 1}
+
+    @property
+    def gloss(self) -> dict[int, tuple[tuple[float, float, float], ...]]:
+        """Share of red, green, blue that visuals throw back like mirrors, by link number, of links that have such."""
+        return self._gloss
+
+    def set_colors(self, colors: dict[int, Color]) -> None:
+        """Make `colors` the only ones that differ from the URDF."""
+        as_record(colors, dict, "colors")
+        for index in [i for i in self._colors if i not in colors]:
+            self._unpaint(index)
+        for index, color in colors.items():
+            self._paint(index, color)
+
+    @property
+    def collides(self) -> bool:
+        """Whether the body touches other objects."""
+        return self._collides
+
+    def set_collides(self, collides: bool) -> None:
+        """Let the body touch other objects, or pass through them."""
+        if (collides := as_flag(collides, "collides")) == self._collides:
+            return
+        self._collides = collides
+        self._set_filters()
+
+    def hold(self, fixed: bool) -> None:
+        """Take note that the body cannot move from now on, or can; it comes to rest. `DynamicsOverrides` sees to its mass."""
+        self.set_velocity(np.zeros(6))
+        self.fixed = fixed
+        self._set_filters()
+
+    def _set_filters(self) -> None:
+        """Tell PyBullet what the body touches."""
+        for index in self.model.links.values():
+            group, mask = (_STATIC if self.fixed and index == BASE else _DYNAMIC) if self._collides else (0, 0)
+            self.model.client.change(bullet.setCollisionFilterGroupMask, self.model.uid, index, group, mask)
+
+    def joint(self, name: str) -> ObjectJoint:
+        """Return the joint called `name`."""
+        if not isinstance(name, str) or name not in self.joints:
+            raise UnknownName(f"joint of '{self.name}'", name, tuple(self.joints))
+        return self.joints[name]
+
+    def __repr__(self) -> str:
+        return f"Body('{self.name}')"
+
+
+def carried(pose: PoseLike, old: PoseLike, new: PoseLike) -> FloatArray:
+    """Where an object at `pose` goes when its parent moves from `old` to `new`."""
+    return compose(new, relative(pose, old))
+
+
+def visual_colors(model: LoadedModel) -> dict[int, tuple[Color, ...]]:
+    """Colours of the URDF's visuals, by link number, in file order."""
+    colors: dict[int, tuple[Color, ...]] = {}
+    for entry in bullet.getVisualShapeData(model.uid, physicsClientId=model.client.id):
+        colors[entry[1]] = (*colors.get(entry[1], ()), tuple(round(c, 6) for c in entry[7]))
+    return colors
+
+
+def visual_gloss(model: LoadedModel) -> dict[int, tuple[tuple[float, float, float], ...]]:
+    """What the URDF's visuals throw back like mirrors, of links where one does, by link number, in file order."""
+    links = ((link.name, tuple(shape.gloss for shape in link.visuals if shape.kind)) for link in read_urdf(model.urdf).links)
+    return {model.link_index(name): gloss for name, gloss in links if any(map(any, gloss))}

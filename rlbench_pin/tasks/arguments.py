@@ -1,0 +1,79 @@
+"""Checks of arguments of tasks: objects that a world hands out, by the attributes that are used of them, and rotations.
+
+A wrong argument is refused when it is given, not when it is used. No simulator is imported for that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple, TypeVar
+
+from numpy.typing import ArrayLike
+
+from rlbench_pin.errors import InvalidValue
+from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_several, as_vector
+
+ObjectT = TypeVar("ObjectT")
+Rotation = tuple[float, float, float]
+"""Roll, pitch, yaw [rad]."""
+MOST_TURN = 1e3
+"""Rotations are at most so large [rad]."""
+_BODY = "a body, such as `self.world.body(name)`"
+
+
+class ObjectKind(NamedTuple):
+    """A kind of object of a world."""
+
+    words: str
+    """What it is, and where a task finds one."""
+    attributes: tuple[str, ...]
+    """What is used of it."""
+
+
+BODY_OR_FRAME = ObjectKind("a body or a frame", ("name", "position"))
+MOVABLE = ObjectKind("a body or a frame, such as `self.world.body(name)`", ("name", "position", "pose", "set_pose"))
+BODY = ObjectKind(_BODY, ("name", "position"))
+COLORED_BODY = ObjectKind(_BODY, ("color",))
+LOOSE_BODY = ObjectKind(_BODY, ("name", "position", "set_velocity"))
+BODY_WITH_EXTENT = ObjectKind(_BODY, ("name", "position", "extent_along"))
+FRAME = ObjectKind("a frame, or None for the world", ("pose",))
+REGION = ObjectKind("a region, such as `self.world.region(name)`", ("name", "pose", "size"))
+SENSOR = ObjectKind("a sensor, such as `self.world.sensor(name)`", ("detects", "contains"))
+JOINT = ObjectKind("a joint, such as `self.world.joint(name)`", ("position",))
+GRIPPER = ObjectKind("the gripper, `self.gripper`", ("grasped",))
+ARM = ObjectKind("the arm, `self.robot`", ("tip_pose",))
+STEPPED_WORLD = ObjectKind("a world, such as `self.world`", ("step",))
+ROOTED_WORLD = ObjectKind("a world, such as `self.world`", ("place_root",))
+
+
+def as_object(value: ObjectT, kind: ObjectKind, what: str) -> ObjectT:
+    """Return `value`, or raise InvalidValue when it is not of a kind; `what` is the argument as users call it."""
+    if not all(hasattr(value, name) for name in kind.attributes):
+        raise InvalidValue(what, value, f"has to be {kind.words}")
+    return value
+
+
+def as_objects(values: Iterable[ObjectT], kind: ObjectKind, what: str) -> tuple[ObjectT, ...]:
+    """Return the entries of a list, or raise InvalidValue when it is none or one of them is not of a kind."""
+    return tuple(as_object(entry, kind, f"entry {n} of {what}") for n, entry in enumerate(as_several(values, what)))
+
+
+def as_rotations(low: ArrayLike, high: ArrayLike, lowest: str, highest: str) -> tuple[FloatArray, FloatArray]:
+    """Return the lowest and the highest roll, pitch and yaw, each of shape (3,) [rad], or raise InvalidValue.
+
+    Args:
+        low: Lowest angles.
+        high: Highest angles.
+        lowest: What the former are called.
+        highest: What the latter are called.
+    """
+    first, last = as_vector(low, 3, lowest, most=MOST_TURN), as_vector(high, 3, highest, most=MOST_TURN)
+    if (first > last).any():
+        raise InvalidValue(highest, high, f"has to be nowhere below {lowest}, {first.tolist()}")
+    return first, last
+
+
+def has_extent(value: object) -> bool:
+    """Whether an object has an extent, as bodies have; frames, regions and sensors are points."""
+    return hasattr(type(value), "bounds")

@@ -1,0 +1,379 @@
+"""Every condition that a task may register: questions about the present instant."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence, Sized
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from rlbench_pin.errors import InvalidValue, TaskError
+from rlbench_pin.spatial import FloatArray, pose_to_se3
+from rlbench_pin.tasks.arguments import (
+    ARM,
+    BODY,
+    BODY_OR_FRAME,
+    COLORED_BODY,
+    FRAME,
+    GRIPPER,
+    JOINT,
+    SENSOR,
+    as_object,
+    as_objects,
+    has_extent,
+)
+from rlbench_pin.values import as_flag, as_number, as_record, as_rows, as_several, as_vector, as_whole
+
+if TYPE_CHECKING:
+    from rlbench_pin.sim import Body, Frame, ObjectJoint, Sensor, SimGripper, SimRobot
+
+__all__ = [
+    "AllOf",
+    "AnyOf",
+    "Condition",
+    "Detected",
+    "DetectedSeveral",
+    "FollowPath",
+    "Grasped",
+    "HasColor",
+    "InOrder",
+    "JointMoved",
+    "ListEmpty",
+    "NothingGrasped",
+    "TipInside",
+]
+
+
+class Condition(ABC):
+    """Answers yes or no for the present instant.
+
+    Conditions that remember something override `reset`, `state` and `set_state`.
+    """
+
+    @abstractmethod
+    def met(self) -> bool:
+        """Return whether the condition holds now."""
+
+    def reset(self) -> None:  # noqa: B027
+        """Forget what was remembered; called once the world of a new episode has settled."""
+
+    def state(self) -> object:
+        """Return what is remembered, as an immutable value."""
+        return None
+
+    def set_state(self, state: object) -> None:  # noqa: B027
+        """Remember `state`, which `state()` returned before."""
+
+
+class _Combined(Condition):
+    """Has members; passes reset and state on to them.
+
+    Args:
+        members: The conditions, one at least.
+    """
+
+    def __init__(self, members: Sequence[Condition]) -> None:
+        what = f"members of {type(self).__name__}"
+        for number, member in enumerate(members := as_several(members, what)):
+            as_record(member, Condition, f"entry {number} of {what}")  # type: ignore[type-abstract]
+        self.members = tuple(members)
+        if not self.members:
+            raise TaskError(f"{type(self).__name__} needs at least one condition.")
+
+    def _asked(self) -> list[bool]:
+        """Evaluate every member, so that those which keep count see every instant."""
+        return [member.met() for member in self.members]
+
+    def reset(self) -> None:
+        """Reset every member."""
+        for member in self.members:
+            member.reset()
+
+    def state(self) -> tuple[object, ...]:
+        """Return the states of the members."""
+        return tuple(member.state() for member in self.members)
+
+    def set_state(self, state: object) -> None:
+        """Set the states of the members."""
+        for member, value in zip(self.members, cast(tuple[object, ...], state), strict=True):
+            member.set_state(value)
+
+
+class AllOf(_Combined):
+    """Holds while every member holds at the same instant."""
+
+    def met(self) -> bool:
+        """Return whether all members hold now; every one is evaluated."""
+        return all(self._asked())
+
+
+class AnyOf(_Combined):
+    """Holds while at least one member holds."""
+
+    def met(self) -> bool:
+        """Return whether a member holds now; every one is evaluated."""
+        return any(self._asked())
+
+
+class InOrder(_Combined):
+    """Holds once every member has held in turn, and from then on until reset.
+
+    Each evaluation passes as many consecutive members as hold right now and stops at the first that does not. What was
+    passed stays passed, so members need not hold together.
+
+    Args:
+        members: The conditions in the order in which they have to hold, one at least.
+    """
+
+    def __init__(self, members: Sequence[Condition]) -> None:
+        super().__init__(members)
+        self.passed = 0
+
+    def met(self) -> bool:
+        """Pass the members that hold now, in turn, and return whether all have been passed."""
+        while self.passed < len(self.members) and self.members[self.passed].met():
+            self.passed += 1
+        return self.passed == len(self.members)
+
+    def reset(self) -> None:
+        """Begin with the first member again."""
+        super().reset()
+        self.passed = 0
+
+    def state(self) -> tuple[object, ...]:
+        """Return how many members were passed, then the states of all."""
+        return (self.passed, *super().state())
+
+    def set_state(self, state: object) -> None:
+        """Set how many members were passed, and the states of all."""
+        passed, *members = cast(tuple[object, ...], state)
+        self.passed = cast(int, passed)
+        super().set_state(tuple(members))
+
+
+def is_detected(thing: Body | Frame, sensor: Sensor) -> bool:
+    """Return whether any part of a body touches the volume, or whether the origin of a frame lies in it."""
+    return sensor.detects(thing.name) if has_extent(thing) else sensor.contains(thing.position)
+
+
+class Detected(Condition):
+    """Holds while any part of a body touches the volume of a sensor; for a frame its origin must be inside.
+
+    Args:
+        thing: A body or a frame.
+        sensor: The volume.
+        negated: Invert the answer.
+    """
+
+    def __init__(self, thing: Body | Frame, sensor: Sensor, negated: bool = False) -> None:
+        self.thing, self.sensor = as_object(thing, BODY_OR_FRAME, "thing"), as_object(sensor, SENSOR, "sensor")
+        self.negated = as_flag(negated, "negated")
+
+    def met(self) -> bool:
+        """Return whether the object is detected now, or is not when negated."""
+        return is_detected(self.thing, self.sensor) != self.negated
+
+
+class DetectedSeveral(Condition):
+    """Holds while at least `count` of the objects are detected; which ones does not matter.
+
+    Args:
+        things: Bodies and frames.
+        sensor: The volume.
+        count: How many, from 1 to all.
+    """
+
+    def __init__(self, things: Sequence[Body | Frame], sensor: Sensor, count: int) -> None:
+        self.things, self.sensor = as_objects(things, BODY_OR_FRAME, "things"), as_object(sensor, SENSOR, "sensor")
+        self.count = as_whole(count, "count")
+        if not 0 < self.count <= len(self.things):
+            raise TaskError(f"DetectedSeveral asks for {count} of {len(self.things)} things; choose 1 to {len(self.things)}.")
+
+    def met(self) -> bool:
+        """Return whether at least `count` objects are detected now."""
+        return sum(is_detected(thing, self.sensor) for thing in self.things) >= self.count
+
+
+class TipInside(Condition):
+    """Holds while the gripper tip point is inside the volume of a sensor.
+
+    Args:
+        robot: The arm, `self.robot`.
+        sensor: The volume.
+    """
+
+    def __init__(self, robot: SimRobot, sensor: Sensor) -> None:
+        self.robot, self.sensor = as_object(robot, ARM, "robot"), as_object(sensor, SENSOR, "sensor")
+
+    def met(self) -> bool:
+        """Return whether the tip point is inside the volume now."""
+        return self.sensor.contains(self.robot.tip_pose()[:3])
+
+
+MAX_STRIKES = 3
+
+
+class FollowPath(Condition):
+    """Holds once a body has visited all points in order, coming within half of `tolerance` of each.
+
+    An evaluation that finds the body farther than `tolerance` from the point it looks at first is a strike, once the
+    path has been started. A visited point clears the strikes. Past `MAX_STRIKES` a further miss sets `lost`.
+
+    Args:
+        body: What has to travel.
+        points: Way points, shape (n, 3), [m], in the coordinates of `frame`.
+        frame: Frame of the points; None is the world.
+        tolerance: Distance of a miss [m].
+        start_after_first: No strikes before the first point was visited.
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        points: Sequence[Sequence[float]] | FloatArray,
+        frame: Frame | None = None,
+        tolerance: float = 0.01,
+        start_after_first: bool = True,
+    ) -> None:
+        self.body = as_object(body, BODY, "body")
+        self.frame = None if frame is None else as_object(frame, FRAME, "frame")
+        self.points = np.array(as_rows(points, 3, "points"))
+        self.tolerance = as_number(tolerance, "tolerance [m]", above=0.0)
+        self.start_after_first = as_flag(start_after_first, "start_after_first")
+        self.index, self.strikes, self.lost = 0, 0, False
+
+    def met(self) -> bool:
+        """Advance over the points that the body is at now, and return whether all were visited."""
+        first = True
+        while self.index < len(self.points):
+            distance = self._distance()
+            if distance > self.tolerance / 2.0:
+                if distance > self.tolerance and first:
+                    self._miss()
+                return False
+            self.index, self.strikes, first = self.index + 1, 0, False
+        return True
+
+    def _miss(self) -> None:
+        if self.index == 0 and self.start_after_first:
+            return
+        self.lost = self.strikes > MAX_STRIKES
+        self.strikes += 1
+
+    def _distance(self) -> float:
+        point = self.points[self.index]
+        if self.frame is not None:
+            point = pose_to_se3(self.frame.pose).act(point)
+        return float(np.linalg.norm(self.body.position - point))
+
+    def reset(self) -> None:
+        """Begin with the first point again, without strikes."""
+        self.index, self.strikes, self.lost = 0, 0, False
+
+    def state(self) -> tuple[int, int, bool]:
+        """Return the number of points visited, the strikes, and whether the path was lost."""
+        return self.index, self.strikes, self.lost
+
+    def set_state(self, state: object) -> None:
+        """Set the number of points visited, the strikes, and whether the path was lost."""
+        self.index, self.strikes, self.lost = cast(tuple[int, int, bool], state)
+
+
+class Grasped(Condition):
+    """Holds while `body` is attached to the gripper.
+
+    Args:
+        gripper: The gripper, `self.gripper`.
+        body: A body that may be grasped.
+    """
+
+    def __init__(self, gripper: SimGripper, body: Body) -> None:
+        self.gripper = as_object(gripper, GRIPPER, "gripper")
+        self.body = as_object(body, BODY, "body")
+
+    def met(self) -> bool:
+        """Return whether the body is attached to the gripper now."""
+        return self.body.name in self.gripper.grasped
+
+
+class NothingGrasped(Condition):
+    """Holds while nothing is attached to the gripper.
+
+    Args:
+        gripper: The gripper, `self.gripper`.
+    """
+
+    def __init__(self, gripper: SimGripper) -> None:
+        self.gripper = as_object(gripper, GRIPPER, "gripper")
+
+    def met(self) -> bool:
+        """Return whether the gripper holds nothing now."""
+        return not self.gripper.grasped
+
+
+class HasColor(Condition):
+    """Holds while the visible colour of `body` is exactly `rgb`.
+
+    Args:
+        body: The body.
+        rgb: Red, green, blue in 0..1.
+    """
+
+    def __init__(self, body: Body, rgb: Sequence[float]) -> None:
+        self.body = as_object(body, COLORED_BODY, "body")
+        self.rgb = np.array(as_vector(rgb, 3, "rgb", most=1.0))
+
+    def met(self) -> bool:
+        """Return whether the body shows the colour now."""
+        color = self.body.color
+        return color is not None and np.allclose(np.asarray(color, dtype=float)[:3], self.rgb, rtol=0.0, atol=1e-9)
+
+
+class JointMoved(Condition):
+    """Holds while a joint is more than `distance` away from its value at the start of the episode, in either direction.
+
+    Args:
+        joint: The joint of an object.
+        distance: Travel to exceed, [rad] or [m].
+    """
+
+    def __init__(self, joint: ObjectJoint, distance: float) -> None:
+        self.joint = as_object(joint, JOINT, "joint")
+        self.distance = as_number(distance, "distance [rad] or [m]", least=0.0)
+        self.start = float(joint.position)
+
+    def met(self) -> bool:
+        """Return whether the joint is far enough from its start now."""
+        return abs(float(self.joint.position) - self.start) > self.distance
+
+    def reset(self) -> None:
+        """Take the present value of the joint as its start."""
+        self.start = float(self.joint.position)
+
+    def state(self) -> float:
+        """Return the value at the start [rad] or [m]."""
+        return self.start
+
+    def set_state(self, state: object) -> None:
+        """Set the value at the start [rad] or [m]."""
+        self.start = cast(float, state)
+
+
+class ListEmpty(Condition):
+    """Holds while a list that the task keeps has no entries left.
+
+    Args:
+        items: The list itself; change it in place.
+    """
+
+    def __init__(self, items: Sized) -> None:
+        try:
+            len(items)
+        except Exception as error:  # of whatever it is
+            raise InvalidValue("items", items, "has to be a list, or something else that has a length") from error
+        self.items = items
+
+    def met(self) -> bool:
+        """Return whether the list is empty now."""
+        return len(self.items) == 0
