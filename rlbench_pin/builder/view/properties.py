@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from rlbench_pin.builder.document import HasDependants
+from rlbench_pin.builder.document import HasDependants, TaskDocument
 from rlbench_pin.builder.view.placing import SNAPS, Vector3, angles_of, pose_of, position_of
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.waypoints import show_overview, show_waypoint
@@ -102,11 +102,12 @@ def _show_confirmation(panel: Panel, session: Session, needed: HasDependants) ->
 
 def _rename(session: Session, old: str, new: str) -> None:
     left: list[str] = []
-    step = session.document.step
-    session.do(lambda document: left.extend(document.rename(old, new)))
-    if session.document.step == step:
-        return
-    session.select(new)
+
+    def rename(document: TaskDocument) -> str:
+        left.extend(document.rename(old, new))
+        return new
+
+    session.do_and_select(rename)
     if left:
         lines = "\n".join(f"line {line}" for line in left)
         session.tell("Renamed", f"The Python still names '{old}' in lines that were not changed:\n{lines}", bad=True)

@@ -127,10 +127,11 @@ class Session:
 
     def do_and_select(self, edit: Callable[[TaskDocument], str]) -> None:
         """Make an edit that returns the name of an element, and select that element."""
-        names: list[str] = []
-        self.do(lambda document: names.append(edit(document)))
-        if names:
-            self.select(names[0])
+
+        def edit_and_select(document: TaskDocument) -> None:
+            self.selected = edit(document)
+
+        self.do(edit_and_select)
 
     def changed(self) -> None:
         """Call all listeners."""
