@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from harness import Result, main, summary, velocity_environment
 
 from rlbench_pin.environment import LegReport
-from rlbench_pin.environment.listener import Listener
+from rlbench_pin.environment.runtime import Listener
 from rlbench_pin.errors import PlanningError
 from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.plan import Plan

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from harness import velocity_environment
 
-from rlbench_pin.environment.listener import Listener
+from rlbench_pin.environment.runtime import Listener
 from rlbench_pin.errors import PlanningError
 from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.path import through

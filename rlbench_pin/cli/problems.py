@@ -10,8 +10,8 @@ from rlbench_pin.cli.arguments import problems as arguments
 from rlbench_pin.cli.list_tasks import named_tasks
 from rlbench_pin.cli.process.files import check_folder
 from rlbench_pin.cli.process.words import check_at_least, checked_names
-from rlbench_pin.environment.listener import Listener
 from rlbench_pin.environment.presets import low_dim_config, make_environment
+from rlbench_pin.environment.runtime import Listener
 from rlbench_pin.errors import PlanningError
 from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.plan import Plan

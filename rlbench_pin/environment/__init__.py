@@ -28,7 +28,6 @@ from rlbench_pin.environment.demonstrate import DemoOutcome, LegReport
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import EnvironmentState
-from rlbench_pin.environment.listener import Listener
 from rlbench_pin.environment.observations import (
     Camera,
     CameraConfig,
@@ -44,7 +43,7 @@ from rlbench_pin.environment.observations import (
 from rlbench_pin.environment.presets import clear_view, low_dim_config, make_environment, picture_config
 from rlbench_pin.environment.randomization import DynamicsRandomizationConfig, RandomizeEvery, VisualRandomizationConfig
 from rlbench_pin.environment.replay import key_frame_actions, key_frames_succeed
-from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.environment.runtime import Listener, Runtime
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.front_door import front_door
 

@@ -153,7 +153,7 @@ class DemoPlayer:
     def _run_leg(self, waypoint: Waypoint, rest: Sequence[Waypoint], turns: Sequence[float]) -> None:
         self._succeeded = False
         plan = self._plan(waypoint, rest, turns)
-        self.runtime.listeners.leg(waypoint, plan)
+        self.runtime.listeners.segment(waypoint, plan)
         self._ignores_collisions = waypoint.ignore_collisions
         if len(self.frames) == 1:
             self._flag(self.frames[0])

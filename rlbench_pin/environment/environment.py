@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rlbench_pin.datasets.layout import MANIFEST
-from rlbench_pin.environment.actions.action_mode import ActionMode
+from rlbench_pin.environment.actions.mode import ActionMode
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import camera_misc
 from rlbench_pin.environment.observations.placing import Camera, CameraPlaces, Cameras
@@ -227,7 +227,7 @@ class Environment:
     @property
     def action_size(self) -> int:
         """How many numbers an action has; known after `launch()`."""
-        return self._action_mode.action_shape(self._launched("The shape of actions is"))
+        return self._action_mode.shape(self._launched("The shape of actions is"))[0]
 
     def action_bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest values of an action, each of shape (n,); known after `launch()`.
@@ -235,7 +235,7 @@ class Environment:
         Raises:
             NotLaunched: Before `launch()` (also a RuntimeError).
         """
-        return self._action_mode.action_bounds(self._launched("The bounds of actions are"))
+        return self._action_mode.bounds(self._launched("The bounds of actions are"))
 
     def _launched(self, what: str) -> Runtime:
         """Return the present runtime; before the first task, one of the arm at an empty table."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.environment import demos
-from rlbench_pin.environment.actions.action_mode import ActionMode
+from rlbench_pin.environment.actions.mode import ActionMode
 from rlbench_pin.environment.demonstrate import DemoOutcome
 from rlbench_pin.environment.episode import MOST_DEMOS, EnvironmentState, EpisodeOrigin, EpisodeRandom, checked_seed, demo_seeds
 from rlbench_pin.environment.motion import success_lasts
@@ -176,10 +176,10 @@ class TaskEnvironment:
             NoShapedReward: Shaped rewards are on and the task gives none (also a RuntimeError).
         """
         self._started("step")
-        with self._runtime.judging() as verdict:
+        with self._runtime.acting() as result:
             self._action_mode.action(self._runtime, action)
-        self._succeeded = verdict.success
-        return self.get_observation(), verdict.reward(self._shaped_rewards), verdict.over
+        self._succeeded = result.success
+        return self.get_observation(), result.reward(self._shaped_rewards), result.over
 
     def success_lasts(self) -> bool:
         """Whether the goal, reached now, lasts 1 s with the arm at rest, the hand as it is. Afterwards all is as it was."""
@@ -188,7 +188,7 @@ class TaskEnvironment:
 
     def action_bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Return lowest and highest values of an action, each of shape (n,)."""
-        return self._action_mode.action_bounds(self._runtime)
+        return self._action_mode.bounds(self._runtime)
 
     def get_observation(self) -> Observation:
         """Observe without stepping."""

@@ -12,7 +12,7 @@ import numpy as np
 from gymnasium.utils import EzPickle
 
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
-from rlbench_pin.environment.actions.action_mode import ActionMode, JointPositionActionMode
+from rlbench_pin.environment.actions import ActionMode, JointPositionActionMode
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import checked_seed
 from rlbench_pin.environment.observations.boxes import boxed_settings
@@ -117,7 +117,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         self._task = self._environment.get_task(task)
         self._task.set_variation(variation)
         self._variation = variation
-        self._spec = self._task.action_mode.action_spec(self._task.runtime)
+        self._spec = self._task.action_mode.spec(self._task.runtime)
         self.action_space = action_space(self._spec)
         self._dict_space = observation_space(self._task.runtime, seen, size)
         self.observation_space = self._dict_space  # type: ignore[assignment]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 
-from rlbench_pin.environment.actions.specification import ActionSpec
+from rlbench_pin.environment.actions.mode import ActionSpec
 from rlbench_pin.environment.observations.boxes import boxed
 from rlbench_pin.environment.observations.config import LOW_DIM_FIELDS, Instant
 from rlbench_pin.environment.runtime import Runtime

@@ -57,7 +57,6 @@ class World:
         texture_overrides: Textures over the colours of robot, bodies and room.
         dynamics_overrides: Scaled masses, friction, damping and gains.
         resting: Bodies that sleep until something comes near them.
-        on_step: Called after every tick.
         on_physics: Called before every physics step; may command the arm.
         keepers: What others keep beside the world and want saved and restored with it.
         client: The physics server, for modules of this folder only.
@@ -75,7 +74,6 @@ class World:
     ) -> None:
         self.spec, self.timestep, self.control_dt = spec, timestep, control_dt
         self._substeps, self._ticks = whole_ratio(control_dt, timestep), 0
-        self.on_step: list[Callable[[], None]] = []
         self.on_physics: list[Callable[[], None]] = []
         self.keepers: list[state.StateKeeper] = []
         self.client = open_client(timestep, renderer)
@@ -177,8 +175,6 @@ class World:
         self.resting.end_tick()
         self._ticks += 1
         self.robot.forget_measurements()
-        for callback in self.on_step:
-            callback()
 
     # Changing the world ----------------------------------------------------------------------------------------------
 

@@ -122,7 +122,7 @@ def test_checkered_actions_move_nothing(reach: TaskEnvironment) -> None:
         with pytest.raises(InvalidActionError):
             reach.step(action)
         with pytest.raises(InvalidActionError):
-            checked_action(action, reach.action_mode.action_spec(reach.runtime))
+            checked_action(action, reach.action_mode.spec(reach.runtime))
     assert reach.get_observation().get_low_dim_data().tobytes() == before
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.demonstrate import DemoPlayer, Omission, try_play
-from rlbench_pin.environment.listener import Listener
+from rlbench_pin.environment.runtime import Listener
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.tasks import Waypoint
 
@@ -25,7 +25,7 @@ class Record(Listener):
         self.observations += 1
         self.seconds += seconds
 
-    def on_leg(self, waypoint: Waypoint, plan: Plan) -> None:
+    def on_segment(self, waypoint: Waypoint, plan: Plan) -> None:
         self.legs.append((waypoint.index, plan.report.method))
 
 
@@ -53,7 +53,8 @@ def test_nothing_is_left_behind(reach: TaskEnvironment) -> None:
     reach.runtime.step()
     reach.get_observation()
     assert (record.ticks, record.observations) == (1, 0)
-    assert reach.world.on_physics == reach.world.on_step == []
+    assert reach.world.on_physics == reach.runtime.before_tick == []
+    assert len(reach.runtime.after_tick) == 1  # the step of the task
 
 
 def test_what_is_omitted_is_not_done(reach: TaskEnvironment) -> None:

@@ -11,8 +11,7 @@ from rlbench_pin.builder.contracts import Failure, Frame, Leg, Recording
 from rlbench_pin.builder.playback.conditions import looked_at, success_texts
 from rlbench_pin.builder.playback.failures import failure_of
 from rlbench_pin.environment.demonstrate import DemoPlayer
-from rlbench_pin.environment.listener import Listener
-from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.environment.runtime import Listener, Runtime
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError, PlanningError, ResetError, WaypointError
 from rlbench_pin.planning.plan import Plan
@@ -102,7 +101,7 @@ class FrameRecorder(Listener):
             colors=painted_links(runtime.world),
         )
 
-    def on_leg(self, waypoint: Waypoint, plan: Plan) -> None:
+    def on_segment(self, waypoint: Waypoint, plan: Plan) -> None:
         """Note where a leg of a demonstration begins."""
         leg = Leg(waypoint.frame.name, len(self.frames) - 1, plan.report.method)
         self.legs.append(leg)

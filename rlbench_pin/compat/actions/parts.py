@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from rlbench_pin.compat.unwrap import SceneLike, runtime_of
-from rlbench_pin.environment.actions.mode import PartMode, as_action, checked
+from rlbench_pin.environment.actions.mode import Mode, as_action
 from rlbench_pin.spatial import FloatArray
 
 
-class ScenePart(PartMode):
+class ScenePart(Mode):
     """Goes in front of one of our modes in the bases of a class."""
 
     def action(self, scene: SceneLike, action: object) -> None:
@@ -26,22 +26,22 @@ class ScenePart(PartMode):
 
     def action_step(self, scene: SceneLike, action: object) -> None:
         """Step the simulation until the action is done."""
-        self.execute(runtime_of(scene), self.values(scene, action))
+        self.steps(runtime_of(scene), self.values(scene, action))
 
     def action_post_step(self, scene: SceneLike, action: object) -> None:
         """Come to rest."""
 
     def action_shape(self, scene: SceneLike | None = None) -> tuple[int]:
         """Return the shape of an action."""
-        return (self.action_spec(runtime_of(scene)).size,)
+        return (self.spec(runtime_of(scene)).size,)
 
     def action_bounds(self, scene: SceneLike | None = None) -> tuple[FloatArray, FloatArray]:
         """Return lowest and highest values of an action, each of shape (n,)."""
-        spec = self.action_spec(runtime_of(scene))
+        spec = self.spec(runtime_of(scene))
         return spec.low.copy(), spec.high.copy()
 
     def values(self, scene: SceneLike, action: object) -> FloatArray:
         """Return the numbers (n,) of an action, or raise InvalidActionError when it is refused."""
         runtime = runtime_of(scene)
-        numbers = as_action(action, self.action_spec(runtime).size, type(self).__name__)
-        return checked(self, runtime, numbers)
+        numbers = as_action(action, self.spec(runtime).size, type(self).__name__)
+        return self.check(runtime, numbers)

@@ -2,26 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from rlbench_pin.compat.motors.motors import Asked, Numbers, vector
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.spatial import FloatArray, compose
-
-
-@dataclass(frozen=True)
-class AskedOfArm:
-    """Keeps what was asked of the arm, with its runtime."""
-
-    def bind(self, runtime: Runtime) -> Asked:
-        """Start with no velocity and all the force that the motors have."""
-        return Asked(np.zeros(runtime.model.size), runtime.robot.effort_limits.copy())
-
-
-_ARM = AskedOfArm()
 
 
 class ArmMotors:
@@ -103,7 +89,9 @@ class ArmMotors:
 
     @property
     def _asked(self) -> Asked:
-        return self._runtime.bound(_ARM)
+        """What was asked of the arm: no velocity at first, and all the force that the motors have."""
+        runtime = self._runtime
+        return runtime.kept(ArmMotors, lambda: Asked(np.zeros(runtime.model.size), runtime.robot.effort_limits.copy()))
 
     def _drive(self) -> None:
         """Command what was asked: torques where velocities out of reach meet capped forces, otherwise velocities."""

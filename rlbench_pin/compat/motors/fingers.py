@@ -2,27 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from rlbench_pin.compat.motors.motors import Asked, Numbers, vector
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.spatial import FloatArray
-
-
-@dataclass(frozen=True)
-class AskedOfFingers:
-    """Keeps what was asked of the fingers, with its runtime."""
-
-    def bind(self, runtime: Runtime) -> Asked:
-        """Start with no velocity and the hand's own force."""
-        count = len(runtime.description.gripper_joints)
-        return Asked(np.zeros(count), np.full(count, runtime.description.gripper_force))
-
-
-_FINGERS = AskedOfFingers()
 
 
 class FingerMotors:
@@ -35,6 +20,12 @@ class FingerMotors:
     @property
     def _count(self) -> int:
         return len(self._runtime.description.gripper_joints)
+
+    @property
+    def _asked(self) -> Asked:
+        """What was asked of the fingers: no velocity at first, and the gripper's own force."""
+        force = self._runtime.description.gripper_force
+        return self._runtime.kept(FingerMotors, lambda: Asked(np.zeros(self._count), np.full(self._count, force)))
 
     def positions(self) -> FloatArray:
         """Measured finger positions (2,) [m]."""
@@ -75,11 +66,11 @@ class FingerMotors:
 
     def target_velocities(self) -> FloatArray:
         """Finger velocities (2,) that were asked for [m/s]."""
-        return self._runtime.bound(_FINGERS).velocities.copy()
+        return self._asked.velocities.copy()
 
     def set_target_velocities(self, velocities: Numbers) -> None:
         """Open at a positive, close at a negative mean of velocities (2,) [m/s]; hold at zero."""
-        asked = self._runtime.bound(_FINGERS)
+        asked = self._asked
         asked.velocities = vector(velocities, self._count, "finger velocities")
         speed = float(asked.velocities.mean())
         if speed == 0.0:
@@ -89,7 +80,7 @@ class FingerMotors:
 
     def set_forces(self, forces: Numbers) -> None:
         """Cap the fingers' forces (2,) [N], from the next motion on."""
-        self._runtime.bound(_FINGERS).forces = np.abs(vector(forces, self._count, "finger forces"))
+        self._asked.forces = np.abs(vector(forces, self._count, "finger forces"))
 
     def control_loop(self) -> bool:
         """Always true: finger motors follow positions, at a given speed."""
@@ -100,7 +91,7 @@ class FingerMotors:
 
     def open_to(self, amount: float, speed: float) -> None:
         """Go to an opening, 0 shut to 1 open, at a finger speed [m/s], with the force that was set."""
-        self._runtime.gripper.set_target(amount, speed, float(self._runtime.bound(_FINGERS).forces.mean()) or None)
+        self._runtime.gripper.set_target(amount, speed, float(self._asked.forces.mean()) or None)
 
     def _go(self, position: float, speed: float) -> None:
         self.open_to(float(np.clip(position / self._runtime.description.gripper_open, 0.0, 1.0)), speed)

@@ -41,7 +41,7 @@ class Randomizer:
         self._rng = np.random.default_rng(0)
         self.current: RandomizationSample | None = None
         if every is RandomizeEvery.TRANSITION:
-            runtime.call_each_tick(self._event)
+            runtime.after_tick.append(self._event)
 
     # Events ----------------------------------------------------------------------------------------------------------
 

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
-from rlbench_pin.environment.actions.action_mode import ActionMode
+from rlbench_pin.environment.actions.mode import ActionMode
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.task_environment import TaskEnvironment

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from rlbench_pin.environment.actions.action_mode import ActionMode
+from rlbench_pin.environment.actions.mode import ActionMode
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.evaluation.policies.action_description import describe_action_mode, make_action_mode
 from rlbench_pin.evaluation.policies.faults import PolicySettingsError

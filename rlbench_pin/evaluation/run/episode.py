@@ -107,7 +107,7 @@ class Episode:
 
     def _more(self) -> int:
         """How many numbers may follow those of the specification."""
-        return int(getattr(self.task.action_mode.arm_action_mode, "optional_values", 0))
+        return self.task.action_mode.optional_values
 
     def demonstrate(self, limits: Limits) -> tuple[End, str]:
         """Play the demonstration of this very seed once; return how it ended, and why there is none."""

@@ -30,9 +30,9 @@ from rlbench_pin.builder.stage.inside.standin import stand_in
 from rlbench_pin.builder.stage.problems import Pair, problem_of
 from rlbench_pin.checking.reach import reach_of
 from rlbench_pin.environment import Environment, TaskEnvironment
-from rlbench_pin.environment.actions.action_mode import MoveArmThenGripper
 from rlbench_pin.environment.actions.gripper import Discrete
 from rlbench_pin.environment.actions.joint import JointPosition
+from rlbench_pin.environment.actions.mode import MoveArmThenGripper
 from rlbench_pin.environment.episode import EpisodeRandom, drawn_variations
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.environment.reset import lay_out

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench_pin.environment.actions.action_mode import MoveArmThenGripper
 from rlbench_pin.environment.actions.gripper import Discrete
 from rlbench_pin.environment.actions.joint import JointVelocity
+from rlbench_pin.environment.actions.mode import MoveArmThenGripper
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.evaluation.baselines.classical.errors import NothingFound
 from rlbench_pin.evaluation.baselines.classical.instruction import Instruction

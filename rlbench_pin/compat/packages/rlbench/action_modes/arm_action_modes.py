@@ -28,7 +28,7 @@ from rlbench_pin.compat.actions import (
 )
 from rlbench_pin.compat.unwrap import SceneLike, runtime_of
 from rlbench_pin.environment.actions import joint, pose
-from rlbench_pin.environment.actions.arm_mode import FrameChoice, as_frame, assert_unit_quaternion
+from rlbench_pin.environment.actions.mode import FrameChoice, as_frame, assert_unit_quaternion
 from rlbench_pin.observation import Observation
 from rlbench_pin.spatial import FloatArray, compose
 
@@ -69,7 +69,7 @@ class JointPart(ScenePart, joint.JointMode):
 
     def action_pre_step(self, scene: SceneLike, action: object) -> None:
         """Command the joints."""
-        super(ScenePart, self).action_pre_step(runtime_of(scene), self.values(scene, action))  # of the native mode
+        self.pre_step(runtime_of(scene), self.values(scene, action))
 
     def action_step(self, scene: SceneLike, action: object) -> None:
         """Step the simulation once."""
@@ -77,7 +77,7 @@ class JointPart(ScenePart, joint.JointMode):
 
     def action_post_step(self, scene: SceneLike, action: object) -> None:
         """Come to rest."""
-        super(ScenePart, self).action_post_step(runtime_of(scene), self.values(scene, action))
+        self.post_step(runtime_of(scene), self.values(scene, action))
 
 
 class JointVelocity(JointPart, joint.JointVelocity, ArmActionMode):

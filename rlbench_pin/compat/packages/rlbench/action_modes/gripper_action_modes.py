@@ -57,7 +57,7 @@ class Discrete(HandPart, native.Discrete, GripperActionMode):
         Raises:
             InvalidActionError: The action is refused; nothing has moved.
         """
-        self.execute(runtime_of(scene), self.values(scene, action))
+        self.steps(runtime_of(scene), self.values(scene, action))
 
     def action_pre_step(self, scene: SceneLike, action: object) -> None:
         """Send the fingers on their way, for modes that step the simulation themselves."""
@@ -98,7 +98,7 @@ class GripperJointPosition(HandPart, native.GripperJointPosition, GripperActionM
     def action_pre_step(self, scene: SceneLike, action: object) -> None:
         """Command the fingers."""
         runtime = runtime_of(scene)
-        super(ScenePart, self).action_pre_step(runtime, self.values(scene, action))  # of the native mode
+        self.pre_step(runtime, self.values(scene, action))
         if runtime.robot.mode == "torque":
             runtime.hold()
 
@@ -108,7 +108,7 @@ class GripperJointPosition(HandPart, native.GripperJointPosition, GripperActionM
 
     def action_post_step(self, scene: SceneLike, action: object) -> None:
         """Attach what stopped the fingers, or let go; then hold."""
-        super(ScenePart, self).action_post_step(runtime_of(scene), self.values(scene, action))
+        self.post_step(runtime_of(scene), self.values(scene, action))
 
     def action_shape(self, scene: SceneLike | None = None) -> tuple[int]:
         """Return the shape of an action, (1,)."""

@@ -105,10 +105,10 @@ def test_outside_of_actions_nobody_is_asked(reach: TaskEnvironment) -> None:
     reach.task.register_success_conditions([glimpse])
     reach.runtime.step()
     assert glimpse.asked == []
-    with reach.runtime.judging() as verdict:
+    with reach.runtime.acting() as result:
         pass
     assert glimpse.asked == [1]
-    assert not verdict.over
+    assert not result.over
     assert not reach.runtime.over
 
 

@@ -11,10 +11,12 @@ import pytest
 
 from rlbench_pin.environment import (
     ActionMode,
+    ArmActionMode,
     Discrete,
     EndEffectorVelocity,
     Environment,
     ERJointViaIK,
+    GripperActionMode,
     GripperJointPosition,
     JointPosition,
     JointPositionActionMode,
@@ -25,8 +27,8 @@ from rlbench_pin.environment import (
     SafeArm,
     TaskEnvironment,
 )
-from rlbench_pin.environment.actions import action_mode, mode
-from rlbench_pin.environment.actions.specification import ActionSpec
+from rlbench_pin.environment.actions import mode
+from rlbench_pin.environment.actions.mode import ActionSpec
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.spatial import FloatArray
@@ -80,10 +82,10 @@ def test_environments_write_nothing_into_the_mode() -> None:
 
 
 @pytest.mark.parametrize("make", MODES.values(), ids=MODES)
-def test_an_action_is_checked_once_and_the_specification_made_once(
+def test_an_action_is_checked_once_and_needs_no_specification(
     make: Callable[[], ActionMode], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """One check for each action; after the first, no specification is made."""
+    """One check for each action, which makes no specification."""
     checks, specs = [], []
     check, made = mode.as_action, ActionSpec.__post_init__
 
@@ -95,24 +97,20 @@ def test_an_action_is_checked_once_and_the_specification_made_once(
         specs.append(spec)
         made(spec)
 
-    for module in (mode, action_mode):
-        monkeypatch.setattr(module, "as_action", counted)
+    monkeypatch.setattr(mode, "as_action", counted)
     monkeypatch.setattr(ActionSpec, "__post_init__", counted_spec)
     task_env = task_of(make())
     low, high = task_env.action_bounds()
-    task_env.step(0.5 * (low + high))
-    checks.clear()
     specs.clear()
     for _ in range(3):
         task_env.step(0.5 * (low + high))
-    task_env.action_bounds()
     assert (len(checks), len(specs)) == (3, 0)
 
 
 def test_specifications_cannot_be_changed_by_those_who_read_them() -> None:
-    """Bounds of the kept specification are read-only; `action_bounds` gives copies."""
+    """Bounds of a specification are read-only; `action_bounds` gives copies."""
     task_env = task_of(MoveArmThenGripper(JointVelocity(), Discrete()))
-    spec = task_env.action_mode.action_spec(task_env.runtime)
+    spec = task_env.action_mode.spec(task_env.runtime)
     with pytest.raises(ValueError, match="read-only"):
         spec.low[0] = 0.0
     low, _ = task_env.action_bounds()
@@ -120,14 +118,16 @@ def test_specifications_cannot_be_changed_by_those_who_read_them() -> None:
     assert task_env.action_bounds()[0][0] == spec.low[0] != 0.0
 
 
-def test_an_arm_mode_with_an_action_of_its_own_gets_the_numbers() -> None:
-    """A subclass that replaces `action` is called, behind a filter too, and its own numbers are checked again."""
+def test_an_arm_mode_with_a_check_of_its_own_replaces_the_numbers() -> None:
+    """A check may return other numbers, or refuse them, behind a filter too."""
     given: list[FloatArray] = []
 
     class Halved(JointVelocity):
-        def action(self, runtime: Runtime, action: object) -> None:
-            given.append(np.array(action))
-            super().action(runtime, 0.5 * given[-1] if given[-1][0] < 1.0 else [0.0])
+        def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
+            if values[0] >= 1.0:
+                raise InvalidActionError("too fast")
+            given.append(values)
+            return 0.5 * values
 
     for arm in (Halved(), SafeArm(Halved())):
         task_env = task_of(MoveArmThenGripper(arm, Discrete()))
@@ -135,19 +135,19 @@ def test_an_arm_mode_with_an_action_of_its_own_gets_the_numbers() -> None:
         after = task_env.step([0.5] + [0.0] * 6 + [1.0])[0].joint_positions
         assert given.pop().tolist() == [0.5] + [0.0] * 6
         assert after[0] - before[0] == pytest.approx(0.25 * 0.05, abs=2e-3)
-        with pytest.raises(InvalidActionError, match=r"Halved takes an array of shape \(7,\), not \(1,\)"):
+        with pytest.raises(InvalidActionError, match="too fast"):
             task_env.step([1.0] + [0.0] * 6 + [1.0])
 
 
-def test_a_mode_of_ones_own_needs_an_action_and_a_shape() -> None:
+def test_a_whole_mode_may_have_an_action_and_a_shape_alone() -> None:
     """A whole mode may take its arm and gripper modes apart itself; these still refuse what they cannot do."""
 
     class ArmAlone(ActionMode):
         def action(self, runtime: Runtime, action: object) -> None:
-            self.arm_action_mode.action(runtime, action)  # type: ignore[arg-type]
+            self.arm_action_mode.action(runtime, action)
 
-        def action_shape(self, runtime: Runtime) -> int:
-            return self.arm_action_mode.action_shape(runtime)[0]
+        def shape(self, runtime: Runtime) -> tuple[int]:
+            return self.arm_action_mode.shape(runtime)
 
     with Environment(ArmAlone(JointPosition(), Discrete()), obs_config=low_dim_config(), seed=0) as env:
         task_env = env.get_task("reach_target")
@@ -158,33 +158,59 @@ def test_a_mode_of_ones_own_needs_an_action_and_a_shape() -> None:
             task_env.step(np.zeros(8))
 
 
-def test_parts_that_only_act_and_know_their_shape_are_enough() -> None:
-    """An arm mode that is no subclass of ours needs no specification to run."""
+def test_modes_that_know_their_shape_and_act_are_enough() -> None:
+    """An arm mode and a gripper mode need no specification to run."""
+    given: list[list[float]] = []
 
-    class Still:
-        def action(self, runtime: Runtime, action: FloatArray) -> None:
-            runtime.step()
-
-        def action_shape(self, runtime: Runtime) -> tuple[int]:
+    class Still(ArmActionMode):
+        def shape(self, runtime: Runtime) -> tuple[int]:
             return (2,)
 
-    task_env = task_of(MoveArmThenGripper(Still(), Discrete()))  # type: ignore[arg-type]
+    class Grip(GripperActionMode):
+        def shape(self, runtime: Runtime) -> tuple[int]:
+            return (1,)
+
+        def steps(self, runtime: Runtime, values: FloatArray) -> None:
+            given.append(values.tolist())
+
+    task_env = task_of(MoveArmThenGripper(Still(), Grip()))
     began = task_env.world.time
     task_env.step([0.0, 0.0, 1.0])
     assert task_env.world.time - began == pytest.approx(0.05)
+    assert given == [[1.0]]
     with pytest.raises(InvalidActionError, match=r"shape \(3,\)"):
         task_env.step(np.zeros(8))
+    with pytest.raises(NotImplementedError, match="spec"):
+        task_env.action_bounds()
+
+
+def test_a_motion_behind_the_filter_is_filtered_in_every_tick() -> None:
+    """Also a mode that claims one tick, and takes more."""
+
+    class Long(JointVelocity):
+        def steps(self, runtime: Runtime, values: FloatArray) -> None:
+            for _ in range(5):
+                runtime.step()
+
+    class LongMotion(Long):
+        ticks = None
+
+    for inner in (Long(), LongMotion()):
+        arm = SafeArm(inner)
+        task_env = task_of(MoveArmThenGripper(arm, Discrete()))
+        task_env.step([0.1] * 7 + [1.0])
+        assert arm.counts.ticks == 5
 
 
 def test_settings_that_are_replaced_take_effect_at_once() -> None:
     """Specification, bounds and shape follow the settings of a mode that was used before, and of its parts."""
     arm, gripper = ERJointViaIK(), GripperJointPosition()
     task_env = task_of(MoveArmThenGripper(arm, gripper))
-    chosen, first = task_env.action_mode, task_env.action_mode.action_spec(task_env.runtime)
+    chosen, first = task_env.action_mode, task_env.action_mode.spec(task_env.runtime)
     arm.commanded_joints, arm.absolute_mode, arm.frame = (0, 6), False, RelativeFrame.EE
     gripper.absolute_mode = False
-    spec = chosen.action_spec(task_env.runtime)
-    assert (first.size, spec.size, chosen.action_shape(task_env.runtime)) == (9, 10, 10)
+    spec = chosen.spec(task_env.runtime)
+    assert (first.size, spec.size, chosen.shape(task_env.runtime)) == (9, 10, (10,))
     assert (first.frame, spec.frame) == ("world", "end effector")
     assert (first.low[-1], spec.low[-1]) == (0.0, -spec.high[-1])
     chosen.arm_action_mode = JointVelocity()
@@ -208,32 +234,10 @@ def test_a_subclass_whose_bounds_follow_its_own_setting() -> None:
     assert np.array_equal(2.0 * task_env.action_bounds()[1][:-1], before[:-1])
 
 
-def test_a_check_may_return_nothing_or_other_numbers() -> None:
-    """A check that only raises leaves the numbers as they are; one that returns numbers replaces them."""
-    given: list[list[float]] = []
-
-    class Hand:
-        def __init__(self, other: list[float] | None) -> None:
-            self.other = other
-
-        def check(self, runtime: Runtime, values: FloatArray) -> FloatArray | None:
-            return None if self.other is None else np.array(self.other)
-
-        def action(self, runtime: Runtime, action: FloatArray) -> None:
-            given.append(action.tolist())
-
-        def action_shape(self, runtime: Runtime) -> tuple[int]:
-            return (1,)
-
-    for other in (None, [2.0]):
-        task_of(MoveArmThenGripper(JointVelocity(), Hand(other))).step([0.0] * 7 + [0.5])  # type: ignore[arg-type]
-    assert given == [[0.5], [2.0]]
-
-
 @pytest.mark.parametrize("make", MODES.values(), ids=MODES)
 def test_a_mode_that_was_used_can_be_sent_to_another_process(make: Callable[[], ActionMode]) -> None:
     """Modes keep no solvers, so they can be pickled and copied at any time."""
     task_env = task_of(make())
     task_env.step(0.5 * sum(task_env.action_bounds()))
     copied = pickle.loads(pickle.dumps(task_env.action_mode))
-    assert copied.action_shape(task_env.runtime) == task_env.action_mode.action_shape(task_env.runtime)
+    assert copied.shape(task_env.runtime) == task_env.action_mode.shape(task_env.runtime)
