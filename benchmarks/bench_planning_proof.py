@@ -17,9 +17,7 @@ from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.path import through
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.planning.planner import MotionPlanner
-from rlbench_pin.planning.timing.arc import ArcLimits
-from rlbench_pin.planning.timing.retime import retime
-from rlbench_pin.planning.timing.torque import TorqueLimits
+from rlbench_pin.planning.timing import ArcLimits, TorqueLimits, retime
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import task_names
 

@@ -15,7 +15,7 @@ from rlbench_pin.environment.runtime import Listener
 from rlbench_pin.errors import PlanningError
 from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.plan import Plan
-from rlbench_pin.planning.problems.problem import PlanningProblem, write_problem
+from rlbench_pin.planning.problems import PlanningProblem, write_problem
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.tasks import Task, find_task
 

@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, RotationSpline
 
 from rlbench_pin.errors import NotStraight
-from rlbench_pin.planning.kinematics.ik import descend
+from rlbench_pin.planning.kinematics import descend
 from rlbench_pin.planning.path import IsFree, JointPath, through
 from rlbench_pin.planning.requests import as_configuration, as_goal_pose, as_goal_poses, check_callable
 from rlbench_pin.robot.model import RobotModel

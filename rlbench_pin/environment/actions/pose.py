@@ -21,8 +21,7 @@ from rlbench_pin.environment.actions.mode import (
 from rlbench_pin.environment.motion import follow
 from rlbench_pin.environment.runtime import TIP_WORKSPACE, Runtime
 from rlbench_pin.errors import InvalidActionError, PlanningError, shown
-from rlbench_pin.planning.kinematics.ik import solve_ik
-from rlbench_pin.planning.kinematics.pinned_ik import solve_pinned_ik
+from rlbench_pin.planning.kinematics import solve_ik, solve_pinned_ik
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_flag, as_number, as_whole, items_of

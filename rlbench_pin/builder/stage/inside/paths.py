@@ -11,7 +11,7 @@ from rlbench_pin.builder.contracts import PlannedPath
 from rlbench_pin.builder.stage.inside.reachability import Reacher, Visit
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import NotStraight, PlanningError
-from rlbench_pin.planning.kinematics.ik import solve_ik
+from rlbench_pin.planning.kinematics import solve_ik
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray

@@ -15,7 +15,7 @@ from rlbench_pin.builder.contracts import Failure, Standing, WaypointVerdict
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.turns import poses_of, runs
 from rlbench_pin.errors import GoalInCollision, NoIkSolution
-from rlbench_pin.planning.kinematics.ik import solve_ik
+from rlbench_pin.planning.kinematics import solve_ik
 from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray

@@ -1,4 +1,4 @@
-"""Sampling-based planning in joint space."""
+"""Searching paths around obstacles, and shortening them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 
 from rlbench_pin.errors import NoPath
 from rlbench_pin.planning.path import edge_is_free
-from rlbench_pin.planning.search.sampling import ALGORITHMS, sample_path
+from rlbench_pin.planning.search import ALGORITHMS, leave_out, sample_path, shorten
 from rlbench_pin.robot.limits import JointLimits
 
 ONE = np.ones(2)
@@ -71,9 +71,51 @@ def test_another_process_agrees_and_is_silent() -> None:
     """The same bytes come out of a fresh process, which prints nothing else, not even at its end."""
     code = (
         "import numpy as np, sys; sys.path.insert(0, '.');"
-        "from tests.planning.search.test_sampling import *;"
+        "from tests.planning.test_search import *;"
         "sys.stdout.write(sample_path(START, [GOAL], wall_with_gap, SQUARE, seed=7).tobytes().hex())"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stderr == ""
     assert run.stdout == sample_path(START, [GOAL], wall_with_gap, SQUARE, seed=7).tobytes().hex()
+
+
+ZIGZAG = np.array([[0.0, 0.0], [0.2, 0.6], [0.4, -0.3], [0.6, 0.7], [0.8, 0.1], [1.0, 0.0]])
+
+
+def length(path: np.ndarray) -> float:
+    """Length of a polyline."""
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+
+
+def outside_disc(q: np.ndarray) -> bool:
+    """A disc on the straight way."""
+    return bool(np.linalg.norm(q - [0.5, 0.0]) > 0.2)
+
+
+def test_without_obstacles_only_the_ends_remain(rng: np.random.Generator) -> None:
+    """The shortest path is the edge from start to goal."""
+    np.testing.assert_array_equal(shorten(ZIGZAG, lambda q: True, rng), ZIGZAG[[0, -1]])
+    np.testing.assert_array_equal(leave_out(ZIGZAG, lambda q: True, 0.05), ZIGZAG[[0, -1]])
+
+
+def test_shortcuts_are_free_and_shorter(rng: np.random.Generator) -> None:
+    """Around an obstacle the path comes near its shortest length and keeps clear."""
+    detour = np.array([[0.0, 0.0], [0.0, 0.9], [1.0, 0.9], [1.0, 0.0]])
+    path = shorten(detour, outside_disc, rng, step=0.01, checks=5000)
+    assert all(edge_is_free(a, b, outside_disc, 0.01) for a, b in pairwise(path))
+    assert length(path) < 0.6 * length(detour)
+    np.testing.assert_array_equal(path[[0, -1]], detour[[0, -1]])
+
+
+def test_the_budget_of_shortcuts_is_kept(rng: np.random.Generator) -> None:
+    """No more checks are made than allowed, and the result is still free."""
+    calls = 0
+
+    def counted(q: np.ndarray) -> bool:
+        nonlocal calls
+        calls += 1
+        return outside_disc(q)
+
+    path = shorten(np.array([[0.0, 0.0], [0.0, 0.9], [1.0, 0.9], [1.0, 0.0]]), counted, rng, step=0.01, checks=150)
+    assert calls <= 150
+    assert all(edge_is_free(a, b, outside_disc, 0.01) for a, b in pairwise(path))

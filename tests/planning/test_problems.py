@@ -10,8 +10,14 @@ import pytest
 
 from rlbench_pin.errors import ProblemFileError
 from rlbench_pin.planning.planner import MotionPlanner
-from rlbench_pin.planning.problems.motion_bench import read_motion_bench
-from rlbench_pin.planning.problems.problem import PlanningProblem, read_problem, self_contained, solid_body, write_problem
+from rlbench_pin.planning.problems import (
+    PlanningProblem,
+    read_motion_bench,
+    read_problem,
+    self_contained,
+    solid_body,
+    write_problem,
+)
 from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import Shape, WorldSnapshot
