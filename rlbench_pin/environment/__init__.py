@@ -24,8 +24,7 @@ from rlbench_pin.environment.actions import (
     SafeArm,
     calculate_delta_pose,
 )
-from rlbench_pin.environment.demonstrate import DemoOutcome, LegReport
-from rlbench_pin.environment.demos import library_versions
+from rlbench_pin.environment.demos import DemoOutcome, SegmentReport, library_versions
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import EnvironmentState
 from rlbench_pin.environment.observations import (
@@ -72,7 +71,6 @@ __all__ = [
     "JointPositionActionMode",
     "JointTorque",
     "JointVelocity",
-    "LegReport",
     "Listener",
     "ModelObservationConfig",
     "MoveArmThenGripper",
@@ -82,6 +80,7 @@ __all__ = [
     "RelativeFrame",
     "Runtime",
     "SafeArm",
+    "SegmentReport",
     "TaskEnvironment",
     "VisualRandomizationConfig",
     "calculate_delta_pose",

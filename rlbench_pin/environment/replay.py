@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from rlbench_pin.datasets import key_frames
-from rlbench_pin.environment.demonstrate import EXTRA_TICKS
+from rlbench_pin.environment.demos import EXTRA_TICKS
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError, InvalidActionError
 from rlbench_pin.observation import Demo

@@ -9,7 +9,7 @@ import numpy as np
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.environment import demos
 from rlbench_pin.environment.actions.mode import ActionMode
-from rlbench_pin.environment.demonstrate import DemoOutcome
+from rlbench_pin.environment.demos import DemoOutcome
 from rlbench_pin.environment.episode import MOST_DEMOS, EnvironmentState, EpisodeOrigin, EpisodeRandom, checked_seed, demo_seeds
 from rlbench_pin.environment.motion import success_lasts
 from rlbench_pin.environment.observations.config import ObservationConfig

@@ -19,7 +19,7 @@ from rlbench_pin.environment.actions.joint import EndEffectorVelocity, JointPosi
 from rlbench_pin.environment.actions.mode import ActionMode, RelativeFrame
 from rlbench_pin.environment.actions.pose import ERJointViaIK, PoseMode
 from rlbench_pin.environment.actions.safe_arm import unwrapped
-from rlbench_pin.environment.demonstrate import EXTRA_TICKS
+from rlbench_pin.environment.demos import EXTRA_TICKS
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError, InvalidActionError
 from rlbench_pin.observation import Demo

@@ -10,7 +10,7 @@ import numpy as np
 from rlbench_pin.builder.contracts import Failure, Frame, Leg, Recording
 from rlbench_pin.builder.playback.conditions import looked_at, success_texts
 from rlbench_pin.builder.playback.failures import failure_of
-from rlbench_pin.environment.demonstrate import DemoPlayer
+from rlbench_pin.environment.demos import DemoPlayer
 from rlbench_pin.environment.runtime import Listener, Runtime
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError, PlanningError, ResetError, WaypointError

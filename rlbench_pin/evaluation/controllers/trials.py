@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rlbench_pin.environment.demonstrate import DemoPlayer, try_play
+from rlbench_pin.environment.demos import DemoPlayer, try_play
 from rlbench_pin.environment.motion import REST_SPEED
 from rlbench_pin.environment.runtime import Listener, Runtime, RuntimeState
 from rlbench_pin.environment.task_environment import TaskEnvironment

@@ -13,7 +13,7 @@ import numpy as np
 
 from rlbench_pin.builder.contracts import Failure, Standing, WaypointVerdict
 from rlbench_pin.environment.runtime import Runtime
-from rlbench_pin.environment.turns import poses_of, runs
+from rlbench_pin.environment.waypoint_planning import grasp_groups, poses_of
 from rlbench_pin.errors import GoalInCollision, NoIkSolution
 from rlbench_pin.planning.kinematics import solve_ik
 from rlbench_pin.robot.collision import CollisionModel
@@ -79,7 +79,7 @@ class Reacher:
         """Return the visits of all waypoints that this episode does not leave out, in order."""
         home = np.array(self._runtime.description.home)
         walk = Walk(home, self._model.tip_pose(home))
-        for run in runs([w for w in self._runtime.task.get_waypoints() if not w.skip]):
+        for run in grasp_groups([w for w in self._runtime.task.get_waypoints() if not w.skip]):
             walk = self._best(run, walk)
         return tuple(walk.visits)
 

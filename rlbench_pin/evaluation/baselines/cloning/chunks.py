@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from rlbench_pin.datasets import stored_demos
-from rlbench_pin.environment.observations.stored_pictures import resize
+from rlbench_pin.environment.stored import resize
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.evaluation.baselines.cloning.sentences import encode_sentence
 from rlbench_pin.observation import Demo, Observation

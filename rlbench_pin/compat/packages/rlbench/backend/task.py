@@ -18,7 +18,7 @@ from rlbench_pin.compat.tasks.library import check_present, library_task
 from rlbench_pin.compat.tasks.paper import PaperTask, adapter_of
 from rlbench_pin.compat.tasks.tree import TreeState, restore_tree, save_tree, thing_name
 from rlbench_pin.environment import ObservationConfig
-from rlbench_pin.environment.turns import check_feasible
+from rlbench_pin.environment.waypoint_planning import check_feasible
 from rlbench_pin.errors import TaskError
 from rlbench_pin.observation import Observation
 from rlbench_pin.spatial import FloatArray
