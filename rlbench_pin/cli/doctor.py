@@ -16,8 +16,8 @@ import numpy as np
 from rlbench_pin.cli.arguments import doctor as arguments
 from rlbench_pin.datasets import VideoWriter
 from rlbench_pin.environment.demos import library_versions
-from rlbench_pin.environment.observations.camera_config import CameraConfig
 from rlbench_pin.environment.observations.cameras import camera_view
+from rlbench_pin.environment.observations.config import CameraConfig
 from rlbench_pin.errors import CameraError, RlbenchPinError
 from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
 from rlbench_pin.scene.spec import SceneSpec

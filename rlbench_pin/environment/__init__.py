@@ -1,9 +1,5 @@
 """Environments that run tasks: Environment, TaskEnvironment, action modes, observations, demonstrations."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from rlbench_pin.environment.actions import (
     ActionMode,
     ActionSpec,
@@ -44,7 +40,6 @@ from rlbench_pin.environment.randomization import DynamicsRandomizationConfig, R
 from rlbench_pin.environment.replay import key_frame_actions, key_frames_succeed
 from rlbench_pin.environment.runtime import Listener, Runtime
 from rlbench_pin.environment.task_environment import TaskEnvironment
-from rlbench_pin.front_door import front_door
 
 __all__ = [
     "ActionMode",
@@ -93,6 +88,3 @@ __all__ = [
     "picture_config",
     "rgb_handles_to_mask",
 ]
-
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)

@@ -11,9 +11,9 @@ import numpy as np
 
 from rlbench_pin.datasets.layout import MANIFEST
 from rlbench_pin.environment.actions.mode import ActionMode
+from rlbench_pin.environment.observations.cameras import Camera, CameraPlaces, Cameras
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import camera_misc
-from rlbench_pin.environment.observations.placing import Camera, CameraPlaces, Cameras
 from rlbench_pin.environment.randomization.config import (
     DynamicsRandomizationConfig,
     RandomizeEvery,

@@ -11,9 +11,7 @@ from rlbench_pin.environment.actions.joint import JointPosition
 from rlbench_pin.environment.actions.mode import MoveArmThenGripper
 from rlbench_pin.environment.actions.pose import EndEffectorPoseViaPlanning
 from rlbench_pin.environment.environment import Environment
-from rlbench_pin.environment.observations.camera_config import CameraConfig
-from rlbench_pin.environment.observations.config import ObservationConfig
-from rlbench_pin.environment.observations.extra_cameras import ExtraCamera
+from rlbench_pin.environment.observations.config import CameraConfig, ExtraCamera, ObservationConfig
 from rlbench_pin.errors import InvalidCamera
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.sim import RendererName, look_at

@@ -10,9 +10,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from rlbench_pin.environment.observations.cameras import CameraPlaces, Cameras
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import Observer
-from rlbench_pin.environment.observations.placing import CameraPlaces, Cameras
 from rlbench_pin.errors import InvalidActionError, NoShapedReward
 from rlbench_pin.observation import Observation
 from rlbench_pin.planning.listener import ListenerList, PlanningListener

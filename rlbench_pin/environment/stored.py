@@ -12,9 +12,8 @@ import numpy as np
 from rlbench_pin.datasets import Episode, checked_task_name, stored_demos
 from rlbench_pin.datasets.formats.rlbench_reader import folder_demos, folder_descriptions, folder_episodes
 from rlbench_pin.datasets.reader import check_there, counted_files
-from rlbench_pin.environment.observations.camera_config import CameraConfig
-from rlbench_pin.environment.observations.config import ObservationConfig
-from rlbench_pin.environment.observations.masks import spread_mask
+from rlbench_pin.environment.observations.config import CameraConfig, ObservationConfig
+from rlbench_pin.environment.observations.observe import spread_mask
 from rlbench_pin.errors import DatasetError, InvalidArgument
 from rlbench_pin.observation import CAMERAS, LOW_DIM, PRODUCTS, Demo, Observation
 from rlbench_pin.values import as_flag, as_whole

@@ -22,9 +22,8 @@ from rlbench_pin.environment.actions.joint import JointPosition
 from rlbench_pin.environment.actions.mode import ActionMode, MoveArmThenGripper
 from rlbench_pin.environment.episode import checked_seed
 from rlbench_pin.errors import InvalidArgument, InvalidCamera
-from rlbench_pin.gym.environment import GymnasiumEnv
+from rlbench_pin.gym.environment import VISION_CAMERAS, GymnasiumEnv, GymObservation
 from rlbench_pin.gym.ids import MAX_EPISODE_STEPS
-from rlbench_pin.gym.spaces import VISION_CAMERAS, GymObservation
 from rlbench_pin.gym.vector import LazyAsyncVectorEnv
 from rlbench_pin.sim import RendererName
 from rlbench_pin.tasks import find_task, task_names, task_reference, usable_task_names

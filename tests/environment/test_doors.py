@@ -10,7 +10,7 @@ from rlbench_pin.environment.actions.mode import as_action
 from rlbench_pin.environment.episode import checked_seed, demo_seeds
 from rlbench_pin.environment.stored import StoredSelection
 from rlbench_pin.errors import InvalidActionError, InvalidArgument, InvalidValue, OutsideJointLimits, RlbenchPinError
-from rlbench_pin.gym.spaces import checked_action
+from rlbench_pin.gym.environment import checked_action
 
 NO_ACTIONS = {
     "complex": np.zeros(3, dtype=complex),

@@ -22,7 +22,7 @@ from rlbench_pin.control import (
 )
 from rlbench_pin.environment import ObservationConfig
 from rlbench_pin.environment.observations import CameraConfig, ExtraCamera, GaussianNoise
-from rlbench_pin.environment.observations.model_based import ModelObservationConfig
+from rlbench_pin.environment.observations.config import ModelObservationConfig
 from rlbench_pin.environment.randomization.config import DynamicsRandomizationConfig, VisualRandomizationConfig
 from rlbench_pin.errors import InvalidValue, RlbenchPinError, UnknownName, UnknownSetting
 from rlbench_pin.observation import Observation

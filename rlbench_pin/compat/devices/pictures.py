@@ -9,8 +9,7 @@ import numpy as np
 
 from rlbench_pin.compat.things import CameraSettings, Element, ObjectTable
 from rlbench_pin.compat.things.cameras import COLOR_CODED, CameraThing
-from rlbench_pin.environment.observations.masks import spread_mask
-from rlbench_pin.environment.observations.observe import normalised_depth
+from rlbench_pin.environment.observations.observe import normalised_depth, spread_mask
 from rlbench_pin.sim import CameraView
 from rlbench_pin.spatial import IDENTITY
 

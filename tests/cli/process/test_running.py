@@ -16,7 +16,7 @@ from rlbench_pin.cli.process import words as words_of_help
 from rlbench_pin.cli.process.commands import COMMANDS
 from rlbench_pin.cli.process.running import run
 from rlbench_pin.datasets import Compression
-from rlbench_pin.environment.observations.camera_config import RenderMode
+from rlbench_pin.environment.observations.config import RenderMode
 from rlbench_pin.evaluation import FOLLOWERS
 from rlbench_pin.recording.export import ExportFormat
 

@@ -54,6 +54,3 @@ def register_plugin_tasks() -> tuple[str, ...]:
     """Register the tasks that installed packages bring, and return their ids; broken ones are left out."""
     names = [name for name in usable_task_names() if task_origin(name)]
     return tuple(name for task in names for name in register_task(task))
-
-
-__all__ = ["register_plugin_tasks", "register_task"]
