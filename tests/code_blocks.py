@@ -1,4 +1,4 @@
-"""The code blocks of the pages, what each of them is, and which are not run here and why."""
+"""The code blocks of the pages: what each of them is, and which command lines are not run here and why."""
 
 from __future__ import annotations
 
@@ -15,17 +15,6 @@ PAGES = tuple(
     if "results" not in page.parts
 )
 """Everything that people wrote or read; `docs/results` is what was measured."""
-
-NOT_RUN = {
-    "it is how the tests are run": 1,
-    "Ray, torch": 1,
-    "LeRobot, robomimic": 2,
-    "torch": 4,
-    "LeRobot's own environment": 1,
-    "takes minutes": 2,
-    "serves a page until Ctrl-C": 4,
-}
-"""What stands behind `# not run by tests:` in the first line of a block -> how many blocks have it."""
 
 NOT_PLAYED = {
     "docs/datasets.md": {

@@ -35,7 +35,7 @@ def test_make_targets_exist() -> None:
 
 def test_length() -> None:
     """It is short."""
-    assert len(README.splitlines()) < 200
+    assert len(README.splitlines()) <= 130
 
 
 @pytest.mark.simulation
