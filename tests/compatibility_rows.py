@@ -22,8 +22,8 @@ ROWS: dict[str, str] = {
     "Variation -1": f"{TASKS}::test_variations_are_checked compat/test_environment.py::test_variations",
     "Snapshots in demos": f"{TASKS}::test_demos_carry_all_that_is_needed_to_play_them_again "
     "compat/test_environment.py::test_live_demos_and_back",
-    "Action modes are settings": "environment/actions/test_binding.py::test_one_mode_in_two_environments_is_as_two_modes "
-    "environment/actions/test_binding.py::test_a_mode_of_ones_own_needs_an_action_and_a_shape",
+    "Action modes are settings": "environment/actions/test_mode.py::test_one_mode_in_two_environments_is_as_two_modes "
+    "environment/actions/test_mode.py::test_a_mode_of_ones_own_needs_an_action_and_a_shape",
     "Hooks of action modes": "environment/actions/test_hooks.py::test_sharing_a_tick_is_the_joint_position_action_mode "
     "environment/actions/test_hooks.py::test_the_step_of_a_motion_is_the_whole_motion "
     "compat/test_action_modes_of_users.py::test_hooks_of_a_derived_mode_are_called",

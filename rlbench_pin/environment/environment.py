@@ -52,12 +52,12 @@ class Environment:
         frequency: Randomize every n-th event.
         visual_randomization_config: Visual randomization.
         dynamics_randomization_config: Dynamics randomization.
-        attach_grasped_objects: Fix grasped bodies to the hand, unless the gripper mode says otherwise.
+        attach_grasped_objects: Fix grasped bodies to the gripper, unless the gripper mode says otherwise.
         shaped_rewards: Return the tasks' own rewards.
         arm_max_velocity: Cap on the speed of planned motions along the joint-space path, the norm of the joint velocity [rad/s].
         arm_max_acceleration: Cap on how fast that speed changes, and on the acceleration of each joint [rad/s^2].
         seed: Seed of everything that is drawn and not seeded by a call.
-        renderer: Who draws pictures: `cpu`, `egl`, or `auto` for EGL where there is one. Pictures of the two differ a little.
+        renderer: Who draws images: `cpu`, `egl`, or `auto` for EGL where there is one. Images of the two differ a little.
 
     Raises:
         DatasetError: `dataset_root` does not exist (also a RuntimeError).

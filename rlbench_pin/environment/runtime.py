@@ -123,7 +123,7 @@ class Runtime:
         task: The task that is running.
         model: Analytic model of the arm.
         planner: Motion planner over `model`.
-        attach_grasped_objects: Whether closing the hand fixes grasped bodies to it, unless the gripper mode says otherwise.
+        attach_grasped_objects: Whether closing the gripper fixes grasped bodies to it, unless the gripper mode says otherwise.
         listeners: Called for ticks, observations and segments; see `listening`.
         before_tick: Functions that `step` calls before each control tick, in order.
         after_tick: Functions that `step` calls after each control tick, in order: listeners, the step of the task, randomization,

@@ -28,7 +28,7 @@ class StoredSelection:
     variation: int
     """Of which variation; -1 is any."""
     image_paths: bool
-    """Leave pictures unread: fields hold the paths of PNG files, or what `datasets.read_picture` reads."""
+    """Leave images unread: fields hold the paths of PNG files, or what `datasets.read_picture` reads."""
     random_selection: bool
     """Pick at random."""
     from_episode_number: int
@@ -53,7 +53,7 @@ def read_stored_demos(
         dataset_root: Folder of the dataset.
         task_name: Name of the task.
         wanted: Which of them.
-        config: Which fields are wanted, and how pictures are.
+        config: Which fields are wanted, and how images are.
         rng: Draws the episodes.
 
     Raises:
@@ -114,7 +114,7 @@ def wanted_fields(config: ObservationConfig) -> list[str]:
 
 
 def fit(observation: Observation, config: ObservationConfig) -> None:
-    """Bring the pictures of one stored observation to what a config asks for, in place.
+    """Bring the images of one stored observation to what a config asks for, in place.
 
     Pictures are scaled by taking the nearest pixel, so that depth and ids stay true, and the intrinsics in `misc` follow.
     """
@@ -136,16 +136,16 @@ def _fit_camera(observation: Observation, name: str, config: CameraConfig) -> No
         depth = _in_metres(depth, observation.misc, name)
     if mask is not None and not config.masks_as_one_channel and mask.ndim == 2:
         mask = spread_mask(mask)
-    for product, picture in zip(PRODUCTS, (rgb, depth if config.depth else None, mask, cloud), strict=True):
-        setattr(observation, f"{name}_{product}", picture)
+    for product, image in zip(PRODUCTS, (rgb, depth if config.depth else None, mask, cloud), strict=True):
+        setattr(observation, f"{name}_{product}", image)
 
 
-def resize(picture: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """Return a picture of another width and height [px], each pixel the nearest of the original."""
-    (h, w), (width, height) = picture.shape[:2], size
+def resize(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """Return an image of another width and height [px], each pixel the nearest of the original."""
+    (h, w), (width, height) = image.shape[:2], size
     rows = ((np.arange(height) + 0.5) * h / height).astype(int)
     columns = ((np.arange(width) + 0.5) * w / width).astype(int)
-    return np.ascontiguousarray(picture[rows][:, columns])
+    return np.ascontiguousarray(image[rows][:, columns])
 
 
 def cloud_from_depth(metres: np.ndarray, misc: dict[str, Any], name: str) -> np.ndarray:
@@ -178,7 +178,7 @@ def _matrix(misc: dict[str, Any], name: str, what: str) -> np.ndarray:
     key = f"{name}_camera_{what}"
     if key not in misc:
         raise DatasetError(
-            f"The stored pictures of '{name}' lack '{key}', which metres and point clouds need. "
+            f"The stored images of '{name}' lack '{key}', which metres and point clouds need. "
             f"Switch `point_cloud` and `depth_in_meters` of that camera off."
         )
     return np.asarray(misc[key], dtype=float)

@@ -38,7 +38,7 @@ class TaskEnvironment:
         dataset_root: Folder of stored demonstrations.
         static_positions: Leave the task where its scene file puts it.
         shaped_rewards: Return the task's own reward.
-        randomizer: Changes looks and physics, or None.
+        randomizer: Changes appearance and physics, or None.
     """
 
     def __init__(
@@ -182,7 +182,7 @@ class TaskEnvironment:
         return self.get_observation(), result.reward(self._shaped_rewards), result.over
 
     def success_lasts(self) -> bool:
-        """Whether the goal, reached now, lasts 1 s with the arm at rest, the hand as it is. Afterwards all is as it was."""
+        """Whether the goal, reached now, lasts 1 s with the arm stationary, the gripper as it is. Afterwards all is as it was."""
         self._started("success_lasts")
         return success_lasts(self._runtime)
 
@@ -234,7 +234,7 @@ class TaskEnvironment:
         Args:
             amount: How many; -1 is all stored ones.
             live_demos: Plan them now; otherwise read them from the dataset root.
-            image_paths: Leave pictures unread (stored demonstrations).
+            image_paths: Leave images unread (stored demonstrations).
             callable_each_step: Called with every recorded observation.
             max_attempts: Tries per live demonstration.
             random_selection: Pick stored demonstrations at random.

@@ -50,7 +50,7 @@ GymObservation = dict[str, np.ndarray]
 
 
 def observation_space(runtime: Runtime, cameras: Sequence[str], image_size: tuple[int, int]) -> spaces.Dict:
-    """Return the space of the observations of a running task: float32 boxes, and a uint8 picture (h, w, 3) for each camera.
+    """Return the space of the observations of a running task: float32 boxes, and a uint8 image (h, w, 3) for each camera.
 
     The bounds are those of the simulation: joint torques are capped at the effort limits, joint speeds by the simulator.
     """
@@ -134,7 +134,7 @@ def why_no_window() -> str | None:
 
 
 class Window:
-    """Shows one picture after the other; opens with the first.
+    """Shows one image after the other; opens with the first.
 
     Args:
         title: Stands above the pictures.
@@ -151,14 +151,14 @@ class Window:
         self._pygame: ModuleType = importlib.import_module("pygame")
         self._title, self._open = title, False
 
-    def show(self, picture: np.ndarray) -> None:
-        """Show a picture, uint8 (h, w, 3).
+    def show(self, image: np.ndarray) -> None:
+        """Show an image, uint8 (h, w, 3).
 
         Raises:
             WindowMissing: The screen that the environment variables name does not answer.
         """
         pygame = self._pygame
-        height, width = picture.shape[:2]
+        height, width = image.shape[:2]
         if not self._open:
             try:
                 pygame.display.init()
@@ -167,7 +167,7 @@ class Window:
                 raise WindowMissing(f"The screen does not answer: {error}. Use render_mode='rgb_array'.") from error
             pygame.display.set_caption(self._title)
             self._open = True
-        surface = pygame.surfarray.make_surface(picture.swapaxes(0, 1))
+        surface = pygame.surfarray.make_surface(image.swapaxes(0, 1))
         pygame.display.get_surface().blit(surface, (0, 0))
         pygame.event.pump()
         pygame.display.flip()
@@ -193,7 +193,7 @@ CINEMATIC = CameraView(
 class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
     """One task behind gymnasium's interface. Every instance has a world of its own.
 
-    Observations are a dict of float32 boxes, and of four pictures with `observation_mode="vision"`. Quaternions in actions are
+    Observations are a dict of float32 boxes, and of four images with `observation_mode="vision"`. Quaternions in actions are
     brought to unit length. `info` holds `success`, `is_success` (the same), `text_descriptions`, `variation`, and `error` when
     the action was refused.
 
@@ -202,14 +202,14 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
 
     Args:
         task: Name or class of the task, or a task file outside the package.
-        observation_mode: `state`, or `vision` for pictures as well.
+        observation_mode: `state`, or `vision` for images as well.
         render_mode: `rgb_array`, `human`, or None.
         action_mode: What actions mean; copied. None is joint differences and a finger position in one tick.
         variation: Variation of every episode; -1 draws one for each.
         shaped_rewards: The task's own reward instead of 1 for success; few tasks have one.
         invalid_action: What a refused action does, such as a pose that cannot be reached: `continue` (nothing moves, reward 0),
             `terminate` (likewise, and the episode ends), or `raise`.
-        image_size: Width and height of pictures [px].
+        image_size: Width and height of images [px].
         renderer: Who draws: `cpu`, `egl` or `auto`.
         cameras: Cameras of vision observations.
 
@@ -339,10 +339,10 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
             "variation": self._task.runtime.variation,
         }
 
-    # Pictures and the end ---------------------------------------------------------------------------------------
+    # Images and the end ---------------------------------------------------------------------------------------
 
     def render(self) -> np.ndarray | None:  # type: ignore[override]
-        """Return a picture from the side, uint8 (360, 640, 3), or show it with `render_mode="human"`."""
+        """Return an image from the side, uint8 (360, 640, 3), or show it with `render_mode="human"`."""
         return render_from_side(self._task.world, self.render_mode, self._window)
 
     def _show(self) -> None:
@@ -357,17 +357,17 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
 
 
 def render_from_side(world: World, render_mode: str | None, window: Window | None) -> np.ndarray | None:
-    """Return a picture of a world from the side, uint8 (360, 640, 3), or show it when there is a window.
+    """Return an image of a world from the side, uint8 (360, 640, 3), or show it when there is a window.
 
-    Without a render mode there is no picture, and a warning of gymnasium instead.
+    Without a render mode there is no image, and a warning of gymnasium instead.
     """
     if render_mode is None:
         gymnasium.logger.warn("render() without a render_mode shows nothing. Pass render_mode='rgb_array' to make().")
         return None
-    picture = world.renderer.picture(CINEMATIC)
+    image = world.renderer.picture(CINEMATIC)
     if window is None:
-        return picture
-    window.show(picture)
+        return image
+    window.show(image)
     return None
 
 

@@ -352,10 +352,10 @@ SURE = 1e-5
 
 @dataclass(frozen=True)
 class Certificate:
-    """What was proven of a path."""
+    """Result of the continuous check of a path."""
 
     doubt: float | None
-    """Where on the path (0..1) nothing could be proven; None when all of it is free."""
+    """Where on the path (0..1) the check is in doubt; None when all of it is free."""
     checks: int
     """Configurations in which distances were measured."""
 
@@ -447,11 +447,11 @@ def _cut(pieces: Pieces, piece: IndexArray, pair: IndexArray, shares: FloatArray
 
 
 def certify(path: JointPath, collision: CollisionModel, checks: int = 20_000) -> Certificate:
-    """Try to prove that `path` keeps the rules of the motion that `collision` has begun, everywhere between its ends.
+    """Try to certify that `path` keeps the rules of the motion that `collision` has begun, everywhere between its ends.
 
     Args:
         path: Smooth path.
-        collision: Carries the rules: what counts, and how near things may come; see `CollisionModel.begin`.
+        collision: Carries the rules: what counts, and how near bodies may come; see `CollisionModel.begin`.
         checks: Budget of configurations; a path that needs more is in doubt.
     """
     as_record(path, JointPath, "path")

@@ -230,7 +230,7 @@ def solve_pinned_ik(model: RobotModel, pose: PoseLike, q_start: FloatArray, pinn
 
 
 def symmetric_poses(pose: PoseLike, order: int) -> list[FloatArray]:
-    """Return the `order` poses (7,) that are alike for a hand or an object of that symmetry about the tip's z axis.
+    """Return the `order` poses (7,) that are alike for a gripper or an object of that symmetry about the tip's z axis.
 
     Raises:
         InvalidRequest: `pose` is none, or `order` no whole number from 1 to 360.

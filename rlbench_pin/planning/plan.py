@@ -41,7 +41,7 @@ class PlannerConfig:
     max_acceleration: float = 4.0
     """Largest change of that norm, and largest acceleration of a joint [rad/s^2]."""
     torque_limits: bool = True
-    """Keep the joint torques within their limits, with what the hand holds."""
+    """Keep the joint torques within their limits, with the bodies that the gripper holds."""
     jerk_time: float = 0.0
     """How long a change of acceleration takes at least [s]; 0 lets it jump."""
     margin: float = 0.003
@@ -65,9 +65,9 @@ class PlannerConfig:
     check_step: float = 0.02
     """Resolution of the check of the final path [rad]."""
     certify: bool = True
-    """Accept a path only when it is proven free between its samples, too."""
+    """Accept a path only when it is certified free between its samples, too."""
     certify_checks: int = 6000
-    """Budget of state checks of one proof."""
+    """Budget of state checks of one continuous check."""
     clearance: float = 0.0
     """Clearance that paths around obstacles keep if they can, at most tried before `margin` [m]."""
     measure_clearance: bool = False
@@ -107,7 +107,7 @@ class PlanReport:
     certified: bool = False
     """Proven free of collisions as a continuum."""
     doubts: int = 0
-    """Paths that were dropped because no proof was found."""
+    """Paths that were dropped because they could not be certified."""
 
 
 @dataclass(frozen=True, eq=False)

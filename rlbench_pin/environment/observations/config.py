@@ -120,7 +120,7 @@ class CameraConfig(Settings):
     point_cloud: bool = True
     """World coordinates of every pixel, float32 (h, w, 3) [m]."""
     mask: bool = True
-    """Id of the thing seen by every pixel, int32 (h, w); `misc["mask_names"]` has the names."""
+    """Id of the object seen by every pixel, int32 (h, w); `misc["mask_names"]` has the names."""
     image_size: tuple[int, int] = (128, 128)
     """Width and height [px]; one number stands for both."""
     render_mode: RenderMode = "opengl3"
@@ -144,7 +144,7 @@ class CameraConfig(Settings):
 
     @property
     def draws_shadows(self) -> bool:
-        """Whether things cast shadows on each other."""
+        """Whether objects cast shadows on each other."""
         return self.render_mode == "opengl3"
 
     def noise_of(self, product: Literal["rgb", "depth"]) -> NoiseModel:
@@ -152,7 +152,7 @@ class CameraConfig(Settings):
         return self.rgb_noise if product == "rgb" else self.depth_noise
 
     def check(self, name: str) -> None:
-        """Raise CameraError when the settings make no picture."""
+        """Raise CameraError when the settings make no image."""
         width, height = self.image_size
         if width < 1 or height < 1:
             raise CameraError(f"Camera '{name}' has image_size {self.image_size}; width and height must be at least 1 px.")
@@ -161,7 +161,7 @@ class CameraConfig(Settings):
 
 
 HAND = "hand"
-"""Parent of cameras that ride on the hand."""
+"""Parent of cameras that ride on the gripper."""
 
 _LENGTH: Rule = partial(as_number, error=InvalidCamera, above=0.0)
 
@@ -195,7 +195,7 @@ class ExtraCamera(Settings):
     """`world`, `hand`, or a body, link or frame of the scene that it rides on."""
 
     def check(self, name: str) -> None:
-        """Raise CameraError when no picture can be taken."""
+        """Raise CameraError when no image can be taken."""
         as_pose(self.pose, f"The pose of camera '{name}'", InvalidCamera)
         self.config.check(name)
         CameraView(pose=np.array(self.pose, dtype=float), fov=self.fov, size=self.config.image_size, near=self.near, far=self.far)
@@ -408,10 +408,10 @@ class ObservationConfig(Settings):
         return known[as_choice(name, "camera", tuple(known))]
 
     def add_camera(self, name: str, camera: ExtraCamera) -> ExtraCamera:
-        """Add a camera; its pictures become attributes `<name>_rgb` and so on of observations.
+        """Add a camera; its images become attributes `<name>_rgb` and so on of observations.
 
         Raises:
-            CameraError: The name is in use, or the camera makes no picture.
+            CameraError: The name is in use, or the camera makes no image.
         """
         if not isinstance(name, str) or not name.isidentifier() or name in CAMERAS or name in self.extra_cameras:
             raise CameraError(f"A camera cannot be called {shown(name)}: choose an identifier that no other camera has.")

@@ -64,7 +64,7 @@ def boxed_settings(cameras: Sequence[str], image_size: tuple[int, int]) -> Obser
     """Return settings that deliver all low-dimensional data and the colours of some cameras, and no more.
 
     Args:
-        cameras: Whose pictures are wanted.
+        cameras: Whose images are wanted.
         image_size: Width and height [px].
 
     Raises:
@@ -148,8 +148,8 @@ class ModelObserver:
 
 
 @dataclass
-class Look:
-    """How pictures differ from the settings; domain randomization changes it."""
+class Appearance:
+    """How images differ from the settings; domain randomization changes it."""
 
     lighting: Lighting | None = None
     """Takes the place of the lights of the settings."""
@@ -176,14 +176,14 @@ class Observer:
 
     Attributes:
         config: The settings.
-        look: How pictures differ from them.
+        appearance: How images differ from them.
     """
 
     def __init__(self, world: World, model: RobotModel, config: ObservationConfig, places: CameraPlaces | None = None) -> None:
         self._world, self._arm, self.config = world, model, config
         self.cameras = Cameras(world, model.description, config, places or CameraPlaces())
         self._model = ModelObserver(world, model)
-        self.look = Look()
+        self.appearance = Appearance()
 
     def observe(self, task: Task, variation: int, rng: np.random.Generator, instructions: Sequence[str] = ()) -> Observation:
         """Return what is seen and felt now; every array is the caller's own."""
@@ -197,19 +197,19 @@ class Observer:
             observation.misc.update(self._model.observe(self.config.model))
         if self.config.joint_poses:
             observation.misc["joint_poses"] = self._arm.joint_poses(self._world.robot.joint_positions)
-        views = self._look(observation, rng)
+        views = self._observe_cameras(observation, rng)
         if self.config.wrist_camera_matrix:
             observation.misc["wrist_camera_matrix"] = (views.get("wrist") or self._view("wrist")).extrinsics()
         return task.decorate_observation(observation)
 
     def _view(self, name: str) -> CameraView:
         """Return what a camera sees now, wherever it was put and however randomization moved it."""
-        return self.look.moved(name, self.cameras.view(name))
+        return self.appearance.moved(name, self.cameras.view(name))
 
-    def _look(self, observation: Observation, rng: np.random.Generator) -> dict[str, CameraView]:
+    def _observe_cameras(self, observation: Observation, rng: np.random.Generator) -> dict[str, CameraView]:
         """Add what the cameras see, all of them at once, and return how they stand."""
         renderer = self._world.renderer
-        renderer.lighting = self.look.lighting or self.config.lighting
+        renderer.lighting = self.appearance.lighting or self.config.lighting
         cameras = {name: config for name, config in self.config.all_cameras().items() if config.is_used}
         if any(config.mask for config in cameras.values()):
             observation.misc["mask_names"] = dict(self._world.masks)
@@ -225,25 +225,25 @@ class Observer:
             )
             for name, config in cameras.items()
         ]
-        for (name, config), pictures in zip(cameras.items(), renderer.render_all(requests), strict=True):
-            _add_pictures(observation, name, config, views[name], pictures, rng)
+        for (name, config), images in zip(cameras.items(), renderer.render_all(requests), strict=True):
+            _add_images(observation, name, config, views[name], images, rng)
         return views
 
 
-def _add_pictures(
-    observation: Observation, name: str, config: CameraConfig, view: CameraView, pictures: Pictures, rng: np.random.Generator
+def _add_images(
+    observation: Observation, name: str, config: CameraConfig, view: CameraView, images: Pictures, rng: np.random.Generator
 ) -> None:
     """Add what one camera delivers."""
-    if pictures.rgb is not None:
-        setattr(observation, f"{name}_rgb", _noisy_rgb(pictures.rgb, config, rng))
-    if pictures.depth is not None:
-        metres = config.noise_of("depth").apply(pictures.depth, rng)
+    if images.rgb is not None:
+        setattr(observation, f"{name}_rgb", _noisy_rgb(images.rgb, config, rng))
+    if images.depth is not None:
+        metres = config.noise_of("depth").apply(images.depth, rng)
         if config.point_cloud:
             setattr(observation, f"{name}_point_cloud", point_cloud(metres, view))
         if config.depth:
             setattr(observation, f"{name}_depth", metres if config.depth_in_meters else normalised_depth(metres, view))
-    if pictures.mask is not None:
-        setattr(observation, f"{name}_mask", pictures.mask if config.masks_as_one_channel else spread_mask(pictures.mask))
+    if images.mask is not None:
+        setattr(observation, f"{name}_mask", images.mask if config.masks_as_one_channel else spread_mask(images.mask))
     observation.misc.update(camera_misc(name, view))
 
 
