@@ -23,7 +23,7 @@ ROWS: dict[str, str] = {
     "Snapshots in demos": f"{TASKS}::test_demos_carry_all_that_is_needed_to_play_them_again "
     "compat/test_environment.py::test_live_demos_and_back",
     "Action modes are settings": "environment/actions/test_mode.py::test_one_mode_in_two_environments_is_as_two_modes "
-    "environment/actions/test_mode.py::test_a_mode_of_ones_own_needs_an_action_and_a_shape",
+    "environment/actions/test_mode.py::test_modes_that_know_their_shape_and_act_are_enough",
     "Hooks of action modes": "environment/actions/test_hooks.py::test_sharing_a_tick_is_the_joint_position_action_mode "
     "environment/actions/test_hooks.py::test_the_step_of_a_motion_is_the_whole_motion "
     "compat/test_action_modes_of_users.py::test_hooks_of_a_derived_mode_are_called",
@@ -91,9 +91,9 @@ ROWS: dict[str, str] = {
     "Scene and objects": f"{NATIVE}::test_scenes_are_toml_and_objects_urdf",
     # Actions
     "Speed of planned motions": f"{NATIVE}::test_planned_motions_keep_their_speed_along_the_path "
-    "planning/timing/test_torque.py::test_torque_limits_are_kept_everywhere "
+    "planning/test_timing.py::test_torque_limits_are_kept_everywhere "
     "compat/test_robots_paths.py::test_the_pace_of_the_arm_is_the_pace_of_its_paths",
-    "Jerk of planned motions": "planning/timing/test_torque.py::test_acceleration_can_be_eased "
+    "Jerk of planned motions": "planning/test_timing.py::test_acceleration_can_be_eased "
     "compat/test_robots_paths.py::test_the_pace_of_the_arm_is_the_pace_of_its_paths",
     "Planning is not drawn anew": f"{NATIVE}::test_all_plans_of_an_episode_draw_the_same_numbers "
     f"{KNOWN}::test_a_motion_is_planned_alike_again",
