@@ -250,14 +250,14 @@ class WaypointPlanner:
     ) -> Iterator[_Candidate]:
         """Yield segments from `q` (n,) to other configurations at the ends of those found, from which the arm can go on."""
         runtime, rng = self._runtime, self._runtime.planning_rng
-        limits, options = runtime.planner.limits, {"ignore_collisions": waypoint.ignore_collisions, "allowed": runtime.touching()}
+        planner, ignore, allowed = runtime.planner, waypoint.ignore_collisions, runtime.touching()
         for _ in range(_OTHER_GOALS):
-            start = rng.uniform(limits.lower, limits.upper)
+            start = rng.uniform(planner.limits.lower, planner.limits.upper)
             for candidate in found:
                 try:
-                    goal = runtime.planner.reachable(start, candidate.end, rng, **options)
+                    goal = planner.reachable(start, candidate.end, rng, ignore_collisions=ignore, allowed=allowed)
                     if self._can_go_on(goal, rest, candidate.angle):
-                        plan = runtime.planner.plan_to_configuration(q, goal, **options, rng=rng)
+                        plan = planner.plan_to_configuration(q, goal, ignore_collisions=ignore, allowed=allowed, rng=rng)
                         yield _Candidate(candidate.angle, candidate.end, plan)
                 except PlanningError:
                     continue

@@ -59,7 +59,7 @@ def rgb(table: ObjectTable, element: Element) -> np.ndarray:
         mask = table.world.render(view(table, element), rgb=False, depth=False).mask
         assert mask is not None
         return spread_mask(mask)
-    table.world.renderer.lighting = table.runtime.observer.look.lighting or table.cameras.config.lighting
+    table.world.renderer.lighting = table.runtime.observer.appearance.lighting or table.cameras.config.lighting
     picture = table.world.render(view(table, element), depth=False, mask=False, shadows=mode.startswith("OPENGL3")).rgb
     assert picture is not None
     return picture.astype(np.float32) / np.float32(255.0)
