@@ -133,7 +133,10 @@ def _module(file: Path) -> tuple[str, ...]:
 
 
 def _listed(file: Path) -> list[str]:
-    """Return the names in the `__all__` of a file, without running it."""
+    """Return the names in the `__all__` of a file, or in the stub of a package that `lazy_loader` loads, without running it."""
+    if (stub := file.with_suffix(".pyi")).is_file():
+        tree = ast.parse(stub.read_text(encoding="utf-8"))
+        return [alias.name for node in tree.body if isinstance(node, ast.ImportFrom) for alias in node.names]
     for node in ast.parse(file.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
             return [str(name) for name in ast.literal_eval(node.value)]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
+from pyrep.objects import Object
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.planning import Algorithm, MotionPlanner, Plan, retime, solve_ik
@@ -26,14 +26,6 @@ ALGORITHMS: dict[str, Algorithm] = {
 """Known name of an algorithm -> ours; our own RRT-Connect stands for all others."""
 USUAL_JERK = 1000.0
 """Jerk limit from which on changes of acceleration need no time of their own [rad/s^3]."""
-
-
-class HasPose(Protocol):
-    """Something whose frame a pose may be given in."""
-
-    def get_pose(self) -> Sequence[float] | FloatArray:
-        """Pose (7,) in the world."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -59,7 +51,7 @@ def world_pose(
     position: Sequence[float] | FloatArray,
     euler: Sequence[float] | FloatArray | None,
     quaternion: Sequence[float] | FloatArray | None,
-    relative_to: HasPose | None = None,
+    relative_to: Object | None = None,
 ) -> FloatArray:
     """Return a pose (7,) in the world.
 
@@ -159,7 +151,7 @@ def nearest_configuration(runtime: Runtime, pose: FloatArray) -> FloatArray:
 def arm_collides(simulator: Simulator, name: str | None) -> bool:
     """Say whether the arm, or what it holds, overlaps the body called `name`; with None anything collidable, or itself.
 
-    A body that the hand holds counts as overlapping it while they touch.
+    A body that the gripper holds counts as overlapping it while they touch.
     """
     runtime = simulator.runtime
     if name in runtime.gripper.grasped:

@@ -1,17 +1,26 @@
-"""The simulator that all views look at: users of these names expect one per process, and to reach objects by their names."""
+"""The simulator that all views look at, and the runtime behind a scene.
+
+Users of these names expect one simulator per process, and to reach objects by their names. Whatever steps or observes a scene's
+runtime goes through the scene, so that subclasses of the scene are asked.
+"""
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Any, ClassVar, Protocol
 
-from rlbench_pin.compat.things import ObjectTable
+import numpy as np
+
+from rlbench_pin.compat.objects import ObjectTable
 from rlbench_pin.environment import ObservationConfig
 from rlbench_pin.environment.observations import CameraPlaces
 from rlbench_pin.environment.runtime import EmptyTable, Runtime, RuntimeT, build_runtime
+from rlbench_pin.errors import InvalidActionError
+from rlbench_pin.observation import Observation
 from rlbench_pin.planning.planner import PlannerConfig
 from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.sim import World
+from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Task
 
 
@@ -90,3 +99,104 @@ class Simulator:
         self.runtime.world.close()
         if Simulator.running is self:
             Simulator.running = None
+
+
+class SceneMethods(Protocol):
+    """What a runtime asks its scene for."""
+
+    @property
+    def runtime(self) -> Runtime:
+        """World, task and planner together."""
+
+    @property
+    def robot(self) -> Any:
+        """Arm and gripper."""
+
+    def step(self) -> None:
+        """Advance one control tick."""
+
+    def get_observation(self) -> Observation:
+        """Observe without stepping."""
+
+    def check_target_in_workspace(self, pos: FloatArray) -> bool:
+        """Whether a target (3,) [m] may be reached for."""
+
+    def prepare(self) -> None:
+        """Called when an episode is about to be laid out and the world is as it was built."""
+
+    def place(self, rng: np.random.Generator) -> None:
+        """Put the task at a random place on the table, drawn from `rng`."""
+
+
+class SceneRuntime(Runtime):
+    """A runtime that serves one scene. Native code and programs thus run through the same methods of the scene."""
+
+    _scene: SceneMethods | None = None
+
+    def serve(self, scene: SceneMethods) -> None:
+        """Step and observe through `scene` from now on."""
+        self._scene = scene
+
+    def step(self) -> None:
+        """Advance one control tick, through the scene."""
+        if self._scene is None:
+            self.advance()
+        else:
+            self._scene.step()
+
+    def advance(self) -> None:
+        """Advance one control tick: physics, then the task's own step, then the callbacks."""
+        super().step()
+
+    def begin(self, variation: int, planning: np.random.Generator, noise: np.random.Generator) -> None:
+        """Take over what an episode is given, and let the scene prepare it."""
+        super().begin(variation, planning, noise)
+        if self._scene is not None:
+            self._scene.prepare()
+
+    def place_task(self, rng: np.random.Generator) -> None:
+        """Put the task at a random place on the table, through the scene."""
+        if self._scene is None:
+            super().place_task(rng)
+        else:
+            self._scene.place(rng)
+
+    def get_observation(self) -> Observation:
+        """Observe without stepping, through the scene."""
+        return self.observe() if self._scene is None else self._scene.get_observation()
+
+    def observe(self) -> Observation:
+        """Observe without stepping."""
+        return super().get_observation()
+
+    def check_target_in_workspace(self, position: FloatArray) -> None:
+        """Raise InvalidActionError when the scene says that `position` (3,) [m] is outside the workspace."""
+        if self._scene is None or not self._scene.check_target_in_workspace(position):
+            super().check_target_in_workspace(position)
+        if self._scene is not None and not self._scene.check_target_in_workspace(position):
+            x, y, z = position
+            raise InvalidActionError(
+                f"The target ({x:.4f}, {y:.4f}, {z:.4f}) m is outside the workspace of the scene. Choose a target inside."
+            )
+
+
+SceneLike = SceneMethods | Runtime
+"""What action modes are given: a scene, or a runtime itself."""
+
+
+def runtime_of(scene: SceneLike | None) -> Runtime:
+    """Return the runtime of a scene; of a runtime itself; of the simulator of this process when there is no scene.
+
+    Raises:
+        TypeError: `scene` is something else.
+    """
+    if scene is None:
+        return Simulator.current().runtime
+    if isinstance(scene, Runtime):
+        return scene
+    runtime = getattr(scene, "runtime", None)
+    if not isinstance(runtime, Runtime):
+        raise TypeError(
+            f"An action mode takes a scene, not {type(scene).__name__}: `rlbench.backend.scene.Scene` or a class derived from it."
+        )
+    return runtime

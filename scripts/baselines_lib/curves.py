@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from rlbench_pin.evaluation.baselines.reinforcement import draw_curves, read_curve
+from rlbench_pin.baselines.reinforcement import draw_curves, read_curve
 
 IMAGES = Path(__file__).resolve().parents[2] / "docs" / "images"
 

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
+from rlbench_pin.baselines.classical.recipes import TASKS as CLASSICAL_TASKS
 from rlbench_pin.evaluation import task_set
-from rlbench_pin.evaluation.baselines.classical.recipes import TASKS as CLASSICAL_TASKS
 from rlbench_pin.tasks import library_names
 
 Command = tuple[str, ...]
@@ -47,11 +47,11 @@ def rows() -> dict[str, Row]:
 
 
 def bounds() -> dict[str, Row]:
-    """Return the planner, resting, random motion, and the classical baseline: nothing has to be trained."""
+    """Return the planner, no-op, random actions, and the classical baseline: nothing has to be trained."""
     short = ("--max-seconds", "10")
     return {
         "expert": evaluated("expert", "expert", ["all"], 10),
-        "rest": evaluated("rest", "rest", ["all"], 10, *short),
+        "noop": evaluated("noop", "noop", ["all"], 10, *short),
         "random": evaluated("random", "random", ["all"], 10, *short),
         "classical": evaluated("classical", "classical", CLASSICAL_TASKS, 20),
     }

@@ -34,7 +34,7 @@ def test_misuse_is_explained(arguments: tuple[str, ...], capsys: pytest.CaptureF
     assert capsys.readouterr().err
 
 
-POLICY = ("evaluate", "rest", "--tasks", "reach_target", "--episodes", "2", "--max-seconds", "0.5", "--workers", "0", "--out")
+POLICY = ("evaluate", "noop", "--tasks", "reach_target", "--episodes", "2", "--max-seconds", "0.5", "--workers", "0", "--out")
 
 
 @pytest.mark.simulation
@@ -58,16 +58,16 @@ def test_evaluate_a_policy(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     ("arguments", "words"),
     [
         (("rndom", "--tasks", "reach_target"), "Did you mean 'random'"),
-        (("rest", "--tasks", "reach_targt"), "Did you mean 'reach_target'"),
-        (("rest", "--tasks", ","), "No task was named"),
-        (("rest", "--controllers"), "not both"),
-        (("rest", "--films", "-1"), "--films"),
-        (("rest", "--workers", "-1"), "--workers"),
-        (("rest", "--episodes", "0"), "episodes"),
-        (("rest", "--max-seconds", "0"), "max_seconds"),
-        (("rest", "--robot", "pandda"), "panda"),
+        (("noop", "--tasks", "reach_targt"), "Did you mean 'reach_target'"),
+        (("noop", "--tasks", ","), "No task was named"),
+        (("noop", "--controllers"), "not both"),
+        (("noop", "--films", "-1"), "--films"),
+        (("noop", "--workers", "-1"), "--workers"),
+        (("noop", "--episodes", "0"), "episodes"),
+        (("noop", "--max-seconds", "0"), "max_seconds"),
+        (("noop", "--robot", "pandda"), "panda"),
         (("nowhere.py:make", "--tasks", "reach_target"), "nowhere.py"),
-        (("rest", "--tasks", "FS95_V1"), "not built"),
+        (("noop", "--tasks", "FS95_V1"), "not built"),
     ],
 )
 def test_misuse_of_policies_is_explained(

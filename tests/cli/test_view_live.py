@@ -41,7 +41,7 @@ def test_a_page_is_served_until_interrupted() -> None:
         (["view", "reach_target", "--live", "--out", "x.png"], "--out names a picture"),
         (["view", "reach_target", "--live", "--port", "70000"], "ports go up to 65535"),
         (["view", "reach_targt", "--live"], "Did you mean 'reach_target'?"),
-        (["evaluate", "rest", "--tasks", "reach_target", "--live", "--workers", "2"], "Leave out --workers"),
+        (["evaluate", "noop", "--tasks", "reach_target", "--live", "--workers", "2"], "Leave out --workers"),
     ],
 )
 def test_what_cannot_be_shown_is_refused(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:

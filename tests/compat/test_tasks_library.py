@@ -15,10 +15,9 @@ from rlbench import Environment, ObservationConfig
 from rlbench.action_modes.action_mode import MoveArmThenGripper
 from rlbench.action_modes.arm_action_modes import JointVelocity
 from rlbench.action_modes.gripper_action_modes import Discrete
-from rlbench.backend.task import Task
+from rlbench.backend.task import Task, TreeChanged
 from rlbench.backend.waypoints import Point, PredefinedPath
 from rlbench.tasks import CloseMicrowave, OpenDrawer, OpenOven, ReachTarget, StackBlocks, TakeLidOffSaucepan, WipeDesk
-from rlbench_pin.compat.tasks.tree import TreeChanged
 from rlbench_pin.tasks import task_class
 from tests.compat import paper_tasks
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from rlbench_pin.compat.tasks.memory import GlobalDraws, Remembered
+from rlbench_pin.compat.task_memory import GlobalDraws, Remembered
 
 
 class Counter:

@@ -118,7 +118,7 @@ def recording_doors(folder: Path) -> list[Door]:
     out = Fresh(lambda: folder / f"recorded{next(numbers)}")
     pictures = PictureConfig(products=())
     config, engine = RecordConfig(tasks=(TASK,), episodes=1, pictures=pictures), SerialEngine()
-    small = EvaluationConfig(policy="rest", tasks=(TASK,), episodes=1, max_seconds=0.1)
+    small = EvaluationConfig(policy="noop", tasks=(TASK,), episodes=1, max_seconds=0.1)
     seeds = write_seeds(folder / "seeds.json", [EpisodeSeed(TASK, 0, 0, 1, 0)])
     journal = TrialJournal(None, [])
     item = Item(TASK, "words", (0,), 1)

@@ -16,9 +16,8 @@ from rlbench_pin.builder.stage.faults import FaultKind, NothingOpen, StageFault,
 from rlbench_pin.builder.stage.folder import OWNER
 from rlbench_pin.builder.stage.limits import StageLimits
 from rlbench_pin.builder.stage.problems import dumped_line
-from rlbench_pin.evaluation.policies.faults import PolicyFault
-from rlbench_pin.evaluation.policies.links.hosted import HostedPolicy
 from rlbench_pin.evaluation.policies.policy_server import Channel, WireError
+from rlbench_pin.processes.child import ChildProcess
 
 HOST = "rlbench_pin.builder.stage.inside.host"
 """The module that runs in the process."""
@@ -48,7 +47,7 @@ class Link:
     def __init__(self, name: str, folder: Path, limits: StageLimits) -> None:
         self._name, self._folder, self._limits = name, folder, limits
         self._guard = threading.Lock()
-        self._hosted: HostedPolicy | None = None
+        self._child: ChildProcess | None = None
         self._channel: Channel | None = None
         self._pid: int | None = None
         self._running, self._stopped, self._closed = "", False, False
@@ -63,17 +62,16 @@ class Link:
     def warm(self) -> None:
         """Start the process, unless it is there; it loads its libraries while the caller goes on."""
         with self._guard:
-            if self._hosted is not None or self._closed:
+            if self._child is not None or self._closed:
                 return
             self._dump.unlink(missing_ok=True)
             self.generation += 1
-            more = (str(self._limits.memory),)
-            self._hosted = HostedPolicy("the stage", str(self._dump), HOST, more, {OWNER: str(self._folder)})
             try:
-                self._channel = self._hosted.open(self._limits.start)
-            except PolicyFault as error:
-                self._hosted = None
-                raise StageFault("crashed", "start", f"{error.detail} {error.hint}".strip()) from error
+                self._child = ChildProcess(HOST, [str(self._dump), str(self._limits.memory)], {OWNER: str(self._folder)})
+            except OSError as error:
+                problem = f"Its process could not be started: {error}. Free memory or processes."
+                raise StageFault("crashed", "start", problem) from error
+            self._channel = Channel(self._child.connection)
 
     def ask(self, operation: str, question: Mapping[str, Any], limit: float, on_note: OnNote | None = None) -> Any:
         """Ask one thing and wait for the answer.
@@ -146,7 +144,7 @@ class Link:
         """End the process and what it started; say how it ended, where it did so by itself."""
         how = self._kill(patience)
         with self._guard:
-            self._hosted = self._channel = self._pid = None
+            self._child = self._channel = self._pid = None
         return how
 
     def close(self) -> None:
@@ -206,9 +204,9 @@ class Link:
     def _lost(self, operation: str) -> StageFault | StageStopped:
         if self._stopped:
             return StageStopped(operation)
-        hosted = self._hosted
+        child = self._child
         how = self.end(patience=2.0) or "The connection broke."
-        printed = "" if hosted is None else hosted.printed()
+        printed = "" if child is None else child.printed()
         problem = self._where(f"{how} It was here.")
         return self._fault("crashed", operation, f"{how} See what it printed, and what the task file does.", printed, problem)
 
@@ -239,11 +237,11 @@ class Link:
         return self._folder / f"{self._name}.{self.generation}.stack"
 
     def _printed(self) -> str:
-        return "" if self._hosted is None else self._hosted.printed()
+        return "" if self._child is None else self._child.printed()
 
     def _kill(self, patience: float = 0.0) -> str:
-        hosted, channel = self._hosted, self._channel
-        how = "" if hosted is None else hosted.close(patience)
+        child, channel = self._child, self._channel
+        how = "" if child is None else child.end(patience)
         if channel is not None:
             channel.close()
         return how

@@ -24,6 +24,7 @@ from rlbench_pin.evaluation.challenge import (
     ChallengeStopped,
     meta_split,
     meta_splits,
+    read_secret,
     run_challenge,
 )
 
@@ -75,6 +76,7 @@ class Run(arguments.Run):
             adapt_limit=self.adapt_limit,
             train_limit=self.train_limit,
             robot=self.robot,
+            secret=b"" if self.secret is None else read_secret(self.secret),
         )
 
     def go_on(self) -> str:

@@ -14,11 +14,9 @@ from rlbench_pin.cli.arguments.evaluation import results as arguments
 from rlbench_pin.cli.process.files import check_file
 from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.evaluation.results.comparison import Comparison, compare
-from rlbench_pin.evaluation.results.file import read_results
-from rlbench_pin.evaluation.results.mcnemar import PValues
 from rlbench_pin.evaluation.results.plots import check_plot, draw_results
-from rlbench_pin.evaluation.results.records import Results
-from rlbench_pin.evaluation.results.statistics import Summary, summarise
+from rlbench_pin.evaluation.results.records import Results, read_results
+from rlbench_pin.evaluation.results.statistics import PValues, Summary, summarise
 from rlbench_pin.evaluation.results.tables import comparison_table, overview_table, task_table
 
 

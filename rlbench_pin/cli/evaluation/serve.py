@@ -7,7 +7,7 @@ import sys
 
 from rlbench_pin.cli.arguments.evaluation import serve as arguments
 from rlbench_pin.errors import TaskEnvironmentError
-from rlbench_pin.evaluation.policies.links.host import answers_for
+from rlbench_pin.evaluation.policies.policy_process import answers_for
 from rlbench_pin.evaluation.policies.policy_server import listen, serve_answers
 from rlbench_pin.evaluation.policies.references import find_policy
 

@@ -19,7 +19,7 @@ from rlbench_pin.cli.progress import stopping_gently
 from rlbench_pin.datasets import chosen_tasks, stored_tasks
 from rlbench_pin.errors import TaskEnvironmentError
 
-BASELINES = "rlbench_pin.evaluation.baselines"
+BASELINES = "rlbench_pin.baselines"
 STEPS = {"cloning": (3000, 128, 1e-3), "key-frames": (1500, 8, 2e-3)}
 """Steps, examples in a batch, and learning rate of each baseline."""
 FromDemonstrations = arguments.Cloning | arguments.KeyFrames

@@ -18,7 +18,7 @@ from rlbench_pin.cli.process.words import check_at_least, checked_names
 from rlbench_pin.cli.progress import stopping_gently
 from rlbench_pin.errors import MissingExtra, TaskEnvironmentError
 
-MODULE = "rlbench_pin.evaluation.baselines.reinforcement"
+MODULE = "rlbench_pin.baselines.reinforcement"
 PLOTS = "rlbench_pin.evaluation.results.plots"
 
 

@@ -1,21 +1,177 @@
-"""What a run of the challenge is: which learner, on which split, with how many demonstrations."""
+"""Settings of a run of the challenge: learner, split of the tasks, numbers of demonstrations, seeds; and the errors of a run."""
 
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
+import hmac
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
 
-from rlbench_pin.errors import InvalidArgument
-from rlbench_pin.evaluation.challenge.references import find_learner
-from rlbench_pin.evaluation.challenge.splits import MetaSplit, meta_split
+from rlbench_pin.errors import InvalidArgument, MissingTasks, RlbenchPinError, UnknownName, shown
+from rlbench_pin.evaluation.policies.policy import PolicyReferenceError
+from rlbench_pin.evaluation.policies.references import find_policy
 from rlbench_pin.evaluation.run.config import LARGEST_START, MOST_EPISODES, SECONDS, EvaluationConfig
+from rlbench_pin.evaluation.sets import task_set
 from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
-from rlbench_pin.values import as_choice, as_flag, as_names, as_number, as_several, as_text, as_whole
+from rlbench_pin.tasks import task_names
+from rlbench_pin.values import as_choice, as_flag, as_names, as_number, as_path, as_record, as_several, as_text, as_whole
 
+DATA = Path(__file__).with_name("splits.json")
+LEARNERS: Mapping[str, str] = {"nearest": "rlbench_pin.baselines.few_shot:Nearest"}
+"""Name -> `module:factory` of the learners that this package brings."""
+_FORMS = "`module:factory` or `file.py:factory`, with `?key=value&...` behind it for arguments"
 SHOTS = (1, 5, 20)
 """Demonstrations of each task, as the challenge v1 has them."""
 MOST_SHOTS = 1000
 """Demonstrations of a task at most."""
+LEAST_SECRET, MOST_SECRET = 16, 2**20
+"""Bytes of a secret."""
+
+
+class ChallengeConflict(RlbenchPinError):
+    """Where a run of the challenge is to be written, there is another one."""
+
+    @classmethod
+    def between(cls, path: Path, name: str, then: object, now: object) -> ChallengeConflict:
+        """Return the error that says what differs."""
+        return cls(
+            f"'{path}' is of a run with {name} = {shown(then)}, this is {name} = {shown(now)}. "
+            "Choose another folder with `--out`."
+        )
+
+
+class ChallengeStopped(RlbenchPinError):
+    """A run of the challenge was stopped before its end; what is done is kept."""
+
+    def __init__(self, stage: str, done: int, wanted: int, folder: Path) -> None:
+        self.stage, self.done, self.wanted, self.folder = stage, done, wanted, folder
+        super().__init__(f"{stage}: {done} of {wanted} are done and kept in '{folder}'. Go on with `--resume`.")
+
+
+class NoDemonstrations(RlbenchPinError):
+    """A task of the test could not be demonstrated often enough."""
+
+    def __init__(self, task: str, seed: int, cause: str) -> None:
+        self.task, self.seed, self.cause = task, seed, cause
+        super().__init__(
+            f"There is no demonstration of '{task}' from seed {seed}: {cause} `rlbench-pin check {task}` shows how often that "
+            "happens; another `--seed` uses other demonstrations."
+        )
+
+
+def refuse_links(folder: Path) -> None:
+    """Raise ChallengeConflict where the folder of a run contains a link: the harness alone writes there, and follows none."""
+    for inner, folders, files in os.walk(folder):
+        for name in (*folders, *files):
+            if (path := Path(inner, name)).is_symlink():
+                raise ChallengeConflict(f"'{path}' is a link. The folder of a run contains none; delete it.")
+
+
+@dataclass(frozen=True)
+class MetaSplit:
+    """Tasks to practise and tasks to be tested on, without any in common."""
+
+    name: str
+    about: str
+    """What it is, one sentence."""
+    train: tuple[str, ...]
+    """The meta-training tasks: open, a learner may do with them what it likes."""
+    test: tuple[str, ...]
+    """The meta-test tasks, of which a learner gets demonstrations alone."""
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Names of the tasks that are not built yet."""
+        built = set(task_names())
+        return tuple(name for name in (*self.train, *self.test) if name not in built)
+
+    def chosen(self, available_only: bool = False, only: Sequence[str] = ()) -> MetaSplit:
+        """Return the split with the tasks that are built.
+
+        Args:
+            available_only: Leave out those that are not built yet.
+            only: Test tasks to keep to; all when none is named.
+
+        Raises:
+            MissingTasks: Some are not built yet, and are not to be left out; or none to test on would be left.
+        """
+        names = as_names(only, "only")
+        kept = MetaSplit(self.name, self.about, self.train, tuple(t for t in self.test if not names or t in names))
+        missing = kept.missing
+        train, test = (tuple(n for n in some if n not in missing) for some in (kept.train, kept.test))
+        if missing and not (as_flag(available_only, "available_only") and test):
+            raise MissingTasks(self.name, missing, (*train, *test))
+        return MetaSplit(self.name, self.about, train, test)
+
+
+def meta_splits() -> tuple[str, ...]:
+    """Return the names of all splits."""
+    return tuple(_contents())
+
+
+def meta_split(name: str) -> MetaSplit:
+    """Return a split.
+
+    Args:
+        name: `V1`, or a few-shot set: `FS10_V1`, `FS25_V1`, `FS50_V1`, `FS95_V1`.
+
+    Raises:
+        UnknownName: No split is called so; proposes the nearest name.
+    """
+    if not isinstance(name, str) or name not in _contents():
+        raise UnknownName("split of the challenge", name, meta_splits(), "rlbench-pin challenge splits")
+    return _contents()[name]
+
+
+@lru_cache(maxsize=1)
+def _contents() -> Mapping[str, MetaSplit]:
+    content = json.loads(DATA.read_text(encoding="utf-8"))
+    own = {n: MetaSplit(n, s["about"], tuple(s["train"]), tuple(s["test"])) for n, s in content["splits"].items()}
+    sets = {name: task_set(name) for name in content["sets"]}
+    return {**own, **{n: MetaSplit(n, s.about, s.parts["train"], s.parts["test"]) for n, s in sets.items()}}
+
+
+def find_learner(reference: str) -> str:
+    """Return `module:factory` or `file.py:factory`, with arguments, of a learner, after a look at whether it exists.
+
+    Raises:
+        UnknownName: It is a single word, and no learner of this package is called so.
+        PolicyReferenceError: There is no such module, file or factory, or it has neither form.
+    """
+    if not isinstance(reference, str) or not reference:
+        raise PolicyReferenceError(reference, f"names no learner; one is called {_FORMS}")
+    name, _, query = reference.partition("?")
+    if ":" not in name:
+        if name not in LEARNERS:
+            raise UnknownName("few-shot learner", name, tuple(LEARNERS))
+        return f"{LEARNERS[name]}?{query}" if query else LEARNERS[name]
+    if reference.startswith(("sb3:", "lerobot:", "unix:", "tcp:")):
+        raise PolicyReferenceError(reference, "is a policy, not a few-shot learner", f"One is called {_FORMS}.")
+    return find_policy(reference).target
+
+
+def read_secret(path: Path | str) -> bytes:
+    """Return the secret in a file, all its bytes.
+
+    A host keeps the file until a challenge is over, then publishes it: whoever has it can compute all seeds again.
+
+    Raises:
+        InvalidArgument: There is no such file, or it has fewer than 16 bytes or more than 1 MB.
+    """
+    path = as_path(path, "secret")
+    try:
+        with path.open("rb") as file:
+            secret = file.read(MOST_SECRET + 1)
+    except OSError as error:
+        raise InvalidArgument("secret", str(path), f"cannot be read: {error.strerror}") from error
+    if not LEAST_SECRET <= len(secret) <= MOST_SECRET:
+        hint = "`head -c 32 /dev/urandom > FILE` makes one."
+        raise InvalidArgument("secret", str(path), f"has to have {LEAST_SECRET} to {MOST_SECRET} bytes", hint)
+    return secret
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,6 +212,8 @@ class ChallengeConfig:
     """Time that a learner has to practise the meta-training tasks [s]."""
     robot: str = DEFAULT_ROBOT
     """Name of the arm."""
+    secret: bytes = field(default=b"", repr=False)
+    """Mixed into the seeds of demonstrations and episodes; empty for none. See `read_secret`."""
 
     def __post_init__(self) -> None:
         """Check every value, and keep it as plain Python has it."""
@@ -69,6 +227,7 @@ class ChallengeConfig:
             "episodes": as_whole(self.episodes, "episodes", InvalidArgument, least=1, most=MOST_EPISODES),
             "seed": as_whole(self.seed, "seed", InvalidArgument, least=0, most=LARGEST_START),
             "robot": robot_description(self.robot).name,
+            "secret": as_record(self.secret, bytes, "secret"),
         }
         for name in ("max_seconds", "time_limit", "start_limit", "adapt_limit", "train_limit"):
             checked[name] = as_number(getattr(self, name), name, InvalidArgument, above=0.0, most=1e7)
@@ -81,6 +240,21 @@ class ChallengeConfig:
         for task in self.only:
             as_choice(task, f"test task of {self.split}", meta_split(self.split).test)
         find_learner(self.learner)
+
+    @property
+    def secret_sha256(self) -> str:
+        """SHA-256 of the secret, "" without one. Results record it; never the secret."""
+        return hashlib.sha256(self.secret).hexdigest() if self.secret else ""
+
+    @property
+    def drawing_seed(self) -> int:
+        """Seed from which those of demonstrations and episodes follow: `seed`, or with a secret its keyed hash, below 2^48.
+
+        HMAC-SHA256 of `rlbench_pin challenge/SEED`, first 6 bytes, the highest first.
+        """
+        if not self.secret:
+            return self.seed
+        return int.from_bytes(hmac.digest(self.secret, f"rlbench_pin challenge/{self.seed}".encode(), "sha256")[:6], "big")
 
     def tasks(self) -> MetaSplit:
         """Return the tasks of the run.
@@ -95,9 +269,9 @@ class ChallengeConfig:
         return EvaluationConfig(
             policy=f"{self.learner}, {shots} shot{'s' if shots > 1 else ''}",
             tasks=self.tasks().test,
-            task_set=f"challenge {self.split}",
+            task_set=f"challenge {self.split}" + (f", secret sha256:{self.secret_sha256}" if self.secret else ""),
             episodes=self.episodes,
-            seed=self.seed,
+            seed=self.drawing_seed,
             max_steps=self.max_steps,
             max_seconds=self.max_seconds,
             time_limit=self.time_limit,
@@ -111,7 +285,7 @@ def demonstration_seed(seed: int, task: str, index: int) -> int:
     """Return the seed of demonstration `index` of a test task, 0 <= seed < 2^53: a hash. Evaluations begin at 2^53.
 
     Args:
-        seed: Seed of the run.
+        seed: `ChallengeConfig.drawing_seed`.
         task: Name of the task.
         index: Number of the demonstration.
     """

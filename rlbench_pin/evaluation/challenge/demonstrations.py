@@ -18,13 +18,12 @@ from rlbench_pin.datasets.storage import storing, write_whole
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.task_environment import MAX_DEMO_ATTEMPTS, TaskEnvironment
 from rlbench_pin.errors import RlbenchPinError
-from rlbench_pin.evaluation.challenge.config import ChallengeConfig, demonstration_seed
-from rlbench_pin.evaluation.challenge.faults import NoDemonstrations
-from rlbench_pin.evaluation.challenge.learner import Pictures
-from rlbench_pin.evaluation.challenge.withheld import leave_pictures_out
+from rlbench_pin.evaluation.challenge.client import IMAGES
+from rlbench_pin.evaluation.challenge.config import ChallengeConfig, NoDemonstrations, demonstration_seed
+from rlbench_pin.evaluation.challenge.learner import ImageFrames
 from rlbench_pin.evaluation.policies.settings import PolicySettings
 from rlbench_pin.evaluation.run.config import expert_settings
-from rlbench_pin.observation import Demo
+from rlbench_pin.observation import FIELDS, Demo, Observation
 from rlbench_pin.processes import Engine, GivenUp, WorkerDeath
 
 
@@ -57,11 +56,11 @@ class DemonstrationMaker:
     Args:
         config: The run.
         settings: What the learner observes, which is what demonstrations hold.
-        pictures: Which of their frames have pictures.
+        image_frames: Frames that contain images.
     """
 
-    def __init__(self, config: ChallengeConfig, settings: PolicySettings, pictures: Pictures) -> None:
-        self._config, self._settings, self._pictures = config, settings, pictures
+    def __init__(self, config: ChallengeConfig, settings: PolicySettings, image_frames: ImageFrames) -> None:
+        self._config, self._settings, self._image_frames = config, settings, image_frames
         self._environment: Environment | None = None
         self._task: TaskEnvironment | None = None
 
@@ -71,14 +70,14 @@ class DemonstrationMaker:
         for attempt in range(MAX_DEMO_ATTEMPTS):
             try:
                 task = self._load(item.task)
-                variation = shown_variation(self._config.seed, task.variation_count(), item.index)
+                variation = shown_variation(self._config.drawing_seed, task.variation_count(), item.index)
                 outcome = task.try_demo(seed=item.seed, variation=variation, attempt=attempt)
             except RlbenchPinError as error:
                 cause = str(error)
                 continue
             if outcome.demo is not None:
-                for seen in outcome.demo[1:] if self._pictures == "first" else ():
-                    leave_pictures_out(seen)
+                for seen in outcome.demo[1:] if self._image_frames == "first" else ():
+                    remove_images(seen)
                 return MadeDemonstration(item, variation, attempt, encode_demo(outcome.demo, "lzf"))
             cause = outcome.cause
         return MadeDemonstration(item, cause=cause)
@@ -97,6 +96,15 @@ class DemonstrationMaker:
         if self._task is None or self._task.get_name() != name:
             self._task = self._environment.get_task(name)
         return self._task
+
+
+def remove_images(observation: Observation) -> None:
+    """Remove the images from an observation."""
+    for name in [name for name in vars(observation) if name.endswith(IMAGES)]:
+        if name in FIELDS:
+            setattr(observation, name, None)
+        else:
+            delattr(observation, name)
 
 
 def shown_variation(seed: int, count: int, index: int) -> int:
@@ -120,14 +128,14 @@ class ShownDemonstrations:
         found: list[ShownItem] = []
         for task in config.tasks().test:
             kept = self._entries(task)
-            wanted = [ShownItem(task, i, demonstration_seed(config.seed, task, i)) for i in range(max(config.shots))]
+            wanted = [ShownItem(task, i, demonstration_seed(config.drawing_seed, task, i)) for i in range(max(config.shots))]
             found += [item for item in wanted if item.index not in kept or not self._path(task, item.index).is_file()]
         return found
 
     def make(
         self,
         config: ChallengeConfig,
-        wanted: tuple[PolicySettings, Pictures],
+        wanted: tuple[PolicySettings, ImageFrames],
         engine: Engine,
         on_done: Callable[[ShownItem], None],
         stop: threading.Event,

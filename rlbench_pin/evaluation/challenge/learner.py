@@ -1,22 +1,26 @@
-"""What a few-shot learner is, and what it is given: meta-training tasks to practise, then demonstrations of an unseen one."""
+"""Few-shot learners: they practise meta-training tasks, then adapt to demonstrations of an unseen task."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal, Protocol
 
+from rlbench_pin.datasets.storage import storing, write_whole
 from rlbench_pin.environment.actions.mode import ActionMode
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.task_environment import TaskEnvironment
+from rlbench_pin.evaluation.challenge.config import ChallengeConflict
 from rlbench_pin.evaluation.policies.policy import Policy
+from rlbench_pin.evaluation.policies.policy_server import WireError, pack, unpack
 from rlbench_pin.evaluation.run.config import expert_settings
 from rlbench_pin.observation import Demo, Observation
 
-Pictures = Literal["all", "first"]
-"""Which frames of demonstrations have their pictures."""
+ImageFrames = Literal["all", "first"]
+"""Frames of a demonstration that contain images."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +68,7 @@ class FewShotLearner(Protocol):
     """Something that makes a policy from a few demonstrations.
 
     An attribute `max_steps` suggests how many actions an episode should have. An attribute `pictures = "first"` says that of each
-    demonstration only the first frame needs its pictures, which spares gigabytes; otherwise all frames have them.
+    demonstration only the first frame needs images, which saves gigabytes; otherwise all frames have them.
 
     Attributes:
         action_mode: What the actions of its policies mean; one of this package.
@@ -91,3 +95,31 @@ class FewShotLearner(Protocol):
         A new process is started for each task and number of demonstrations, so that nothing of the others is remembered.
         """
         ...
+
+
+def write_learned(path: Path, learned: Mapping[str, Any] | None) -> Path:
+    """Write what `meta_train` returned: a msgpack file with arrays, numbers and texts, nothing that can be run.
+
+    Raises:
+        WireError: It is no plain data, or more than 256 MB.
+        StorageError: The disk cannot be written to.
+    """
+    return write_whole(path, pack({"learned": learned}))
+
+
+def read_learned(path: Path) -> Mapping[str, Any] | None:
+    """Return what `meta_train` returned; None is nothing.
+
+    Raises:
+        ChallengeConflict: The file is damaged.
+        StorageError: It cannot be read.
+    """
+    if not path.is_file():
+        return None
+    with storing(path):
+        data = path.read_bytes()
+    try:
+        learned = unpack(data[4:])["learned"]
+    except (WireError, KeyError) as error:
+        raise ChallengeConflict(f"'{path}' is damaged: {error}. Delete it, and go on with `--resume`.") from error
+    return learned if isinstance(learned, Mapping) else None

@@ -1,37 +1,49 @@
-"""A run of the challenge: practise, make the demonstrations, test with each number of them; each part is kept when it is done."""
+"""A run of the challenge: practise, make the demonstrations, test with each number of them; the learning curve.
+
+Each part is kept when it is done.
+"""
 
 from __future__ import annotations
 
 import json
 import threading
-from collections.abc import Callable
-from contextlib import ExitStack, closing
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack, closing, nullcontext
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from rlbench_pin.datasets.storage import hold, storing, write_whole
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.errors import DatasetConflict
-from rlbench_pin.evaluation.challenge.config import ChallengeConfig
+from rlbench_pin.evaluation.challenge.client import LearnerClient
+from rlbench_pin.evaluation.challenge.config import ChallengeConfig, ChallengeConflict, ChallengeStopped, refuse_links
 from rlbench_pin.evaluation.challenge.demonstrations import ShownDemonstrations, ShownItem
-from rlbench_pin.evaluation.challenge.faults import ChallengeConflict, ChallengeStopped
-from rlbench_pin.evaluation.challenge.learned import write_learned
-from rlbench_pin.evaluation.challenge.learner import Pictures
-from rlbench_pin.evaluation.challenge.runner import DEMONSTRATIONS, LEARNED, ShotsRunner, open_learner
-from rlbench_pin.evaluation.challenge.summary import LearningCurve, learning_curve
+from rlbench_pin.evaluation.challenge.learner import ImageFrames, read_learned, write_learned
 from rlbench_pin.evaluation.policies.settings import PolicySettings
 from rlbench_pin.evaluation.results.records import Results
+from rlbench_pin.evaluation.results.statistics import Estimate, Summary, summarise
+from rlbench_pin.evaluation.results.tables import Table
+from rlbench_pin.evaluation.run.config import EpisodeItem, EvaluationConfig
+from rlbench_pin.evaluation.run.episode import EpisodeOutcome
 from rlbench_pin.evaluation.run.evaluate import EvaluationProgress, EvaluationStopped, evaluate, journal_path
 from rlbench_pin.evaluation.run.origin import checkout_commit
+from rlbench_pin.evaluation.run.runner import Around, EpisodeRunner
 from rlbench_pin.processes import Engine, ProcessEngine
-from rlbench_pin.values import as_flag, as_function, as_path, as_record
+from rlbench_pin.rates import Rate
+from rlbench_pin.values import as_flag, as_function, as_path, as_record, as_text
 
 HEAD, SUMMARY = "challenge.json", "summary.json"
 """What a run is, and what came of it."""
 _LATER = ("shots", "time_limit", "start_limit", "adapt_limit", "train_limit")
 """Settings that may be others when a run goes on."""
+DEMONSTRATIONS, LEARNED = "demonstrations", "learned.msgpack"
+"""Where a run keeps demonstrations of test tasks, and what was learned from the others."""
+FORMAT = 1
+"""Number of the format of the learning curve."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +79,8 @@ def run_challenge(
 
     Args:
         config: The run.
-        out: Its folder: `shots_1.json`, ..., `summary.json`, and demonstrations with their seeds. The learner is not told of it.
+        out: Its folder: `shots_1.json`, ..., `summary.json`, and demonstrations with their seeds.
+            Only this process writes there; links are refused.
         engine: Who does the work; one process when None. The meta-training tasks are practised in one process.
         resume: Go on with a run that did not end.
         on_progress: Called with how far it is.
@@ -104,24 +117,23 @@ class _Run:
 
     def done(self, resume: bool) -> LearningCurve:
         """Do all that is not done yet, and return what came of it."""
-        self.config.tasks()
+        config = self.config
+        config.tasks()
         with ExitStack() as held:
-            self.hold(held)
+            refuse_links(self.folder)
+            try:
+                held.enter_context(hold(self.folder))
+            except DatasetConflict as error:
+                problem = f"Another run in '{self.folder}' is under way. Wait for it, or choose another one."
+                raise ChallengeConflict(problem) from error
             self.begin(resume)
-            self.demonstrate(*(wanted := self.practise()))
-            results = {shots: self.test(shots, wanted[0]) for shots in self.config.shots}
-            curve = learning_curve(self.config.learner, self.config.split, results)
+            settings, image_frames = self.practise()
+            self.demonstrate(settings, image_frames)
+            results = {shots: self.test(shots, settings) for shots in config.shots}
+            refuse_links(self.folder)
+            curve = learning_curve(config.learner, config.split, results, config.secret_sha256)
             curve.write(self.folder / SUMMARY)
         return curve
-
-    def hold(self, held: ExitStack) -> None:
-        """Hold the folder against a second run, as long as `held` is open."""
-        try:
-            held.enter_context(hold(self.folder))
-        except DatasetConflict as error:
-            raise ChallengeConflict(
-                f"Another run in '{self.folder}' is under way. Wait for it, or choose another one."
-            ) from error
 
     def begin(self, resume: bool) -> None:
         """Write what the run is, or compare it with what is there."""
@@ -139,19 +151,20 @@ class _Run:
             return
         write_whole(path, (json.dumps(head, indent=1) + "\n").encode())
 
-    def practise(self) -> tuple[PolicySettings, Pictures]:
-        """Let the learner practise, unless it has; return what it asks for, and which frames of demonstrations need pictures."""
+    def practise(self) -> tuple[PolicySettings, ImageFrames]:
+        """Let the learner practise, unless it has; return what it asks for, and which frames of demonstrations need images."""
         path, tasks = self.folder / LEARNED, self.config.tasks().train
-        with closing(open_learner(self.config, self.folder)) as learner:
-            wanted = learner.settings, learner.wanted_pictures()
+        with closing(open_learner(self.config)) as learner:
+            wanted = learner.settings, learner.image_frames()
             if not path.is_file():
                 self.watch(ChallengeProgress("practising", 1, 0))
                 write_learned(path, learner.meta_train(tasks, self.config.robot, self.config.train_limit))
                 self.watch(ChallengeProgress("practising", 1, 1))
         return wanted
 
-    def demonstrate(self, settings: PolicySettings, pictures: Pictures) -> None:
+    def demonstrate(self, settings: PolicySettings, image_frames: ImageFrames) -> None:
         """Make the demonstrations that are missing."""
+        refuse_links(self.folder)
         shown = ShownDemonstrations(self.folder / DEMONSTRATIONS)
         wanted = max(self.config.shots) * len(self.config.tasks().test)
         done = wanted - len(shown.missing(self.config))
@@ -162,11 +175,12 @@ class _Run:
             done += 1
             self.watch(ChallengeProgress("demonstrations", wanted, done, latest=item.task))
 
-        if shown.make(self.config, (settings, pictures), self.engine, one_more, self.stop):
+        if shown.make(self.config, (settings, image_frames), self.engine, one_more, self.stop):
             raise ChallengeStopped("demonstrations", done, wanted, self.folder)
 
     def test(self, shots: int, settings: PolicySettings) -> Results:
         """Test with so many demonstrations."""
+        refuse_links(self.folder)
         out, stage = self.folder / f"shots_{shots}.json", f"{shots} shot{'s' if shots > 1 else ''}"
 
         def on_progress(p: EvaluationProgress) -> None:
@@ -185,4 +199,122 @@ class _Run:
     def _head(self) -> dict[str, Any]:
         tasks = self.config.tasks()
         versions = {"versions": library_versions(), "commit": checkout_commit()}
-        return {"format": 1, **asdict(self.config), "train": tasks.train, "test": tasks.test, **versions}
+        settings = {name: value for name, value in asdict(self.config).items() if name != "secret"}
+        if self.config.secret:
+            settings["secret_sha256"] = self.config.secret_sha256
+        return {"format": 1, **settings, "train": tasks.train, "test": tasks.test, **versions}
+
+
+class ShotsRunner(EpisodeRunner):
+    """Plays episodes of test tasks; before the first of each, a new process of the learner adapts to it.
+
+    Args:
+        challenge: The run.
+        folder: Where it keeps demonstrations, and what was learned.
+        shots: Demonstrations of each task.
+        settings: What the learner asks for.
+        config: What is evaluated.
+    """
+
+    def __init__(
+        self, challenge: ChallengeConfig, folder: Path, shots: int, settings: PolicySettings, config: EvaluationConfig
+    ) -> None:
+        self._learner, self._folder = open_learner(challenge, settings), folder
+        super().__init__(config, self._learner)
+        self._demonstrations, self._shots = ShownDemonstrations(folder / DEMONSTRATIONS), shots
+        self._learned, self._shown = read_learned(folder / LEARNED), ""
+
+    def play(self, item: EpisodeItem, around: Around = lambda task: nullcontext()) -> EpisodeOutcome:
+        """Play an episode.
+
+        Args:
+            item: Which one.
+            around: Makes what is around it from its start to its end.
+        """
+        if self._shown != item.name:
+            refuse_links(self._folder)
+            self._learner.show(partial(self._demonstrations.read, item.name, self._shots), self._learned)
+            self._shown = item.name
+        return super().play(item, around)
+
+
+def open_learner(config: ChallengeConfig, known: PolicySettings | None = None) -> LearnerClient:
+    """Return the learner of a run; it starts when it is first asked for something."""
+    return LearnerClient(config.learner, config.seed, config.time_limit, config.start_limit, config.adapt_limit, known)
+
+
+# The learning curve -----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ShotsResult:
+    """What came of one number of demonstrations."""
+
+    shots: int
+    summary: Summary
+    sha256: str
+    """Checksum of the results file."""
+
+
+@dataclass(frozen=True)
+class LearningCurve:
+    """What came of a run of the challenge."""
+
+    learner: str
+    split: str
+    points: tuple[ShotsResult, ...]
+    """By rising number of demonstrations."""
+    secret_sha256: str = ""
+    """SHA-256 of the secret of the run; "" without one."""
+
+    def table(self) -> Table:
+        """Return it as a table, a row per task and one for the mean."""
+        head = ("task", *(f"{p.shots} shot{'s' if p.shots > 1 else ''}" for p in self.points))
+        rates = [{task.task: task.success for task in point.summary.tasks} for point in self.points]
+        rows = [(name, *(_cell(_estimate(of_point[name])) for of_point in rates)) for name in rates[0]] if rates else []
+        rows.append(("mean over tasks", *(_cell(point.summary.success) for point in self.points)))
+        title = f"{self.learner} on the challenge {self.split}: success, with its interval of 95 %"
+        return Table(title, head, tuple(rows))
+
+    def content(self) -> dict[str, Any]:
+        """Return it as plain data."""
+        points = [{"shots": p.shots, "results_sha256": p.sha256, **_content(p.summary)} for p in self.points]
+        secret = {"secret_sha256": self.secret_sha256} if self.secret_sha256 else {}
+        return {"format": FORMAT, "learner": self.learner, "split": self.split, **secret, "points": points}
+
+    def write(self, path: Path) -> Path:
+        """Write it as JSON.
+
+        Raises:
+            StorageError: The disk cannot be written to.
+        """
+        return write_whole(path, (json.dumps(self.content(), indent=1) + "\n").encode())
+
+
+def learning_curve(learner: str, split: str, results: Mapping[int, Results], secret_sha256: str = "") -> LearningCurve:
+    """Return what came of a run.
+
+    Args:
+        learner: What the learner is called.
+        split: Which tasks it met.
+        results: Number of demonstrations -> the evaluation with so many.
+        secret_sha256: SHA-256 of the secret of the run; "" without one.
+    """
+    learner, split = as_text(learner, "learner"), as_text(split, "split")
+    as_record(results, Mapping, "results")  # type: ignore[type-abstract]
+    rng = np.random.default_rng(0)
+    points = [ShotsResult(k, summarise(results[k], rng), results[k].sha256) for k in sorted(results)]
+    return LearningCurve(learner, split, tuple(points), as_text(secret_sha256, "secret_sha256"))
+
+
+def _content(summary: Summary) -> dict[str, Any]:
+    tasks = {task.task: _estimate(task.success).as_dict() for task in summary.tasks}
+    return {"episodes": summary.episodes, "mean": summary.success.as_dict(), "tasks": tasks}
+
+
+def _estimate(rate: Rate) -> Estimate:
+    return Estimate(rate.value, *rate.interval)
+
+
+def _cell(value: Estimate) -> str:
+    return f"{100 * value.value:.0f} % ({100 * value.low:.0f} to {100 * value.high:.0f})"

@@ -1,27 +1,44 @@
-"""Policies as an evaluation sees them, wherever they run."""
+"""Policies as an evaluation sees them: in this process, in a subprocess, or behind a socket."""
 
 from __future__ import annotations
 
-from typing import Protocol
+import socket
+import time
+import traceback
+from typing import Any, NoReturn, Protocol
 
 import numpy as np
 
-from rlbench_pin.evaluation.policies.faults import PolicyFault, PolicyReferenceError
-from rlbench_pin.evaluation.policies.links.here import PolicyHere
-from rlbench_pin.evaluation.policies.links.hosted import HostedPolicy
-from rlbench_pin.evaluation.policies.links.loading import make_policy
-from rlbench_pin.evaluation.policies.links.remote import RemotePolicy
-from rlbench_pin.evaluation.policies.links.served import ServedPolicy
-from rlbench_pin.evaluation.policies.policy import Policy, PolicyContext
-from rlbench_pin.evaluation.policies.policy_server import NoPolicy
-from rlbench_pin.evaluation.policies.references import FORMS, find_policy
+from rlbench_pin.evaluation.policies.policy import (
+    LONGEST_DETAIL,
+    FaultKind,
+    Policy,
+    PolicyContext,
+    PolicyFault,
+    PolicyReferenceError,
+)
+from rlbench_pin.evaluation.policies.policy_server import VERSION, Channel, NoPolicy, WireError, split_tcp
+from rlbench_pin.evaluation.policies.references import FORMS, find_policy, make_policy
 from rlbench_pin.evaluation.policies.settings import PolicySettings
+from rlbench_pin.evaluation.policies.wire import (
+    decode_observation,
+    encode_context,
+    encode_observation,
+    validate_action,
+    visible_fields,
+)
 from rlbench_pin.observation import Observation
+from rlbench_pin.processes.child import ChildProcess
 from rlbench_pin.values import as_number
+
+GRACE = 5.0
+"""How long a process whose connection has ended may take to end [s]."""
+CONNECT_LIMIT = 10.0
+"""How long connecting to a socket may take [s]."""
 
 
 class PolicyClient(Protocol):
-    """A policy that runs somewhere: here, in a process of its own, or behind a socket.
+    """A policy that runs in this process, in a subprocess, or behind a socket.
 
     A `PolicyFault` costs the episode. After one the policy is started again, or connected again, at the next `reset`.
     """
@@ -70,15 +87,266 @@ def open_policy(reference: str | Policy, *, time_limit: float = 30.0, start_limi
     if not isinstance(reference, str):
         if isinstance(reference, type) or not isinstance(reference, Policy):
             raise PolicyReferenceError(reference, f"is an object with reset, act, action_mode and obs_config, or {FORMS}")
-        return PolicyHere(reference)
+        return InProcessPolicy(reference)
     found = find_policy(reference)
-    if found.place == "here":
+    if found.place == "in-process":
         try:
-            return PolicyHere(make_policy(found.target))
+            return InProcessPolicy(make_policy(found.target))
         except NoPolicy as error:
             raise PolicyReferenceError(reference, f"cannot be made: {error}") from error
-    link = ServedPolicy(found.target) if found.place == "socket" else HostedPolicy(reference, found.target)
-    return RemotePolicy(link, time_limit, start_limit)
+    socketed = found.place == "socket"
+    transport: Transport = SocketTransport(found.target) if socketed else SubprocessTransport(reference, found.target)
+    return RemotePolicy(transport, time_limit, start_limit)
 
 
-__all__ = ["PolicyClient", "PolicyFault", "PolicySettings", "open_policy"]
+class InProcessPolicy:
+    """A policy in this process. Nothing can end it when it hangs, and its memory is ours.
+
+    Args:
+        policy: The policy.
+
+    Raises:
+        PolicySettingsError: Its action mode or what it observes is not of this package.
+    """
+
+    def __init__(self, policy: Policy) -> None:
+        self._policy = policy
+        self.settings = PolicySettings.of(policy.action_mode, policy.obs_config, getattr(policy, "max_steps", None))
+
+    def reset(self, instruction: str, context: PolicyContext) -> None:
+        """Begin an episode."""
+        try:
+            self._policy.reset(instruction, context)
+        except Exception as error:  # whatever the policy raises
+            raise _crash(error) from error
+
+    def act(self, observation: Observation) -> np.ndarray:
+        """Return the next action, float64 (n,)."""
+        try:
+            action = self._policy.act(decode_observation(visible_fields(observation)))
+        except Exception as error:  # whatever the policy raises
+            raise _crash(error) from error
+        return validate_action(action)
+
+    def close(self) -> None:
+        """Nothing was started."""
+
+
+def _crash(error: Exception) -> PolicyFault:
+    return PolicyFault("crashed", "".join(traceback.format_exception_only(error)).strip()[:LONGEST_DETAIL])
+
+
+class Transport(Protocol):
+    """A way to a policy."""
+
+    reference: str
+    """What the policy was called."""
+    lost: FaultKind
+    """What it means that the connection is gone."""
+
+    def open(self, timeout: float) -> Channel:
+        """Start or connect, and return the channel.
+
+        Raises:
+            PolicyFault: It cannot be reached.
+        """
+        ...
+
+    def close(self, patience: float = 0.0) -> str:
+        """End what was opened, and say how it ended; a policy that is not at fault is given `patience` [s]."""
+        ...
+
+    def printed(self) -> str:
+        """Return the end of what the policy printed, empty where that is not known."""
+        ...
+
+
+class RemotePolicy:
+    """A policy in another process, started or connected again after a fault.
+
+    Args:
+        transport: The way to it.
+        time_limit: How long `reset` and `act` may take [s].
+        start_limit: How long it may take until the policy is there and has said what it asks for [s].
+    """
+
+    def __init__(self, transport: Transport, time_limit: float, start_limit: float) -> None:
+        self._transport, self._time_limit, self._start_limit = transport, time_limit, start_limit
+        self._channel: Channel | None = None
+        self._settings: PolicySettings | None = None
+
+    @property
+    def settings(self) -> PolicySettings:
+        """What the policy asks for; the first time, this starts it.
+
+        Raises:
+            PolicyFault: It cannot be started or reached.
+            PolicyReferenceError: The reference leads to no policy.
+            PolicySettingsError: What it asks for is not of this package.
+        """
+        if self._settings is None:
+            self._settings = self._begin()
+        return self._settings
+
+    def reset(self, instruction: str, context: PolicyContext) -> None:
+        """Begin an episode; starts the policy when it is not there."""
+        known = self.settings
+        if self._channel is None and self._begin() != known:
+            self._fail("wrong answer", "Started again, it asks for another action mode or other observations than before.")
+        self._prepare()
+        self._ask({"call": "reset", "instruction": instruction, "context": encode_context(context)}, self._time_limit)
+
+    def act(self, observation: Observation) -> np.ndarray:
+        """Return the next action, float64 (n,)."""
+        if self._channel is None:
+            raise PolicyFault(self._transport.lost, "It has ended.", "`reset` starts it again.")
+        action = self._ask({"call": "act", "observation": encode_observation(observation)}, self._time_limit)
+        try:
+            return validate_action(action)
+        except PolicyFault as fault:
+            self._fail(fault.kind, fault.detail)
+
+    def close(self) -> None:
+        """End the policy, or the connection to it."""
+        channel, self._channel = self._channel, None
+        if channel is not None:
+            channel.close()
+            self._transport.close(patience=2.0)
+
+    def _begin(self) -> PolicySettings:
+        """Start or connect, and ask for the settings."""
+        end = time.monotonic() + self._start_limit
+        self._channel = self._transport.open(self._start_limit)
+        said = self._ask({"call": "hello", "version": VERSION}, max(0.1, end - time.monotonic()))
+        if not isinstance(said, dict) or said.get("version") != VERSION:
+            self._fail("wrong answer", f"It does not speak version {VERSION} of the protocol.")
+        try:
+            return PolicySettings.of(said.get("action_mode"), said.get("observation"), said.get("max_steps"))
+        except BaseException:
+            self._drop()
+            raise
+
+    def _prepare(self) -> None:
+        """Tell the policy, which has just said what it asks for or has ended an episode, what it needs for the next one."""
+
+    def _ask(self, question: dict[str, Any], limit: float) -> Any:
+        """Return what the policy answers, or end it and raise."""
+        assert self._channel is not None
+        call, end = question["call"], time.monotonic() + limit
+        try:
+            self._channel.send(question, limit)
+            answer = self._channel.receive(max(0.0, end - time.monotonic()))
+        except TimeoutError:
+            self._fail("timed out", f"`{call}` took longer than {limit:g} s.")
+        except (EOFError, OSError):
+            self._fail(self._transport.lost, f"The connection ended during `{call}`.", GRACE)
+        except WireError as error:
+            self._fail("wrong answer", str(error))
+        except BaseException:  # Ctrl-C: the answer would be taken for that to the next question
+            self._drop()
+            raise
+        if "ok" in answer:
+            return answer["ok"]
+        return self._refused(
+            str(call), str(answer.get("error", "It says neither `ok` nor `error`."))[:LONGEST_DETAIL], answer.get("kind")
+        )
+
+    def _refused(self, call: str, problem: str, kind: object) -> NoReturn:
+        """Raise what an answer with an error stands for."""
+        if kind == "wrong question" and call == "hello":
+            self._drop()
+            raise PolicyReferenceError(self._transport.reference, f"cannot be started: {problem}")
+        self._fail("crashed" if kind == "crashed" else "wrong answer", problem)
+
+    def _fail(self, kind: FaultKind, detail: str, patience: float = 0.0) -> NoReturn:
+        """End the policy and raise; one that is ending by itself is given `patience` [s], so that its exit code is known."""
+        ended = self._drop(patience)
+        raise PolicyFault(kind, f"{detail} {ended}" if patience and ended else detail, printed=self._transport.printed())
+
+    def _drop(self, patience: float = 0.0) -> str:
+        channel, self._channel = self._channel, None
+        ended = self._transport.close(patience)
+        if channel is not None:
+            channel.close()
+        return ended
+
+
+class SubprocessTransport:
+    """A policy in a subprocess, which ends with this process.
+
+    Args:
+        reference: Reference of the policy.
+        target: `module:factory` or `file.py:factory`, with its arguments.
+        module: The module that runs in the subprocess.
+    """
+
+    lost: FaultKind = "crashed"
+
+    def __init__(self, reference: str, target: str, module: str = "rlbench_pin.evaluation.policies.policy_process") -> None:
+        self.reference, self._target, self._module = reference, target, module
+        self._child: ChildProcess | None = None
+
+    def open(self, timeout: float) -> Channel:
+        """Start the subprocess and return the channel to it; the policy in it is made at the first question."""
+        self.close()
+        try:
+            self._child = ChildProcess(self._module, [self._target])
+        except OSError as error:
+            raise PolicyFault("crashed", f"Its process could not be started: {error}.", "Free memory or processes.") from error
+        return Channel(self._child.connection)
+
+    def close(self, patience: float = 0.0) -> str:
+        """End the process and what it started, and say how it ended."""
+        return "" if self._child is None else self._child.end(patience)
+
+    def printed(self) -> str:
+        """Return the last lines that the policy printed."""
+        return "" if self._child is None else self._child.printed()
+
+
+class SocketTransport:
+    """A policy that is served at an address.
+
+    Args:
+        address: `unix:PATH` or `tcp://HOST:PORT`.
+    """
+
+    lost: FaultKind = "unreachable"
+
+    def __init__(self, address: str) -> None:
+        self.reference = address
+
+    def open(self, timeout: float) -> Channel:
+        """Connect.
+
+        Raises:
+            PolicyFault: Nobody listens there.
+        """
+        try:
+            return Channel(self._connected(min(timeout, CONNECT_LIMIT)))
+        except (OSError, ValueError) as error:  # the latter for names that no host or socket can have
+            problem = f"There is no connection to {self.reference}: {error.strerror if isinstance(error, OSError) else error}."
+            hint = f"Start it with `rlbench-pin serve POLICY --address {self.reference}`, or with `serve` of policy_server.py."
+            raise PolicyFault("unreachable", problem, hint) from error
+
+    def _connected(self, timeout: float) -> socket.socket:
+        if self.reference.startswith("tcp:"):
+            connection = socket.create_connection(split_tcp(self.reference), timeout)
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            return connection
+        connection = socket.socket(socket.AF_UNIX)
+        try:
+            connection.settimeout(timeout)
+            connection.connect(self.reference.removeprefix("unix:"))
+        except BaseException:
+            connection.close()
+            raise
+        return connection
+
+    def close(self, patience: float = 0.0) -> str:
+        """Nothing runs here; whoever serves the policy sees the connection end."""
+        return ""
+
+    def printed(self) -> str:
+        """What the policy prints is where it is served."""
+        return ""

@@ -58,7 +58,7 @@ def pack(message: Mapping[str, Any]) -> bytes:
     """Return a message as bytes, its length first, or raise WireError."""
     body: bytes = msgpack.packb(message, default=_as_extension, use_bin_type=True)
     if len(body) > LARGEST_MESSAGE:
-        raise WireError(f"A message of {len(body)} bytes is too long; {LARGEST_MESSAGE} is the most. Ask for smaller pictures.")
+        raise WireError(f"A message of {len(body)} bytes is too long; {LARGEST_MESSAGE} is the most. Ask for smaller images.")
     return struct.pack(">I", len(body)) + body
 
 
@@ -195,9 +195,9 @@ class Answers:
         try:
             array = np.asarray(action)
         except Exception as error:  # objects of other libraries
-            return {"error": f"act returned a {type(action).__name__}, no array: {error}", "kind": "wrong answer"}
-        if array.dtype.kind not in _KINDS:
-            return {"error": f"act returned a {type(action).__name__}, no array of numbers.", "kind": "wrong answer"}
+            return {"error": f"`act` returned a {type(action).__name__}, no array: {error}", "kind": "wrong answer"}
+        if array.dtype.kind not in _KINDS:  # cannot travel
+            return {"error": f"`act` returned a {type(action).__name__}, no array of numbers.", "kind": "wrong answer"}
         return {"ok": array}
 
     def _known(self) -> Any:

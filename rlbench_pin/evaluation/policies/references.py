@@ -1,34 +1,36 @@
-"""What policies are called, and what that leads to; nothing of a policy runs here."""
+"""References of policies: `noop`, `module:factory`, `sb3:FILE`, ... Nothing of a policy runs before `make_policy` is called."""
 
 from __future__ import annotations
 
 import ast
+import importlib
 import importlib.util
+import inspect
+import json
 import os
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
-from typing import Literal
-from urllib.parse import quote
+from typing import Any, Literal
+from urllib.parse import parse_qsl, quote
 
 from rlbench_pin.errors import MissingExtra, UnknownName, nearest_name
-from rlbench_pin.evaluation.policies.faults import LibraryMissing, PolicyReferenceError
-from rlbench_pin.evaluation.policies.links.loading import split_reference
+from rlbench_pin.evaluation.policies.policy import LibraryMissing, PolicyReferenceError
 from rlbench_pin.evaluation.policies.policy_server import NoPolicy, split_tcp
 
-_ADAPTERS = "rlbench_pin.evaluation.policies.adapters"
-_BASELINES = "rlbench_pin.evaluation.baselines"
+_POLICIES = "rlbench_pin.evaluation.policies"
+_BASELINES = "rlbench_pin.baselines"
 BUILT_IN: Mapping[str, str] = {
-    "rest": f"{_ADAPTERS}.trivial:Rest",
-    "random": f"{_ADAPTERS}.trivial:Random",
+    "noop": f"{_POLICIES}.adapters:Noop",
+    "random": f"{_POLICIES}.adapters:Random",
     "classical": f"{_BASELINES}.classical:policy",
     "cloning": f"{_BASELINES}.cloning:policy",
     "key_frames": f"{_BASELINES}.key_frames:policy",
 }
 """Name -> `module:factory` of the policies that this package brings."""
-HERE = ("rest", "random")
+IN_PROCESS = ("noop", "random")
 """Those that need no process of their own."""
 EXPERT = "expert"
 """The planner's own demonstrations; the evaluation plays them itself."""
@@ -40,11 +42,11 @@ FORMS = (
 
 @dataclass(frozen=True)
 class Reference:
-    """What a policy is called, and where that leads."""
+    """A reference and the place where its policy runs."""
 
     text: str
     """As it was written."""
-    place: Literal["here", "process", "socket"]
+    place: Literal["in-process", "subprocess", "socket"]
     """Where the policy runs."""
     target: str
     """`module:factory` or `file.py:factory` with arguments, or an address."""
@@ -69,18 +71,18 @@ def find_policy(reference: str) -> Reference:
         return _at_address(reference)
     for kind, find in (("sb3:", _sb3), ("lerobot:", _lerobot), ("ppo:", _trained), ("sac:", _trained)):
         if reference.startswith(kind):
-            return Reference(reference, "process", find(reference, reference.removeprefix(kind)))
+            return Reference(reference, "subprocess", find(reference, reference.removeprefix(kind)))
     name, _, query = reference.partition("?")
     if name == EXPERT:
         hint = "`rlbench-pin evaluate expert` and `evaluate(...)` do that; as an object there is none."
         raise PolicyReferenceError(reference, "needs the planner and the scene, so the evaluation plays it itself", hint)
     if name in BUILT_IN:
         target = f"{BUILT_IN[name]}?{query}" if query else BUILT_IN[name]
-        return Reference(reference, "here" if name in HERE else "process", target)
+        return Reference(reference, "in-process" if name in IN_PROCESS else "subprocess", target)
     if ":" not in name:
         raise UnknownName("policy", reference, (*BUILT_IN, EXPERT))
     _check_factory(reference)
-    return Reference(reference, "process", reference)
+    return Reference(reference, "subprocess", reference)
 
 
 def _at_address(reference: str) -> Reference:
@@ -95,7 +97,7 @@ def _at_address(reference: str) -> Reference:
 
 
 def _with_path(factory: str, key: str, path: Path, query: str) -> str:
-    return f"{_ADAPTERS}.{factory}?{key}={quote(str(path.resolve()))}{f'&{query}' if query else ''}"
+    return f"{_POLICIES}.{factory}?{key}={quote(str(path.resolve()))}{f'&{query}' if query else ''}"
 
 
 def _sb3(reference: str, rest: str) -> str:
@@ -192,3 +194,82 @@ def _check_name(reference: str, file: Path, name: str) -> None:
         raise PolicyReferenceError(
             reference, f"needs '{name}', which is not in '{file}'", f"Did you mean '{near}'?" if near else ""
         )
+
+
+def split_reference(reference: str) -> tuple[str, str, dict[str, Any]]:
+    """Return module or file, factory, and keyword arguments of `module:factory?key=value&...`; values are JSON, or text.
+
+    Raises:
+        NoPolicy: It has not this form.
+    """
+    path, _, query = reference.partition("?")
+    where, _, name = path.rpartition(":")
+    if not where or not name.isidentifier():
+        raise NoPolicy(f"'{reference}' is not of the form `module:factory`, or `file.py:factory`.")
+    pairs = parse_qsl(query, keep_blank_values=True)
+    if query and (len(dict(pairs)) != query.count("&") + 1 or not all("=" in part for part in query.split("&"))):
+        raise NoPolicy(f"The arguments '{query}' are not of the form `key=value&...`, each key once.")
+    return where, name, {key: _value(text) for key, text in pairs}
+
+
+def _value(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except ValueError:
+        return text
+
+
+POLICY = ("reset", "act", "action_mode", "obs_config")
+"""What a policy has."""
+
+
+def make_policy(reference: str) -> Any:
+    """Import what a reference names, call it, and return the policy.
+
+    Raises:
+        NoPolicy: There is no such module or factory, or what it returns is no policy.
+    """
+    return make_named(reference, "policy", POLICY)
+
+
+def make_named(reference: str, kind: str, parts: tuple[str, ...]) -> Any:
+    """Import what a reference names, call it unless it is the thing itself, and return that.
+
+    Args:
+        reference: `module:factory?key=value&...` or `file.py:factory?...`.
+        kind: What it is to be, one word.
+        parts: What such a thing has; two methods first.
+
+    Raises:
+        NoPolicy: There is no such module or factory, or what it returns lacks a part.
+    """
+    where, name, arguments = split_reference(reference)
+    module = _import_file(Path(where)) if where.endswith(".py") else importlib.import_module(where)
+    if name not in vars(module) and not hasattr(module, name):
+        raise NoPolicy(f"'{where}' has no '{name}'.")
+    made = getattr(module, name)
+    is_thing = any(callable(getattr(made, part, None)) for part in parts[:2])
+    if callable(made) and not is_thing or isinstance(made, type):
+        try:
+            inspect.signature(made).bind(**arguments)
+        except TypeError as error:
+            raise NoPolicy(f"'{where}:{name}' cannot be called so: {error}.") from error
+        made = made(**arguments)
+    lacking = [part for part in parts if not hasattr(made, part)]
+    if lacking:
+        raise NoPolicy(f"'{where}:{name}' gives a {type(made).__name__}, which is no {kind}: it has no {lacking[0]}.")
+    return made
+
+
+def _import_file(path: Path) -> Any:
+    if not path.is_file():
+        raise NoPolicy(f"There is no file '{path}'.")
+    folder = str(path.resolve().parent)
+    if folder not in sys.path:
+        sys.path.insert(0, folder)  # as for a program that lies there
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules.setdefault(path.stem, module)
+    spec.loader.exec_module(module)
+    return module

@@ -1,16 +1,42 @@
-"""What a policy asks of an evaluation, as plain data that goes into results files and over sockets."""
+"""The settings of a policy as plain data: its action mode and its observations. They go into results files and over sockets.
+
+Of observations, only what is switched on or differs from its default is written; what is left out is off.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field, fields
+from inspect import Parameter, signature
 from typing import Any
 
-from rlbench_pin.environment.actions.mode import ActionMode
-from rlbench_pin.environment.observations.config import ObservationConfig
-from rlbench_pin.evaluation.policies.action_description import describe_action_mode, make_action_mode
-from rlbench_pin.evaluation.policies.faults import PolicySettingsError
-from rlbench_pin.evaluation.policies.observation_description import describe_observations, make_observations
+import numpy as np
+
+from rlbench_pin.control.safety_records import SafetyConfig
+from rlbench_pin.environment.actions import (
+    ActionMode,
+    Discrete,
+    EndEffectorPoseViaIK,
+    EndEffectorPoseViaPlanning,
+    EndEffectorVelocity,
+    ERJointViaIK,
+    GripperJointPosition,
+    JointPosition,
+    JointPositionActionMode,
+    JointTorque,
+    JointVelocity,
+    MoveArmThenGripper,
+    RelativeFrame,
+    SafeArm,
+)
+from rlbench_pin.environment.observations import ExtraCamera, GaussianNoise, Identity, ModelObservationConfig, ObservationConfig
+from rlbench_pin.environment.observations.config import HAND, CameraConfig
+from rlbench_pin.errors import RlbenchPinError, nearest_name
+from rlbench_pin.evaluation.policies.policy import PolicySettingsError
+from rlbench_pin.observation import CAMERAS
+from rlbench_pin.sim import Light, Lighting
 from rlbench_pin.values import as_whole
 
 
@@ -59,3 +85,310 @@ class PolicySettings:
     def make_obs_config(self) -> ObservationConfig:
         """Return new settings of observations."""
         return make_observations(self.observation)
+
+
+# Action modes -----------------------------------------------------------------------------------------------------------------
+
+
+ARM_MODES: Mapping[str, type] = {
+    kind.__name__: kind
+    for kind in (
+        JointVelocity, JointPosition, JointTorque, EndEffectorVelocity, EndEffectorPoseViaPlanning, EndEffectorPoseViaIK,
+        ERJointViaIK, SafeArm,
+    )
+}  # fmt: skip
+"""Name -> arm mode that a policy may have."""
+GRIPPER_MODES: Mapping[str, type] = {kind.__name__: kind for kind in (Discrete, GripperJointPosition)}
+"""Name -> gripper mode that a policy may have."""
+WHOLE_MODES: Mapping[str, type] = {kind.__name__: kind for kind in (MoveArmThenGripper, JointPositionActionMode)}
+"""Name -> action mode that a policy may have."""
+DEEPEST = 4
+"""So many safety filters may be around an arm mode."""
+
+
+def describe_action_mode(mode: ActionMode) -> dict[str, Any]:
+    """Return an action mode as plain data: its class, those of its parts, and every parameter they were made with.
+
+    Raises:
+        PolicySettingsError: A part is a class of the policy's own. It would run beside the simulation, not with the policy.
+    """
+    described: dict[str, Any] = {"mode": _name_of(mode, WHOLE_MODES, "action mode")}
+    if isinstance(mode, MoveArmThenGripper):
+        for part, kinds, value in (
+            ("arm", ARM_MODES, mode.arm_action_mode),
+            ("gripper", GRIPPER_MODES, mode.gripper_action_mode),
+        ):
+            described[part] = _name_of(value, kinds, f"{part} action mode")
+            described[f"{part}_settings"] = _settings_of(value)
+    return described
+
+
+def make_action_mode(described: Mapping[str, Any]) -> ActionMode:
+    """Make an action mode from plain data; parameters that are left out have their defaults.
+
+    Raises:
+        PolicySettingsError: The data name no mode, or a parameter that it has not, or one with a wrong value.
+    """
+    kind = _kind_of(_table(described, "action_mode"), "mode", WHOLE_MODES)
+    if kind is JointPositionActionMode:
+        _entries(described, ["mode"], "action_mode")
+        return JointPositionActionMode()
+    _entries(described, ("mode", "arm", "arm_settings", "gripper", "gripper_settings"), "action_mode")
+    parts = [
+        _make(_kind_of(described, part, kinds), described.get(f"{part}_settings", {}), f"action_mode.{part}_settings")
+        for part, kinds in (("arm", ARM_MODES), ("gripper", GRIPPER_MODES))
+    ]
+    return MoveArmThenGripper(*parts)
+
+
+def parameters(kind: type) -> dict[str, Parameter]:
+    """Return the parameters that a mode is made with, by name."""
+    return {name: p for name, p in signature(kind).parameters.items() if p.kind is not Parameter.VAR_KEYWORD and p.name != "self"}
+
+
+def _name_of(mode: object, kinds: Mapping[str, type], what: str) -> str:
+    name = type(mode).__name__
+    if kinds.get(name) is not type(mode):
+        hint = f"Use one of {', '.join(kinds)}, and translate in the policy's `act` what your own mode would do."
+        raise PolicySettingsError(f"The {what} of a policy", mode, "has to be one of this package", hint)
+    return name
+
+
+def _settings_of(mode: object) -> dict[str, Any]:
+    return {name: _plain_setting(getattr(mode, name)) for name in parameters(type(mode))}
+
+
+def _plain_setting(value: object) -> Any:
+    if isinstance(value, SafetyConfig):
+        return asdict(value)
+    if isinstance(value, RelativeFrame):
+        return "end effector" if value is RelativeFrame.EE else "world"
+    if isinstance(value, tuple | list):
+        return [_plain_setting(item) for item in value]
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    return {"mode": _name_of(value, ARM_MODES, "arm action mode"), "mode_settings": _settings_of(value)}
+
+
+def _make(kind: type, settings: object, what: str, depth: int = 0) -> Any:
+    """Make a part from its class and its parameters."""
+    chosen = dict(_entries(settings, parameters(kind), what))
+    with _errors_about(what, settings, f"makes no {kind.__name__}"):
+        return _make_safe_arm(chosen, what, depth) if kind is SafeArm else kind(**chosen)
+
+
+def _make_safe_arm(chosen: dict[str, Any], what: str, depth: int) -> SafeArm:
+    if depth >= DEEPEST:
+        raise PolicySettingsError(what, chosen, f"has more than {DEEPEST} safety filters around one mode")
+    inner = _entries(chosen.get("mode"), ("mode", "mode_settings"), f"{what}.mode")
+    arm = _make(_kind_of(inner, "mode", ARM_MODES), inner.get("mode_settings", {}), f"{what}.mode_settings", depth + 1)
+    config = chosen.get("config")
+    return SafeArm(arm, None if config is None else SafetyConfig(**_table(config, f"{what}.config")))
+
+
+def _table(value: object, what: str) -> Mapping[str, Any]:
+    if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
+        raise PolicySettingsError(what, value, "has to be a table with names as keys")
+    return value
+
+
+def _kind_of(described: Mapping[str, Any], key: str, kinds: Mapping[str, type]) -> type:
+    name = described.get(key)
+    if not isinstance(name, str) or name not in kinds:
+        near = nearest_name(name, tuple(kinds)) if isinstance(name, str) else None
+        hint = f"Did you mean '{near}'?" if near else f"Known: {', '.join(kinds)}."
+        raise PolicySettingsError(f"action_mode: '{key}'", name, "is no mode of this package", hint)
+    return kinds[name]
+
+
+# Observations -----------------------------------------------------------------------------------------------------------------
+
+
+_SPECIAL = ("cameras", "extra_cameras", "model", "lighting")
+IDENTITY = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+LEFT_OUT = ("record_gripper_closing", "record_ignore_collisions")
+"""Switches of demonstrations, which policies never see."""
+
+
+def blank_observations() -> ObservationConfig:
+    """Return settings with which nothing is observed."""
+    config = ObservationConfig(joint_poses=False, record_ignore_collisions=False)
+    config.set_all(False)
+    return config
+
+
+def describe_observations(config: ObservationConfig) -> dict[str, Any]:
+    """Return what is observed as plain data.
+
+    Raises:
+        PolicySettingsError: A noise model, or the record itself, is of the policy's own; it would run beside the simulation.
+    """
+    _own(config, ObservationConfig, "obs_config")
+    described = _differences(config, blank_observations(), (*LEFT_OUT, *_SPECIAL, *(f"{name}_camera" for name in CAMERAS)))
+    cameras = {name: _camera(camera) for name, camera in config.cameras().items()}
+    described.update({"cameras": used} if (used := {name: camera for name, camera in cameras.items() if camera}) else {})
+    if config.extra_cameras:
+        described["extra_cameras"] = {name: _extra_camera(extra) for name, extra in config.extra_cameras.items()}
+    if config.model.is_used:
+        described["model"] = {name: value for name, value in asdict(config.model).items() if value}
+    if config.lighting != Lighting():
+        described["lighting"] = _plain(config.lighting)
+    return described
+
+
+def make_observations(described: Mapping[str, Any]) -> ObservationConfig:
+    """Make the settings from plain data; what is left out is off.
+
+    Raises:
+        PolicySettingsError: There is no such entry, or it has a wrong value.
+    """
+    config = blank_observations()
+    known = (*(f.name for f in fields(ObservationConfig) if not f.name.endswith("_camera")), "cameras")
+    for name, value in _entries(described, known, "observation").items():
+        with _errors_about(f"observation: '{name}'", value, "cannot be used"):
+            if name == "cameras":
+                for camera, entries in _entries(value, CAMERAS, "observation.cameras").items():
+                    _fill(config.camera(camera), entries, f"observation.cameras.{camera}")
+            elif name == "extra_cameras":
+                for camera, entries in _table(value, "observation.extra_cameras").items():
+                    config.add_camera(camera, _make_extra_camera(camera, entries))
+            else:
+                setattr(config, name, _value(name, value))
+    with _errors_about("observation: 'cameras'", described.get("cameras"), "cannot be used"):
+        config.check()
+    return config
+
+
+# To plain data ----------------------------------------------------------------------------------------------------------------
+
+
+def _own(value: object, kind: type, what: str) -> None:
+    if type(value) is not kind:
+        hint = f"Use rlbench_pin's {kind.__name__}, and change in the policy's `act` what it observes."
+        raise PolicySettingsError(f"{what} of a policy", value, f"has to be a {kind.__name__} itself", hint)
+
+
+def _differences(record: object, blank: object, without: tuple[str, ...] = ()) -> dict[str, Any]:
+    names = [f.name for f in fields(record) if f.name not in without]  # type: ignore[arg-type]
+    pairs = {name: (_plain(getattr(record, name)), _plain(getattr(blank, name))) for name in names}
+    return {name: value for name, (value, default) in pairs.items() if value != default}
+
+
+def _blank_camera() -> CameraConfig:
+    return CameraConfig(rgb=False, depth=False, point_cloud=False, mask=False)
+
+
+def _camera(camera: CameraConfig) -> dict[str, Any]:
+    _own(camera, CameraConfig, "A camera")
+    return _differences(camera, _blank_camera())
+
+
+def _extra_camera(extra: ExtraCamera) -> dict[str, Any]:
+    _own(extra, ExtraCamera, "An extra camera")
+    _check_parent(extra)
+    blank = ExtraCamera(pose=IDENTITY)
+    return {"pose": _plain(extra.pose), **_differences(extra, blank, ("pose", "config")), "config": _camera(extra.config)}
+
+
+def _check_parent(extra: ExtraCamera) -> None:
+    if extra.parent not in ("world", HAND):
+        hint = "On a body of the scene it would tell where that is."
+        raise PolicySettingsError(
+            "An extra camera of a policy", extra.parent, f"stands in the world or rides on the {HAND}", hint
+        )
+
+
+def _plain(value: object) -> Any:
+    if value is None or isinstance(value, bool | str | int):
+        return value
+    if isinstance(value, float | np.floating):
+        return float(value) if math.isfinite(value) else None
+    if isinstance(value, np.ndarray | tuple | list):
+        return [_plain(item) for item in value]
+    if type(value) is Identity:
+        return None
+    if type(value) is GaussianNoise:
+        return {"variance": value.variance, "min_max_clip": _plain(value.min_max_clip)}
+    if type(value) in (Lighting, Light):
+        return {f.name: _plain(getattr(value, f.name)) for f in fields(value)}  # type: ignore[arg-type]
+    raise PolicySettingsError(
+        "What a policy observes", value, "has to be settings of this package", "Apply noise of your own in the policy's `act`."
+    )
+
+
+# Back -------------------------------------------------------------------------------------------------------------------------
+
+
+def _entries(value: object, known: Iterable[str], what: str) -> Mapping[str, Any]:
+    """Return a table whose names are among those that are known."""
+    table, known = _table(value, what), tuple(known)
+    for name in table:
+        if name not in known:
+            near = nearest_name(name, known)
+            hint = f"Did you mean '{near}'?" if near else f"Known: {', '.join(sorted(known)) or 'none'}."
+            raise PolicySettingsError(what, name, "has no such entry", hint)
+    return table
+
+
+@contextmanager
+def _errors_about(what: str, value: object, problem: str) -> Iterator[None]:
+    """Turn what plain data can cause into a PolicySettingsError."""
+    try:
+        yield
+    except PolicySettingsError:
+        raise
+    except (RlbenchPinError, TypeError, ValueError, LookupError, ArithmeticError) as error:
+        raise PolicySettingsError(what, value, f"{problem}: {error}") from error
+
+
+def _value(name: str, value: Any) -> Any:
+    if name.endswith("_noise"):
+        return _noise(value)
+    if name == "model":
+        return ModelObservationConfig(**_table(value, "observation.model"))
+    if name == "lighting":
+        return _lighting(_entries(value, tuple(f.name for f in fields(Lighting)), "observation.lighting"))
+    return tuple(value) if name == "image_size" and isinstance(value, list) else value
+
+
+def _noise(value: Any) -> Identity | GaussianNoise:
+    if value is None:
+        return Identity()
+    noise = _entries(value, ("variance", "min_max_clip"), "noise")
+    clip = noise.get("min_max_clip")
+    ends = None if clip is None else (-math.inf if clip[0] is None else clip[0], math.inf if clip[1] is None else clip[1])
+    return GaussianNoise(noise.get("variance", 0.0), ends)
+
+
+def _lighting(entries: Mapping[str, Any]) -> Lighting:
+    made = {name: value for name, value in entries.items() if name == "ambient"}
+    if "key" in entries:
+        made["key"] = _light(entries["key"])
+    if "fills" in entries:
+        made["fills"] = tuple(_light(light) for light in entries["fills"])
+    return Lighting(**made)
+
+
+def _light(value: Any) -> Light:
+    light: dict[str, Any] = dict(_entries(value, ("direction", "intensity", "color"), "a light"))
+    light.update({name: tuple(v) for name, v in light.items() if isinstance(v, list)})
+    return Light(**light)
+
+
+def _fill(camera: CameraConfig, entries: Any, what: str) -> CameraConfig:
+    camera.set_all(False)
+    for name, value in _entries(entries, tuple(f.name for f in fields(CameraConfig)), what).items():
+        with _errors_about(f"observation: '{name}'", value, "cannot be used"):
+            setattr(camera, name, _value(name, value))
+    return camera
+
+
+def _make_extra_camera(name: str, entries: Any) -> ExtraCamera:
+    what = f"observation.extra_cameras.{name}"
+    table = dict(_entries(entries, tuple(f.name for f in fields(ExtraCamera)), what))
+    config = _fill(CameraConfig(), table.pop("config", {}), f"{what}.config")
+    if "pose" not in table:
+        raise PolicySettingsError(what, entries, "needs a 'pose' (7,): x, y, z [m], qx, qy, qz, qw")
+    extra = ExtraCamera(**table, config=config)
+    _check_parent(extra)
+    return extra

@@ -9,9 +9,8 @@ from typing import Literal
 import numpy as np
 
 from rlbench_pin.errors import IncompatibleResults
-from rlbench_pin.evaluation.results.mcnemar import SIGNIFICANT, PValues, holm, mcnemar
 from rlbench_pin.evaluation.results.records import EpisodeRecord, Results
-from rlbench_pin.evaluation.results.statistics import DRAWS, LEVEL, Estimate
+from rlbench_pin.evaluation.results.statistics import DRAWS, LEVEL, SIGNIFICANT, Estimate, PValues, holm, mcnemar
 from rlbench_pin.values import as_choice, as_flag, as_record
 
 Measure = Literal["success", "lasts"]

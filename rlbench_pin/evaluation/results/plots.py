@@ -1,4 +1,4 @@
-"""A picture of results: success with its interval, a bar per task and policy, in colours that are told apart by everybody."""
+"""Plots of results: success with its interval, a bar per task and policy, in colours that colour-blind people can tell apart."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from rlbench_pin.values import as_path, as_record, as_several, as_whole
 
 SUFFIXES = (".png", ".svg")
 MOST = 8
-"""Policies in one picture at most."""
+"""Policies in one plot at most."""
 COLORS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#000000")
 """Of Okabe and Ito, in an order in which neighbours differ in lightness as well."""
 _FIXED = {"svg.hashsalt": "rlbench_pin", "svg.fonttype": "none", "font.family": "DejaVu Sans", "font.size": 9.0}
 _BAR, _GAP, _FRAME, _WIDTH = 0.17, 0.12, 1.1, 7.5
-"""Height of a bar, space between tasks, height of everything else, width of the picture [inch]."""
+"""Height of a bar, space between tasks, height of everything else, width of the plot [inch]."""
 
 
 def draw_results(path: Path | str, summaries: Sequence[Summary]) -> Path:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rlbench_pin.evaluation.results.comparison import Comparison, Pairs
-from rlbench_pin.evaluation.results.statistics import Estimate, Summary, TaskSummary, width_note
+from rlbench_pin.evaluation.results.statistics import Estimate, Summary, TaskSummary, added_counts, width_note
 from rlbench_pin.rates import Rate
 from rlbench_pin.values import as_flag, as_record, as_several, as_text
 
@@ -120,7 +119,7 @@ def _counts(tasks: Sequence[TaskSummary], episodes: int) -> tuple[str, ...]:
 
 
 def _notes(summary: Summary) -> list[str]:
-    counted = ((name, _added(getattr(task, key) for task in summary.tasks)) for name, key in _COUNTED)
+    counted = ((name, added_counts(getattr(task, key) for task in summary.tasks)) for name, key in _COUNTED)
     notes = [f"{name}: {', '.join(f'{what} {n}' for what, n in counts.items())}." for name, counts in counted if counts]
     few = width_note(min((task.success.of for task in summary.tasks), default=0))
     return [_LEGEND, *notes, *([few] if few else [])]
@@ -131,13 +130,6 @@ _LEGEND = (
     "Violations: control ticks in all."
 )
 _COUNTED = (("Refused actions", "refused"), ("Ticks beyond limits", "violations"), ("Episodes that ended with a fault", "faults"))
-
-
-def _added(tables: object) -> Mapping[str, int]:
-    total: Counter[str] = Counter()
-    for table in as_several(tables, "tables"):
-        total.update(table)
-    return dict(sorted(total.items()))
 
 
 def _pairs(pairs: Pairs) -> tuple[str, ...]:

@@ -12,8 +12,7 @@ from rlbench_pin.environment.demos import DemoPlayer, try_play
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.evaluation.policies.client import PolicyClient
-from rlbench_pin.evaluation.policies.faults import PolicyFault
-from rlbench_pin.evaluation.policies.policy import PolicyContext
+from rlbench_pin.evaluation.policies.policy import PolicyContext, PolicyFault
 from rlbench_pin.evaluation.results.records import End, EpisodeRecord
 from rlbench_pin.evaluation.run.config import EpisodeItem, EvaluationConfig
 from rlbench_pin.evaluation.run.limits import Limits
@@ -83,13 +82,16 @@ class Episode:
         period = self.task.world.control_dt
         client.reset(instruction, context)
         while True:
-            action = self._asked(client, seen, context)
-            self.steps += 1
+            action = self._asked(client, seen)
             try:
                 seen, _, over = self.task.step(action)
             except InvalidActionError as error:
+                if error.cause == "wrong shape":
+                    detail = f"an action of shape {action.shape}, where ({len(context.action_low)},) is needed."
+                    raise PolicyFault("wrong answer", detail) from error
                 self.refused[error.cause] += 1
                 over = False
+            self.steps += 1
             if over:
                 return "success" if self.task.succeeded else "failed"
             if (self.ticks + sum(self.refused.values())) * period >= limits.seconds - 1e-9:
@@ -97,17 +99,12 @@ class Episode:
             if self.steps >= limits.steps:
                 return "steps"
 
-    def _asked(self, client: PolicyClient, seen: Observation, context: PolicyContext) -> np.ndarray:
+    def _asked(self, client: PolicyClient, seen: Observation) -> np.ndarray:
         began = time.perf_counter()
         try:
-            action = client.act(seen)
+            return client.act(seen)
         finally:
             self.action_times.append(time.perf_counter() - began)
-        return _checked(action, len(context.action_low), self._more())
-
-    def _more(self) -> int:
-        """How many numbers may follow those of the specification."""
-        return self.task.action_mode.optional_values
 
     def demonstrate(self, limits: Limits) -> tuple[End, str]:
         """Play the demonstration of this very seed once; return how it ended, and why there is none."""
@@ -136,16 +133,6 @@ class Episode:
             fault=fault,
             fault_detail=shortened(detail),
         )
-
-
-def _checked(action: object, size: int, more: int) -> np.ndarray:
-    """Return an action as it has to be, or raise the fault that it is."""
-    if not isinstance(action, np.ndarray) or action.shape not in ((size,), (size + more,)):
-        got = f"shape {action.shape}" if isinstance(action, np.ndarray) else type(action).__name__
-        raise PolicyFault("wrong answer", f"an action of {got}, where ({size},) is needed.")
-    if action.dtype.kind not in "fiu" or not np.isfinite(action).all():
-        raise PolicyFault("wrong answer", f"an action that is not all finite numbers: {action.tolist()}.")
-    return np.asarray(action, dtype=np.float64)
 
 
 def make_context(config: EvaluationConfig, item: EpisodeItem, task: TaskEnvironment, limits: Limits) -> PolicyContext:

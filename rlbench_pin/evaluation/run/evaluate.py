@@ -17,8 +17,7 @@ from typing import Any
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.errors import RlbenchPinError, shown
 from rlbench_pin.evaluation.policies.settings import PolicySettings
-from rlbench_pin.evaluation.results.file import read_results, write_results
-from rlbench_pin.evaluation.results.records import Results
+from rlbench_pin.evaluation.results.records import Results, read_results, write_results
 from rlbench_pin.evaluation.run.config import EpisodeItem, EvaluationConfig, plan_episodes
 from rlbench_pin.evaluation.run.episode import EpisodeOutcome
 from rlbench_pin.evaluation.run.journal import EvaluationConflict, Journal, OpenJournal

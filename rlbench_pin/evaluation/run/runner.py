@@ -9,7 +9,7 @@ from types import TracebackType
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.evaluation.policies.client import PolicyClient, open_policy
-from rlbench_pin.evaluation.policies.faults import PolicyFault
+from rlbench_pin.evaluation.policies.policy import PolicyFault
 from rlbench_pin.evaluation.policies.settings import PolicySettings
 from rlbench_pin.evaluation.results.records import EpisodeRecord
 from rlbench_pin.evaluation.run.config import (

@@ -1,4 +1,4 @@
-"""A learner that tries to reach the task, the scene and the seed through what it is given, and writes down what it finds."""
+"""A learner that looks for the task, the scene and the seed in what the harness hands it, and writes down what it finds."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import os
 import pickle
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -82,10 +81,8 @@ class Spy:
         self.found["11 extra fields"] = [
             n for n in vars(observation) if n not in vars(Observation()) and n != "ignore_collisions"
         ]
-        self.found["12 files of the run"] = files_of_the_run()
-        self.found["13 memory and files of the process that asks"] = in_owner()
-        self.found["14 names and seeds in pickles"] = in_pickles(self.context, observation)
-        self.found["15 modules of tasks"] = [name for name in sys.modules if name.rpartition(".")[2] in public_tasks()]
+        self.found["12 names and seeds in pickles"] = in_pickles(self.context, observation)
+        self.found["13 modules of tasks"] = [name for name in sys.modules if name.rpartition(".")[2] in public_tasks()]
         self.report.write_text(json.dumps({**self.found, "seed": self.context.seed, "instruction": self.instruction}))
         assert observation.joint_positions is not None
         return np.append(observation.joint_positions, 1.0)
@@ -152,31 +149,6 @@ def in_process() -> list[str]:
     """Return words of the arguments and the environment of this process that name a task or a folder of a run."""
     words = [*sys.argv, *(v for k, v in os.environ.items() if not k.startswith("PYTEST"))]
     return [word for word in words if any(name in word for name in public_tasks()) or "demonstrations" in word]
-
-
-def files_of_the_run() -> list[str]:
-    """Return the files that can be read or changed in the folder of the run, whichever way leads there."""
-    found = []
-    for root in ("", "/proc/self/root", f"/proc/{os.getppid()}/root"):
-        for folder, _, files in os.walk(f"{root}{Path(sys.argv[4]).resolve()}"):
-            for way in (Path(folder, name) for name in files):
-                for mode in ("rb", "ab"):
-                    with suppress(OSError), way.open(mode):
-                        found.append(f"{way} {mode}")
-    return found
-
-
-def in_owner() -> list[str]:
-    """Return what of the process that asks can be opened: its memory, and what it holds open on disk."""
-    owner, found = Path(f"/proc/{os.getppid()}"), []
-    with suppress(OSError), (owner / "mem").open("rb"):
-        found.append("mem")
-    with suppress(OSError):
-        for link in (owner / "fd").iterdir():
-            with suppress(OSError):
-                if "demonstrations" in (target := os.readlink(link)) or "journal" in target:
-                    found.append(link.open("rb").name)
-    return found
 
 
 def in_pickles(*things: object) -> list[str]:

@@ -26,11 +26,11 @@ from rlbench_pin.evaluation import (
     read_results,
     run_challenge,
 )
-from rlbench_pin.evaluation.challenge.answers import LearnerAnswers
 from rlbench_pin.evaluation.challenge.client import LearnerClient, batches
 from rlbench_pin.evaluation.challenge.config import demonstration_seed
 from rlbench_pin.evaluation.challenge.demonstrations import shown_variation
-from rlbench_pin.evaluation.challenge.learned import read_learned, write_learned
+from rlbench_pin.evaluation.challenge.learner import read_learned, write_learned
+from rlbench_pin.evaluation.challenge.learner_process import LearnerAnswers
 from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.processes import ProcessEngine, SerialEngine
 from tests.evaluation.challenge.learners import Still
@@ -159,7 +159,7 @@ def test_long_demonstrations_go_in_several_messages() -> None:
 
 
 @pytest.mark.parametrize(("reference", "error"), [
-    ("nearst", UnknownName), ("rest", UnknownName), ("", PolicyReferenceError), ("missing.py:make", PolicyReferenceError),
+    ("nearst", UnknownName), ("noop", UnknownName), ("", PolicyReferenceError), ("missing.py:make", PolicyReferenceError),
     ("tcp://127.0.0.1:5555", PolicyReferenceError), (f"{LEARNERS}:Stil", PolicyReferenceError),
 ])  # fmt: skip
 def test_references_that_lead_to_no_learner(reference: str, error: type[Exception]) -> None:

@@ -26,23 +26,23 @@ from rlbench_pin.evaluation.policies import (
     PolicyContext,
     PolicyFault,
     PolicySettings,
+    lerobot_directory,
     open_policy,
 )
-from rlbench_pin.evaluation.policies.adapters import lerobot_directory
-from rlbench_pin.evaluation.policies.adapters.lerobot_directory import read_features
+from rlbench_pin.evaluation.policies.lerobot_directory import read_features
 from rlbench_pin.observation import Demo, Observation
 
 CONTEXT = PolicyContext("panda", 7, (-1.0,) * 7 + (0.0,), (1.0,) * 8, 0.05, 100, seed=1)
 
 
-def test_rest_and_random() -> None:
+def test_noop_and_random() -> None:
     """One stays as the episode began; the other draws within the bounds, the same for the same seed."""
-    rest, random = open_policy("rest"), open_policy("random")
+    noop, random = open_policy("noop"), open_policy("random")
     first, later = (Observation(joint_positions=np.full(7, x), gripper_open=1.0) for x in (0.1, 0.2))
-    rest.reset("anything", CONTEXT)
-    assert rest.act(first).tolist() == rest.act(later).tolist() == [0.1] * 7 + [1.0]
-    rest.reset("anything", CONTEXT)
-    assert rest.act(later).tolist() == [0.2] * 7 + [1.0]
+    noop.reset("anything", CONTEXT)
+    assert noop.act(first).tolist() == noop.act(later).tolist() == [0.1] * 7 + [1.0]
+    noop.reset("anything", CONTEXT)
+    assert noop.act(later).tolist() == [0.2] * 7 + [1.0]
     draws = []
     for _ in range(2):
         random.reset("anything", CONTEXT)
@@ -154,7 +154,7 @@ def test_models_of_stable_baselines3(
 
     model, expected = trained(kind, wrap, tmp_path / "model.zip", vision, **({"buffer_size": 10} if kind == "SAC" else {}))
     _, seen = task.reset(seed=5, variation=0)
-    from rlbench_pin.evaluation.policies.adapters.sb3 import load
+    from rlbench_pin.evaluation.policies.sb3 import load
 
     client = open_policy(load(str(tmp_path / "model.zip")))
     assert client.settings.make_obs_config().front_camera.is_used == vision
@@ -174,7 +174,7 @@ def test_a_model_in_a_process_of_its_own(tmp_path: Path, task: TaskEnvironment) 
     client.reset("go", context_of(task))
     np.testing.assert_allclose(client.act(seen), expected, rtol=0, atol=1e-6)
     client.close()
-    from rlbench_pin.evaluation.policies.adapters.sb3 import load
+    from rlbench_pin.evaluation.policies.sb3 import load
 
     other = open_policy(load(str(tmp_path / "model.zip"), arm="EndEffectorVelocity"))
     with pytest.raises(PolicyFault, match="7 numbers|8 numbers"):

@@ -25,8 +25,8 @@ from rlbench_pin.evaluation.policies import (
     PolicySettingsError,
     open_policy,
 )
-from rlbench_pin.evaluation.policies.links.host import answers_for
-from rlbench_pin.evaluation.policies.links.remote import RemotePolicy
+from rlbench_pin.evaluation.policies.client import RemotePolicy
+from rlbench_pin.evaluation.policies.policy_process import answers_for
 from rlbench_pin.evaluation.policies.policy_server import Channel, converse
 from rlbench_pin.observation import Observation
 from tests.evaluation.policies.policies_for_tests import Obedient, foreign

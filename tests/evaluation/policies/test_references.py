@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from rlbench_pin.errors import MissingExtra, RlbenchPinError, UnknownName
-from rlbench_pin.evaluation.policies import LibraryMissing, PolicyReferenceError, Rest, find_policy, open_policy
-from rlbench_pin.evaluation.policies.links.loading import make_policy, split_reference
+from rlbench_pin.evaluation.policies import LibraryMissing, Noop, PolicyReferenceError, find_policy, open_policy
 from rlbench_pin.evaluation.policies.policy_server import NoPolicy
+from rlbench_pin.evaluation.policies.references import make_policy, split_reference
 from tests.evaluation.policies.test_faults import FILE
 
 MODULE = "tests.evaluation.policies.policies_for_tests"
@@ -19,12 +19,12 @@ MODULE = "tests.evaluation.policies.policies_for_tests"
 @pytest.mark.parametrize(
     ("reference", "place"),
     [
-        ("rest", "here"),
-        ("random", "here"),
-        (f"{FILE}:Obedient", "process"),
-        (f"{FILE}:Obedient?scale=3&name=a", "process"),
-        (f"{MODULE}:Obedient", "process"),
-        (f"{MODULE}:INSTANCE", "process"),
+        ("noop", "in-process"),
+        ("random", "in-process"),
+        (f"{FILE}:Obedient", "subprocess"),
+        (f"{FILE}:Obedient?scale=3&name=a", "subprocess"),
+        (f"{MODULE}:Obedient", "subprocess"),
+        (f"{MODULE}:INSTANCE", "subprocess"),
         ("unix:/nowhere", "socket"),
         ("tcp://localhost:80", "socket"),
     ],
@@ -62,7 +62,7 @@ def test_what_there_is_is_found(reference: str, place: str) -> None:
         (f"{'x' * 5000}:make", PolicyReferenceError, "a module that there is not"),
         (f"lerobot:{'x' * 5000}", PolicyReferenceError, "config.json"),
         (f"sb3:{'x' * 5000}", PolicyReferenceError, "model.save"),
-        ("rest?speed=3", PolicyReferenceError, "cannot be called so"),
+        ("noop?speed=3", PolicyReferenceError, "cannot be called so"),
     ],
 )
 def test_what_there_is_not_is_refused(reference: str, kind: type[RlbenchPinError], says: str) -> None:
@@ -71,12 +71,12 @@ def test_what_there_is_not_is_refused(reference: str, kind: type[RlbenchPinError
         open_policy(reference)
 
 
-@pytest.mark.parametrize("thing", [None, 7, object(), Rest, [Rest()]])
+@pytest.mark.parametrize("thing", [None, 7, object(), Noop, [Noop()]])
 def test_things_that_are_no_policy_are_refused(thing: object) -> None:
     """A class is none either; an object of it is."""
     with pytest.raises(PolicyReferenceError, match="is an object with reset"):
         open_policy(thing)  # type: ignore[arg-type]
-    open_policy(Rest())
+    open_policy(Noop())
 
 
 @pytest.mark.parametrize("limit", [0.0, -1.0, float("nan"), float("inf"), "5"])
@@ -84,7 +84,7 @@ def test_wrong_limits_are_refused(limit: float) -> None:
     """Times are numbers above zero."""
     for name in ("time_limit", "start_limit"):
         with pytest.raises(RlbenchPinError, match=name):
-            open_policy("rest", **{name: limit})  # type: ignore[arg-type]
+            open_policy("noop", **{name: limit})  # type: ignore[arg-type]
 
 
 def test_nothing_is_run_to_look(tmp_path: Path) -> None:
@@ -95,10 +95,10 @@ def test_nothing_is_run_to_look(tmp_path: Path) -> None:
     (tmp_path / "wrong.py").write_text("def make(:")
     sys.path.insert(0, str(tmp_path))
     try:
-        assert find_policy("loud.inner:make").place == "process"
+        assert find_policy("loud.inner:make").place == "subprocess"
     finally:
         sys.path.remove(str(tmp_path))
-    assert find_policy(f"{tmp_path}/loud/inner.py:make").place == "process"
+    assert find_policy(f"{tmp_path}/loud/inner.py:make").place == "subprocess"
     with pytest.raises(PolicyReferenceError, match="cannot be read"):
         find_policy(f"{tmp_path}/wrong.py:make")
 

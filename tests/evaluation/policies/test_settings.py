@@ -31,8 +31,13 @@ from rlbench_pin.environment import (
     SafeArm,
 )
 from rlbench_pin.evaluation.policies import PolicySettings, PolicySettingsError
-from rlbench_pin.evaluation.policies.action_description import ARM_MODES, GRIPPER_MODES, WHOLE_MODES
-from rlbench_pin.evaluation.policies.observation_description import describe_observations, make_observations
+from rlbench_pin.evaluation.policies.settings import (
+    ARM_MODES,
+    GRIPPER_MODES,
+    WHOLE_MODES,
+    describe_observations,
+    make_observations,
+)
 from rlbench_pin.sim import Light, Lighting
 from tests.evaluation.policies.policies_for_tests import OwnMode
 

@@ -32,7 +32,7 @@ def episode(task: str, index: int, outcome: str, **changes: Any) -> EpisodeRecor
     return EpisodeRecord(**(values | changes))
 
 
-def results(outcomes: Mapping[str, str], policy: str = "rest", **changes: Any) -> Results:
+def results(outcomes: Mapping[str, str], policy: str = "noop", **changes: Any) -> Results:
     """Return results: task -> outcomes of its episodes."""
     count = max(map(len, outcomes.values()))
     values: dict[str, Any] = {

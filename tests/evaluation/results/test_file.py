@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.errors import InvalidValue, ResultsFileError
-from rlbench_pin.evaluation.results.file import read_results, results_text, write_results
-from rlbench_pin.evaluation.results.records import EpisodeRecord, Results
+from rlbench_pin.evaluation.results.records import EpisodeRecord, Results, read_results, results_text, write_results
 from tests.evaluation.results.made import episode, results
 
 
@@ -56,7 +55,7 @@ def test_equal_content_is_equal_to_the_byte() -> None:
         ('"task": "reach_target"', '"task": "another"', "has to be of its tasks"),
         ('"steps": 10', '"stops": 10', "lacks steps"),
         ('"steps": 10', '"steps": 10, "more": 1', "has 'more', which this format does not know"),
-        ('"policy": "rest"', '"policy": ["rest"]', "has to be a text"),
+        ('"policy": "noop"', '"policy": ["noop"]', "has to be a text"),
         ('"sha256"', '"sha255"', "lacks sha256"),
         ('"settings": {', '"settings": [], "x": {', "does not know"),
         ('"commit": ""', '"commit": "1"', "it was altered"),
@@ -146,6 +145,6 @@ def test_the_checksum_covers_everything() -> None:
 
 def test_no_episode_is_no_crash(tmp_path: Path) -> None:
     """An evaluation that ended before its first episode still has a file."""
-    empty = Results("rest", {}, "reach_target", ("reach_target",), (0,), {}, {}, "", ())
+    empty = Results("noop", {}, "reach_target", ("reach_target",), (0,), {}, {}, "", ())
     assert read_results(write_results(tmp_path / "a.json", empty)) == empty
     assert isinstance(episode("reach_target", 0, "1"), EpisodeRecord)

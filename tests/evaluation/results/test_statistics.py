@@ -8,15 +8,17 @@ from scipy.stats import binomtest
 from write_results_tables import written_anew
 
 from rlbench_pin.errors import InvalidValue
-from rlbench_pin.evaluation.results.mcnemar import (
+from rlbench_pin.evaluation.results.statistics import (
     SIGNIFICANT,
     episodes_needed,
     holm,
     mcnemar,
+    mean_rate,
     pair_shares,
     paired_power,
+    summarise,
+    width_note,
 )
-from rlbench_pin.evaluation.results.statistics import mean_rate, summarise, width_note
 from rlbench_pin.rates import Rate
 from tests.evaluation.results.made import results
 

@@ -111,6 +111,6 @@ def test_what_cannot_be_drawn(tmp_path: Path) -> None:
         with pytest.raises(InvalidValue):
             draw_results(tmp_path / name, several)
     assert list(tmp_path.iterdir()) == []
-    empty = summary(Results("rest", {}, "x", ("reach_target",), (0,), {}, {}, "", ()))
+    empty = summary(Results("noop", {}, "x", ("reach_target",), (0,), {}, {}, "", ()))
     assert draw_results(tmp_path / "a.png", [empty]).exists()
     assert "reach_target" in task_table(empty).text()

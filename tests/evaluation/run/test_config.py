@@ -13,7 +13,7 @@ from rlbench_pin.evaluation.run import EVALUATION_SEEDS, EvaluationConfig, evalu
 from rlbench_pin.evaluation.run.config import LARGEST_START, MOST_EPISODES, policy_seed
 from rlbench_pin.recording.config import item_seed
 
-CONFIG = EvaluationConfig(policy="rest", tasks=("reach_target",))
+CONFIG = EvaluationConfig(policy="noop", tasks=("reach_target",))
 
 
 def test_no_recording_and_no_reset_has_a_seed_of_an_evaluation() -> None:

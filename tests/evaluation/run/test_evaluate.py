@@ -18,7 +18,7 @@ import pytest
 from rlbench_pin.cli.process.engines import make_engine
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.errors import InvalidValue, RlbenchPinError, UnknownName
-from rlbench_pin.evaluation.results.file import read_results
+from rlbench_pin.evaluation.results.records import read_results
 from rlbench_pin.evaluation.run import (
     EvaluationConfig,
     EvaluationConflict,

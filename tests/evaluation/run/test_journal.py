@@ -12,7 +12,7 @@ from rlbench_pin.evaluation.results.records import EpisodeRecord
 from rlbench_pin.evaluation.run import EpisodeItem, EpisodeOutcome, EvaluationConflict
 from rlbench_pin.evaluation.run.journal import Journal
 
-HEAD = {"policy": "rest", "tasks": ("reach_target",), "limits": {"max_seconds": 1.0}}
+HEAD = {"policy": "noop", "tasks": ("reach_target",), "limits": {"max_seconds": 1.0}}
 ITEMS = [EpisodeItem("reach_target", "reach_target", i, 0, 2**53 + 2 * i, 5) for i in range(3)]
 
 
@@ -76,7 +76,7 @@ def test_without_resume_it_must_not_be_there(path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"policy": "random"}, "policy = 'rest', this is policy = 'random'"),
+        ({"policy": "random"}, "policy = 'noop', this is policy = 'random'"),
         ({"limits": {"max_seconds": 2.0}}, "max_seconds"),
         ({"tasks": ["reach_target", "push_button"]}, "push_button"),
         ({"task_files": {"x": "1"}}, "task_files = None"),

@@ -28,7 +28,7 @@ from tests.evaluation.run import policies
 pytestmark = pytest.mark.simulation
 
 FILE = Path(policies.__file__)
-CONFIG = EvaluationConfig(policy="rest", tasks=("reach_target",), episodes=2, max_seconds=1.0)
+CONFIG = EvaluationConfig(policy="noop", tasks=("reach_target",), episodes=2, max_seconds=1.0)
 
 
 def outcomes(config: EvaluationConfig) -> list[EpisodeOutcome]:

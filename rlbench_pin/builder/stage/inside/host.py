@@ -9,11 +9,7 @@ from __future__ import annotations
 import contextlib
 import faulthandler
 import os
-import re
-import resource
 import signal
-import socket
-import sys
 import traceback
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -26,8 +22,8 @@ from rlbench_pin.builder.stage.inside.world import StageWorld
 from rlbench_pin.builder.stage.problems import Pair
 from rlbench_pin.builder.stage.wire import plain, record
 from rlbench_pin.errors import RlbenchPinError
-from rlbench_pin.evaluation.policies.links.host import end_with_owner
 from rlbench_pin.evaluation.policies.policy_server import Channel, WireError
+from rlbench_pin.processes.child import connect_to_owner, limit_memory
 
 Question = Mapping[str, Any]
 
@@ -113,26 +109,14 @@ def _pair(question: Question) -> Pair:
     return Pair(Path(question["python"]), Path(question["folder"]))
 
 
-def limit_memory(more: int) -> None:
-    """Allow this process, and those that it starts, so many bytes of address space beyond what it has now; no core dumps."""
-    status = Path("/proc/self/status").read_text(encoding="ascii")
-    found = re.search(r"VmSize:\s+(\d+) kB", status)
-    used = 0 if found is None else 1024 * int(found[1])
-    resource.setrlimit(resource.RLIMIT_AS, (used + more, used + more))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-
-
 def main() -> None:
     """Answer until the owner closes the socket, or ends."""
-    connection, pipe, dump, memory = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3], int(sys.argv[4])
-    end_with_owner(pipe)
-    os.set_inheritable(connection, False)
-    os.set_inheritable(pipe, False)
+    connection, (dump, memory) = connect_to_owner()
     with open(dump, "w", encoding="utf-8") as file:
         faulthandler.enable(file, all_threads=False)
         faulthandler.register(signal.SIGUSR1, file, all_threads=False)
-        limit_memory(memory)
-        host = Host(Channel(socket.socket(fileno=connection)))
+        limit_memory(int(memory))
+        host = Host(Channel(connection))
         signal.signal(signal.SIGUSR2, lambda number, stack: host.stop())
         host.serve()
 

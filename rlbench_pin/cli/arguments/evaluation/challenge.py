@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from rlbench_pin.cli.process.words import EngineName, MaybeInt, OnlyTasks, RobotName
+from rlbench_pin.cli.process.words import EngineName, MaybeInt, MaybePath, OnlyTasks, RobotName
 
 LearnerName = Annotated[str, tyro.conf.arg(metavar="LEARNER", help_behavior_hint="(required)")]
 """A learner behind a command, which says in its own words that it needs one."""
@@ -20,7 +20,7 @@ SplitName = Annotated[str, tyro.conf.arg(metavar="SPLIT")]
 
 @dataclass(frozen=True)
 class Run:
-    """Let a few-shot learner take the challenge. Whatever kills it, `--resume` goes on.
+    """Let a few-shot learner take the challenge. Use `--resume` to continue after an interruption.
 
     The folder gets a results file for each number of demonstrations, `shots_5.json`, which `rlbench-pin results` shows and
     compares, the learning curve, `summary.json`, and the demonstrations with their seeds.
@@ -40,6 +40,9 @@ class Run:
     """Episodes of each test task, spread evenly over its variations; the same for each number of demonstrations."""
     seed: int = 0
     """Seed of the episodes, as for `evaluate`, and of the demonstrations."""
+    secret: MaybePath = None
+    """File with a secret of at least 16 bytes, mixed into the seeds of episodes and demonstrations.
+    Results record its SHA-256. Publish the file when the challenge is over."""
     max_steps: MaybeInt = None
     """Actions of an episode at most; when not given, what the learner suggests or `evaluate` would take."""
     max_seconds: float = 120.0

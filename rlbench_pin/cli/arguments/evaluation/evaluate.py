@@ -43,7 +43,7 @@ class Evaluate:
     """
 
     policy: tyro.conf.Positional[MaybePolicy] = ""
-    """`rest`, `random`, `expert` (the planner of demonstrations), `classical`, `cloning?folder=FOLDER`,
+    """`noop`, `random`, `expert` (the planner of demonstrations), `classical`, `cloning?folder=FOLDER`,
     `key_frames?folder=FOLDER`, `ppo:FOLDER`, `sac:FOLDER`, `sb3:FILE`, `lerobot:FOLDER`, `module:factory`,
     `file.py:factory`, or where one is served: `tcp://HOST:PORT`, `unix:PATH`. docs/policies.md says how to write one."""
     tasks: TaskNames = TASKS

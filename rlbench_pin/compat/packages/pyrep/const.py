@@ -6,7 +6,7 @@ from enum import Enum
 
 
 class ObjectType(Enum):
-    """What a thing of the scene is."""
+    """What an object of the scene is."""
 
     ALL = -2
     SHAPE = 0
@@ -51,7 +51,7 @@ class JointMode(Enum):
 
 
 class RenderMode(Enum):
-    """How pictures are drawn; OPENGL3 has shadows, OPENGL has none, OPENGL_COLOR_CODED shows handles as colours."""
+    """How images are drawn; OPENGL3 has shadows, OPENGL has none, OPENGL_COLOR_CODED shows handles as colours."""
 
     OPENGL = 0
     OPENGL_AUXILIARY = 1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rlbench_pin.compat.things import UnknownObject, UnsupportedCall
+from rlbench_pin.compat.objects import UnknownObject, UnsupportedCall
 from rlbench_pin.errors import RlbenchPinError
 
 __all__ = [
@@ -24,11 +24,11 @@ class PyRepError(RlbenchPinError):
 
 
 class WrongObjectTypeError(PyRepError):
-    """A name belongs to a thing of another type."""
+    """A name belongs to an object of another type."""
 
 
 class ObjectAlreadyRemovedError(PyRepError):
-    """A thing was used after `remove()`."""
+    """An object was used after `remove()`."""
 
 
 class ObjectIsNotModelError(PyRepError):
@@ -36,7 +36,7 @@ class ObjectIsNotModelError(PyRepError):
 
 
 class GripperError(PyRepError):
-    """The hand cannot do what it was asked."""
+    """The gripper cannot do what it was asked."""
 
 
 class ConfigurationError(PyRepError):

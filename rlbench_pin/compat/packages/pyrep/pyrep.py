@@ -11,8 +11,8 @@ from pyrep.const import ObjectType, Verbosity
 from pyrep.errors import PyRepError, UnsupportedCall
 from pyrep.objects.object import Object, views_of
 from pyrep.objects.shape import Shape
-from pyrep.textures.texture import Texture, TextureHolder
-from rlbench_pin.compat.devices import configuration
+from pyrep.textures import Texture, TextureHolder
+from rlbench_pin.compat.joints import ConfigurationTree
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.sim import read_texture
 
@@ -39,12 +39,8 @@ class PyRep:
     ) -> None:
         """Start the simulator with the arm at an empty table.
 
-        Args:
-            scene_file: Empty, or the name of the empty table (`rlbench.backend.const.TTT_FILE`).
-            headless: Accepted; nothing is shown on a screen.
-            responsive_ui: Accepted.
-            blocking: Accepted.
-            verbosity: Accepted; the simulator is silent.
+        `scene_file` is empty, or the name of the empty table (`rlbench.backend.const.TTT_FILE`). The rest is accepted: nothing is
+        shown on a screen, and the simulator is silent.
 
         Raises:
             PyRepError: It runs already.
@@ -88,7 +84,7 @@ class PyRep:
         self.running = True
 
     def stop(self) -> None:
-        """End simulating; things stay where they are."""
+        """End simulating; objects stay where they are."""
         self.running = False
 
     def step(self) -> None:
@@ -103,7 +99,7 @@ class PyRep:
         runtime.step()
 
     def step_ui(self) -> None:
-        """Nothing: there is no window, and pictures show the present instant in any case."""
+        """Nothing: there is no window, and images show the present instant in any case."""
 
     def set_simulation_timestep(self, dt: float) -> None:
         """Warn when `dt` [s] is not the length of a control tick, which stays what it is; physics runs in finer steps inside."""
@@ -119,7 +115,7 @@ class PyRep:
         """Return the length of a control tick [s]."""
         return self.simulator.world.control_dt
 
-    # Things ----------------------------------------------------------------------------------------------------------
+    # Objects ----------------------------------------------------------------------------------------------------------
 
     def get_objects_in_tree(
         self,
@@ -128,11 +124,11 @@ class PyRep:
         exclude_base: bool = True,
         first_generation_only: bool = False,
     ) -> list[Object]:
-        """Return what hangs on a thing.
+        """Return what hangs on an object.
 
         Args:
             root_object: On what; None is the world.
-            object_type: Only things of this type.
+            object_type: Only objects of this type.
             exclude_base: Leave `root_object` out.
             first_generation_only: Direct children only.
         """
@@ -150,27 +146,20 @@ class PyRep:
         repeat_along_u: bool = False,
         repeat_along_v: bool = False,
     ) -> tuple[TextureHolder, Texture]:
-        """Read a picture for `Shape.set_texture`.
-
-        Args:
-            filename: The picture.
-            interpolate: Accepted.
-            decal_mode: Accepted.
-            repeat_along_u: Accepted.
-            repeat_along_v: Accepted.
+        """Read an image for `Shape.set_texture`. Other arguments than the file are accepted.
 
         Returns:
             A stand-in for the shape that other simulators keep a texture on (it can be removed), and the texture.
 
         Raises:
-            CameraError: The file cannot be read as a picture.
+            CameraError: The file cannot be read as an image.
         """
         read_texture(Path(filename))
         return TextureHolder(), Texture(str(filename))
 
-    def set_configuration_tree(self, config_tree: configuration.ConfigurationTree) -> None:
-        """Put things back to where `Object.get_configuration_tree` found them, at rest."""
-        configuration.write(self.simulator.objects, config_tree)
+    def set_configuration_tree(self, config_tree: ConfigurationTree) -> None:
+        """Put objects back to where `Object.get_configuration_tree` found them, at rest."""
+        config_tree.write(self.simulator.objects)
 
     def group_objects(self, objects: Sequence[Shape]) -> Shape:
         """Refused: bodies are not joined at run time."""

@@ -4,21 +4,32 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import gymnasium
+
 from rlbench.action_modes.action_mode import ActionMode
 from rlbench.action_modes.arm_action_modes import ArmActionMode
 from rlbench.action_modes.gripper_action_modes import GripperActionMode
 from rlbench.backend.task import TASKS_PATH
 from rlbench.environment import Environment
 from rlbench.observation_config import CameraConfig, ObservationConfig
-from rlbench.sim2real.domain_randomization import RandomizeEvery, VisualRandomizationConfig
+from rlbench.sim2real import RandomizeEvery, VisualRandomizationConfig
 from rlbench.utils import name_to_task_class as name_to_task_class
 from rlbench_pin import __version__ as __version__
-from rlbench_pin.compat.scenes.gym_ids import register_known_ids
+from rlbench_pin.compat.known_tasks import KNOWN_TASKS, PERACT_TASKS
+from rlbench_pin.gym.ids import MODES
 
 TASKS = sorted(file.name for file in Path(TASKS_PATH).glob("*.py") if not file.name.startswith("_"))
 """Names of the task files."""
 
-register_known_ids()
+for task in (*KNOWN_TASKS, *PERACT_TASKS):
+    for mode in MODES:
+        if f"rlbench/{task}-{mode}-v0" not in gymnasium.registry:
+            gymnasium.register(
+                id=f"rlbench/{task}-{mode}-v0",
+                entry_point="rlbench.gym:RLBenchEnv",
+                nondeterministic=True,
+                kwargs={"task_class": task, "observation_mode": mode},
+            )
 
 __all__ = [
     "ActionMode",

@@ -4,18 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from pyrep.robots.arms.arm import Arm
-from pyrep.robots.arms.jaco import Jaco
-from pyrep.robots.arms.mico import Mico
-from pyrep.robots.arms.panda import Panda
-from pyrep.robots.arms.sawyer import Sawyer
-from pyrep.robots.arms.ur5 import UR5
-from pyrep.robots.end_effectors.baxter_gripper import BaxterGripper
-from pyrep.robots.end_effectors.gripper import Gripper
-from pyrep.robots.end_effectors.jaco_gripper import JacoGripper
-from pyrep.robots.end_effectors.mico_gripper import MicoGripper
-from pyrep.robots.end_effectors.panda_gripper import PandaGripper
-from pyrep.robots.end_effectors.robotiq85_gripper import Robotiq85Gripper
+from pyrep.robots.arms import UR5, Arm, Jaco, Mico, Panda, Sawyer
+from pyrep.robots.end_effectors import BaxterGripper, Gripper, JacoGripper, MicoGripper, PandaGripper, Robotiq85Gripper
 from rlbench_pin.tasks.palette import COLORS
 
 colors: list[tuple[str, tuple[float, float, float]]] = [(name, rgb) for name, rgb in COLORS]
@@ -28,4 +18,4 @@ SUPPORTED_ROBOTS: dict[str, tuple[Callable[..., Arm], Callable[..., Gripper], in
     "sawyer": (Sawyer, BaxterGripper, 7),
     "ur5": (UR5, Robotiq85Gripper, 6),
 }
-"""Known robot -> class of its arm, of its hand, number of its arm joints. Making one that is not in our catalogue raises."""
+"""Known robot -> class of its arm, of its gripper, number of its arm joints. Making one that is not in our catalogue raises."""

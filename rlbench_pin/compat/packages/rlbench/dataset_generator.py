@@ -19,10 +19,9 @@ import numpy as np
 
 from rlbench.backend.const import VARIATION_NUMBER, VARIATIONS_ALL_FOLDER
 from rlbench.demo import Demo
-from rlbench_pin.compat.scenes.errors import UnknownTasks
 from rlbench_pin.datasets.formats.rlbench_folders import Layout, export_rlbench, write_frames
 from rlbench_pin.datasets.formats.rlbench_pickle import dump
-from rlbench_pin.errors import DatasetConflict
+from rlbench_pin.errors import DatasetConflict, RlbenchPinError, nearest_name
 from rlbench_pin.processes import ProcessEngine, SerialEngine
 from rlbench_pin.recording.config import PictureConfig, RecordConfig
 from rlbench_pin.recording.record import RECORDING, RecordReport, read_recording, record
@@ -33,13 +32,23 @@ _RECORDING, _EXPORT = ".recording", ".export"
 """Folders below the save path that hold what is not finished."""
 
 
+class UnknownTasks(RlbenchPinError, ValueError):
+    """Names that are not tasks of our library."""
+
+    def __init__(self, names: Sequence[str]) -> None:
+        self.names = tuple(names)
+        guesses = {name: nearest_name(name, task_names()) for name in names}
+        near = "".join(f" Did you mean '{guess}' for '{name}'?" for name, guess in guesses.items() if guess)
+        super().__init__(f"The library has no tasks {list(names)}.{near} `rlbench-pin list` prints all {len(task_names())}.")
+
+
 def check_and_make(dir: str | Path) -> None:
     """Make a folder where there is none."""
     Path(dir).mkdir(parents=True, exist_ok=True)
 
 
 def save_demo(demo: Demo, example_path: str | Path, variation: int | None = None) -> None:
-    """Write one demonstration into a folder: pictures as PNG files, the rest as `low_dim_obs.pkl`.
+    """Write one demonstration into a folder: images as PNG files, the rest as `low_dim_obs.pkl`.
 
     Args:
         demo: The demonstration; it is left as it is.
@@ -57,7 +66,7 @@ def parse_args(args: Sequence[str] | None = None) -> argparse.Namespace:
     parser = argparse.ArgumentParser("rlbench-generate-dataset", description="Write demonstrations as RLBench-style folders.")
     parser.add_argument("--save_path", default=str(Path(tempfile.gettempdir()) / "rlbench_data"), help="root of the data set")
     parser.add_argument("--tasks", nargs="*", default=[], help="names of tasks; all of the library when none is named")
-    parser.add_argument("--image_size", nargs="+", default=["128", "128"], help="width and height of the pictures [px]")
+    parser.add_argument("--image_size", nargs="+", default=["128", "128"], help="width and height of the images [px]")
     parser.add_argument(
         "--renderer", type=str.lower, choices=("opengl3", "opengl"), default="opengl3", help="with or without shadows"
     )

@@ -16,12 +16,12 @@ from rlbench.backend.task import Task
 from rlbench.const import SUPPORTED_ROBOTS
 from rlbench.demo import Demo
 from rlbench.observation_config import ObservationConfig
-from rlbench.sim2real.domain_randomization import (
+from rlbench.sim2real import (
+    DomainRandomizationScene,
     DynamicsRandomizationConfig,
     RandomizeEvery,
     VisualRandomizationConfig,
 )
-from rlbench.sim2real.domain_randomization_scene import DomainRandomizationScene
 from rlbench.task_environment import TaskEnvironment
 from rlbench.utils import InvalidTaskName, get_stored_demos, name_to_task_class
 from rlbench_pin.compat.simulator import Simulator
@@ -52,7 +52,7 @@ class Environment:
         frequency: Randomize every n-th event.
         visual_randomization_config: Visual randomization.
         dynamics_randomization_config: Dynamics randomization.
-        attach_grasped_objects: Fix grasped bodies to the hand, unless the gripper mode says otherwise.
+        attach_grasped_objects: Fix grasped bodies to the gripper, unless the gripper mode says otherwise.
         shaped_rewards: Return the tasks' own rewards.
         arm_max_velocity: Cap on planned joint speeds [rad/s].
         arm_max_acceleration: Cap on planned joint accelerations [rad/s^2].
@@ -212,7 +212,7 @@ class Environment:
             task_name: Name of the task.
             amount: How many; -1 is all.
             variation_number: Of which variation; -1 is any.
-            image_paths: Put paths of picture files where pictures belong.
+            image_paths: Put paths of image files where images belong.
             random_selection: Pick with numpy's global generator; otherwise in natural order.
             from_episode_number: First episode when not picked at random.
 

@@ -40,12 +40,12 @@ def convert_dtype_to_float32_if_float(dtype: Any) -> Any:
 class RLBenchEnv(gymnasium.Env[GymObservation, np.ndarray]):
     """One task behind gymnasium's interface. Every instance has a simulator of its own, so several may live in one process.
 
-    Observations are a dict of float32 boxes, and of four pictures with `observation_mode="vision"`. `info` holds
+    Observations are a dict of float32 boxes, and of four images with `observation_mode="vision"`. `info` holds
     `text_descriptions`, `success` and `variation`.
 
     Args:
         task_class: The task, by class or by name.
-        observation_mode: `state`, or `vision` for pictures as well.
+        observation_mode: `state`, or `vision` for images as well.
         render_mode: `rgb_array`, `human`, or None.
         action_mode: What actions mean; None is joint differences and a finger position in one tick.
 
@@ -145,7 +145,7 @@ class RLBenchEnv(gymnasium.Env[GymObservation, np.ndarray]):
         return {"text_descriptions": descriptions, "success": success, "is_success": success, "variation": variation}
 
     def render(self) -> np.ndarray | None:  # type: ignore[override]
-        """Return a picture from the side, uint8 (360, 640, 3), or show it with `render_mode="human"`."""
+        """Return an image from the side, uint8 (360, 640, 3), or show it with `render_mode="human"`."""
         if self.render_mode is not None:
             Simulator.make_current(self._simulator)
         return render_from_side(self.rlbench_task_env.runtime.world, self.render_mode, self._window)

@@ -79,7 +79,7 @@ class CameraConfig(NativeCameraConfig):
 
     @property
     def draws_shadows(self) -> bool:
-        """Whether things cast shadows on each other."""
+        """Whether objects cast shadows on each other."""
         return _SHADOWS.get(_mode_name(self.render_mode), False)
 
     def noise_of(self, product: Literal["rgb", "depth"]) -> NativeNoiseModel:
@@ -87,7 +87,7 @@ class CameraConfig(NativeCameraConfig):
         return _adapted(self.rgb_noise if product == "rgb" else self.depth_noise)
 
     def check(self, name: str) -> None:
-        """Raise CameraError or UnknownName when the settings make no picture."""
+        """Raise CameraError or UnknownName when the settings make no image."""
         size = self.image_size
         if len(size) != 2 or min(size) < 1:
             raise CameraError(f"Camera '{name}' has image_size {size}; width and height must be at least 1 px.")
@@ -104,7 +104,7 @@ class ObservationConfig(NativeObservationConfig):
     """Five cameras and the low-dimensional data of each observation; see `rlbench_pin.ObservationConfig`.
 
     A camera that is None gets a fresh default. `record_ignore_collisions` says whether observations of demonstrations carry the
-    flag of their leg. As programs expect, any attribute may be set.
+    flag of their segment. As programs expect, any attribute may be set.
     """
 
     rules: ClassVar[Mapping[str, Rule]] = {}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -19,16 +19,34 @@ from rlbench.backend.task import Task
 from rlbench.demo import Demo
 from rlbench.observation_config import ObservationConfig
 from rlbench.utils import get_stored_demos
-from rlbench_pin.compat.scenes.errors import DemosFailed, NotPlaced
-from rlbench_pin.compat.scenes.runtime import SceneRuntime
-from rlbench_pin.compat.unwrap import runtime_of
+from rlbench_pin.compat.simulator import SceneRuntime, runtime_of
 from rlbench_pin.environment.reset import MAX_RESET_ATTEMPTS
 from rlbench_pin.environment.task_environment import MAX_DEMO_ATTEMPTS
-from rlbench_pin.errors import DatasetError, NotReset, RlbenchPinError
+from rlbench_pin.errors import DatasetError, DemoError, NotReset, RlbenchPinError
 
 _DT = 0.05
 _MAX_RESET_ATTEMPTS = MAX_RESET_ATTEMPTS
 _MAX_DEMO_ATTEMPTS = MAX_DEMO_ATTEMPTS
+
+
+class NotPlaced(TaskEnvironmentError):
+    """No start of an episode was found."""
+
+    def __init__(self, task: str, variation: int, cause: Exception) -> None:
+        self.task, self.variation = task, variation
+        super().__init__(f"Variation {variation} of task '{task}' could not be started: {cause}")
+
+
+class DemosFailed(DemoError, RuntimeError):
+    """A live demonstration failed at every try; `causes` says why."""
+
+    def __init__(self, task: str, variation: int, causes: Sequence[str]) -> None:
+        self.causes = tuple(causes)
+        text = "; ".join(f"try {i + 1}: {cause}" for i, cause in enumerate(causes))
+        super().__init__(
+            f"Variation {variation} of task '{task}' could not be demonstrated in {len(causes)} tries ({text}). "
+            f"`rlbench-pin check {task}` shows how often that happens."
+        )
 
 
 class TaskEnvironment:
@@ -43,7 +61,7 @@ class TaskEnvironment:
         dataset_root: Folder of stored demonstrations.
         obs_config: What observations contain.
         static_positions: Leave the task where its scene file puts it.
-        attach_grasped_objects: Fix grasped bodies to the hand, unless the gripper mode says otherwise.
+        attach_grasped_objects: Fix grasped bodies to the gripper, unless the gripper mode says otherwise.
         shaped_rewards: Return the task's own reward.
     """
 
@@ -195,7 +213,7 @@ class TaskEnvironment:
         Args:
             amount: How many; -1 is all stored ones.
             live_demos: Plan them now; otherwise read them from the dataset root.
-            image_paths: Leave pictures unread (stored demonstrations).
+            image_paths: Leave images unread (stored demonstrations).
             callable_each_step: Called with every recorded observation.
             max_attempts: Tries per live demonstration.
             random_selection: Pick stored demonstrations at random.

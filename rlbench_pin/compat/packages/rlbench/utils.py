@@ -8,7 +8,7 @@ import numpy as np
 
 from rlbench.backend.task import Task
 from rlbench.demo import Demo
-from rlbench_pin.compat.tasks.library import KNOWN_TASKS
+from rlbench_pin.compat.known_tasks import KNOWN_TASKS
 from rlbench_pin.environment import ObservationConfig
 from rlbench_pin.environment.stored import StoredSelection, read_stored_demos
 from rlbench_pin.errors import UnknownName
@@ -52,11 +52,11 @@ def get_stored_demos(
 
     Args:
         amount: How many; -1 is all.
-        image_paths: Put paths of picture files where pictures belong.
+        image_paths: Put paths of image files where images belong.
         dataset_root: Folder that holds a folder for each task.
         variation_number: Of which variation; -1 is any.
         task_name: Name of the task.
-        obs_config: Which fields are wanted, and how pictures are.
+        obs_config: Which fields are wanted, and how images are.
         random_selection: Pick with numpy's global generator; otherwise in natural order.
         from_episode_number: First episode when not picked at random.
 

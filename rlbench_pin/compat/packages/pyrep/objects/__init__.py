@@ -1,16 +1,30 @@
-"""Things of a scene, as views on the simulated world."""
+"""Objects of a scene, as views on the simulated world.
 
-from pyrep.objects.camera import Camera
+Dummies and sensors are defined here, as are cameras of a window, lights and octrees, which scenes do not have. Programs import
+a module per class; the names of these modules stand for this one.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from pyrep.const import ObjectType
+from pyrep.errors import UnsupportedCall
 from pyrep.objects.cartesian_path import CartesianPath
-from pyrep.objects.dummy import Dummy
-from pyrep.objects.force_sensor import ForceSensor
 from pyrep.objects.joint import Joint
-from pyrep.objects.light import Light
-from pyrep.objects.object import Object
-from pyrep.objects.octree import Octree
-from pyrep.objects.proximity_sensor import ProximitySensor
-from pyrep.objects.shape import Shape
+from pyrep.objects.object import Object, point_part
+from pyrep.objects.shape import Shape, body_of
 from pyrep.objects.vision_sensor import VisionSensor
+from rlbench_pin.compat.objects import Element, Placed
+from rlbench_pin.compat.objects import ObjectType as TypeName
+from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.robot import geometry
+from rlbench_pin.sim import Sensor
+from rlbench_pin.spatial import IDENTITY, FloatArray, pose_to_se3
 
 __all__ = [
     "Camera",
@@ -25,3 +39,146 @@ __all__ = [
     "Shape",
     "VisionSensor",
 ]
+
+
+class Dummy(Object):
+    """A frame or waypoint of the scene, the root of the task, the tip of the arm, or what a program made."""
+
+    kinds: ClassVar[tuple[TypeName, ...]] = ("dummy",)
+
+    @classmethod
+    def create(cls, size: float = 0.01) -> Dummy:
+        """Make a dummy at the origin of the world.
+
+        It stays until `remove()`. One that hangs on something of a task goes back with it at a reset to where it was when the
+        task was set up, and is gone when it was made later, or when the task is.
+
+        Args:
+            size: Accepted; dummies are not drawn.
+        """
+        table = Simulator.current().objects
+        name = table.free_name("Dummy")
+        table.placed[name] = Placed("dummy", IDENTITY.copy(), extra={"size": size})
+        return cls(Element("placed", name))
+
+    def copy(self) -> Dummy:
+        """Make another one at the same place, on the same parent."""
+        made = Dummy.create()
+        made.set_pose(self.get_pose())
+        made.set_parent(self.get_parent())
+        return made
+
+
+class ForceSensor(Object):
+    """Measures the contact forces on a body or link of the scene.
+
+    Scene files have no force sensors: name the body, or `<body>/<link>`, that is pressed.
+    """
+
+    kinds: ClassVar[tuple[TypeName, ...]] = ("force_sensor", "shape")
+
+    def get_type(self) -> ObjectType:
+        """Return FORCE_SENSOR, whatever it measures at."""
+        return ObjectType.FORCE_SENSOR
+
+    def read(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return force (3,) [N] and torque (3,) [N m] of the normal contact forces, in its own frame, about its origin."""
+        body, link = body_of(self.table, self.element, "ForceSensor.read"), self.element.name.partition("/")[2]
+        place = pose_to_se3(self.get_pose())
+        force, torque = np.zeros(3), np.zeros(3)
+        contacts = [c for c in self.table.world.contacts(body.name) if link in ("", c.link)]
+        if contacts:
+            forces = [c.force * np.asarray(c.normal) for c in contacts]
+            force = np.sum(forces, axis=0)
+            torque = np.sum([np.cross(c.position - place.translation, f) for c, f in zip(contacts, forces)], axis=0)
+        return place.rotation.T @ force, place.rotation.T @ torque
+
+
+@dataclass(frozen=True, eq=False)
+class BoxVolume:
+    """A box that is not part of the scene file, as a volume of a sensor."""
+
+    size: tuple[float, ...]
+    """Lengths along x, y, z [m]."""
+    pose: FloatArray
+    """Of its middle, (7,) in the world."""
+    shape: geometry.VolumeShape = "box"
+    """Kind of volume."""
+
+    def contains(self, point: FloatArray) -> bool:
+        """Say whether a world point (3,) [m] lies in it."""
+        return geometry.volume_contains(self.shape, self.size, pose_to_se3(self.pose), point)
+
+
+class ProximitySensor(Object):
+    """A box, cylinder or ball of the scene file that says what reaches into it; it looks at each call."""
+
+    kinds: ClassVar[tuple[TypeName, ...]] = ("proximity_sensor",)
+
+    def read(self) -> float:
+        """Return the distance from its origin to the nearest detectable body inside [m], -1 when there is none."""
+        table, place, least = self.table, pose_to_se3(self._volume().pose), np.inf
+        kinds = ("body",) if self.element.kind == "placed" else ("body", "robot")  # the gripper's sensor ignores the arm
+        for element in table.elements():
+            if element.kind in kinds and table.flags.get((element, "detectable"), True) and self._contains(element):
+                for parts, pose in table.scene_object(element).solids():
+                    least = min(least, geometry.gap((point_part(),), place, parts, pose_to_se3(pose)))
+        return -1.0 if least == np.inf else float(least)
+
+    def is_detected(self, obj: Object) -> bool:
+        """Say whether an object reaches into the volume: any solid part of a shape, or the origin of another object.
+
+        Args:
+            obj: What to look for; not detected while it is not detectable.
+        """
+        return obj.is_detectable() and self._contains(obj.element)
+
+    def _volume(self) -> Sensor | BoxVolume:
+        if self.element.kind == "placed":
+            return BoxVolume(self.table.placed[self.element.name].size, self.get_pose())
+        return self.table.world.sensor(self.element.name)
+
+    def _contains(self, element: Element) -> bool:
+        """Return whether a solid part of an object, or the origin of one without parts, lies in the volume."""
+        volume, found = self._volume(), self.table.scene_object(element)
+        solids = found.solids()
+        if not solids:
+            return volume.contains(found.pose[:3])
+        shape, placed = geometry.volume(volume.shape, volume.size), pose_to_se3(volume.pose)
+        return any(geometry.overlaps(shape, placed, parts, pose_to_se3(pose)) for parts, pose in solids)
+
+
+class Camera(Object):
+    """Refused: there is no window."""
+
+    def __init__(self, name_or_handle: str | int) -> None:
+        raise UnsupportedCall(
+            f"Camera({name_or_handle!r})", "there is no window to look through.", "Take images with a `VisionSensor`."
+        )
+
+
+class Light(Object):
+    """Refused: lights are a setting of images, not objects with a name."""
+
+    def __init__(self, name_or_handle: str | int) -> None:
+        raise UnsupportedCall(
+            f"Light({name_or_handle!r})",
+            "lights are settings here.",
+            "Set `ObservationConfig.lighting`, an `rlbench_pin.sim.Lighting`.",
+        )
+
+
+class Octree(Object):
+    """Refused: voxels are left to the programs that need them."""
+
+    def __init__(self, name_or_handle: str | int) -> None:
+        raise UnsupportedCall(
+            f"Octree({name_or_handle!r})",
+            "there are no voxels in the scene.",
+            "Make them from `VisionSensor.capture_pointcloud`.",
+        )
+
+
+_MODULES = ("camera", "dummy", "force_sensor", "light", "octree", "proximity_sensor")
+globals().update(dict.fromkeys(_MODULES, sys.modules[__name__]))
+sys.modules.update({f"{__name__}.{name}": sys.modules[__name__] for name in _MODULES})

@@ -8,13 +8,17 @@ from typing import ClassVar
 
 import numpy as np
 
-from pyrep.backend.poses import euler_to_matrix, matrix_to_euler
 from pyrep.errors import PyRepError
-from pyrep.objects.object import Object
-from rlbench_pin.compat.devices import curves
+from pyrep.objects.object import Object, euler_to_matrix, matrix_to_euler
+from rlbench_pin.compat.objects import Element, ObjectType, Placed
 from rlbench_pin.compat.simulator import Simulator
-from rlbench_pin.compat.things import Element, ObjectType, Placed
-from rlbench_pin.spatial import IDENTITY, FloatArray, matrix_to_pose, pose_to_matrix, relative
+from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.spatial import IDENTITY, FloatArray, compose, matrix_to_pose, pose_to_matrix, relative
+from rlbench_pin.tasks.waypoints import waypoints_of
+
+
+class EmptyPath(RlbenchPinError, ValueError):
+    """A path without points was asked for a place."""
 
 
 class CartesianPath(Object):
@@ -41,20 +45,8 @@ class CartesianPath(Object):
     ) -> CartesianPath:
         """Make a path without points at the origin of the world; it stays until `remove()`. Paths are not drawn.
 
-        Args:
-            show_line: Accepted.
-            show_orientation: Accepted.
-            show_position: Accepted.
-            closed_path: The last point leads back to the first.
-            automatic_orientation: Accepted; orientations are those of the points.
-            flat_path: Accepted.
-            keep_x_up: Accepted.
-            line_size: Accepted.
-            length_calculation_method: Accepted; lengths are those of the positions.
-            control_point_size: Accepted.
-            ang_to_lin_conv_coeff: Accepted.
-            virt_dist_scale_factor: Accepted.
-            paths: Accepted.
+        * `closed_path`: the last point leads back to the first.
+        * The rest is accepted and changes nothing: orientations are those of the points, lengths those of the positions.
         """
         table = Simulator.current().objects
         name = table.free_name("Path")
@@ -76,8 +68,28 @@ class CartesianPath(Object):
         self.table.placed[self.element.name] = replace(placed, points=(*placed.points, *points))
 
     def get_poses(self) -> FloatArray:
-        """Return the poses (n, 7) of its points in the world, the first one repeated at the end of a closed path."""
-        return curves.world_points(self.table, self.element)
+        """Return the poses (n, 7) of its points in the world, the first one repeated at the end of a closed path.
+
+        Raises:
+            EmptyPath: It has no points.
+        """
+        table, element, frame = self.table, self.element, self.get_pose()
+        if element.kind == "placed":
+            placed = table.placed[element.name]
+            points = [compose(frame, point) for point in placed.points]
+            points += points[:1] if placed.extra.get("closed") else []
+        else:
+            points = self._waypoint_points()
+        if not points:
+            raise EmptyPath(f"The path '{self.get_name()}' has no points. Add some with `insert_control_points`.")
+        return np.array(points)
+
+    def _waypoint_points(self) -> list[FloatArray]:
+        """Return the points of a curve of the scene file; a sweep begins where the waypoint before it is."""
+        waypoints = waypoints_of(self.table.world)
+        index = next(k for k, waypoint in enumerate(waypoints) if waypoint.frame.name == self.element.name)
+        before = waypoints[index - 1].pose if index else self.table.world.robot.tip_pose()
+        return [np.asarray(pose) for pose in waypoints[index].curve_poses(before)]
 
     def get_pose_on_path(self, relative_distance: float) -> tuple[list[float], list[float]]:
         """Return position [m] and Euler angles [rad] at a share of its length.
@@ -85,7 +97,7 @@ class CartesianPath(Object):
         Args:
             relative_distance: 0 at the first point to 1 at the last.
         """
-        pose = curves.pose_at(self.get_poses(), float(relative_distance))
+        pose = _pose_at(self.get_poses(), float(relative_distance))
         return pose[:3].tolist(), matrix_to_euler(pose_to_matrix(pose)[:3, :3]).tolist()
 
 
@@ -94,3 +106,31 @@ def _pose_of(numbers: Sequence[float]) -> FloatArray:
     matrix[:3, 3] = numbers[:3]
     matrix[:3, :3] = euler_to_matrix(np.asarray(numbers[3:6], dtype=float))
     return matrix_to_pose(matrix)
+
+
+def _pose_at(poses: FloatArray, share: float) -> FloatArray:
+    """Return the pose (7,) at a share of the length of a path, straight between its points.
+
+    Args:
+        poses: Points (n, 7).
+        share: 0 at the first to 1 at the last.
+    """
+    lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(poses[:, :3], axis=0), axis=1))])
+    along = np.clip(share, 0.0, 1.0) * lengths[-1]
+    index = int(np.clip(np.searchsorted(lengths, along, side="right") - 1, 0, max(len(poses) - 2, 0)))
+    if len(poses) == 1 or lengths[index + 1] == lengths[index]:
+        return np.array(poses[index])
+    part = (along - lengths[index]) / (lengths[index + 1] - lengths[index])
+    position = (1.0 - part) * poses[index, :3] + part * poses[index + 1, :3]
+    return np.concatenate([position, _slerp(poses[index, 3:], poses[index + 1, 3:], float(part))])
+
+
+def _slerp(first: FloatArray, second: FloatArray, share: float) -> FloatArray:
+    """Return the quaternion (4,) at a share of the shorter way from one to another."""
+    dot = float(np.dot(first, second))
+    end = second if dot >= 0.0 else -second
+    angle = float(np.arccos(np.clip(abs(dot), 0.0, 1.0)))
+    if angle < 1e-9:
+        return np.array(first)
+    mixed: FloatArray = (np.sin((1.0 - share) * angle) * first + np.sin(share * angle) * end) / np.sin(angle)
+    return mixed

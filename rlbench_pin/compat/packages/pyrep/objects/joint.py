@@ -1,4 +1,4 @@
-"""Joints: of objects, of the arm, of the hand."""
+"""Joints: of objects, of the arm, of the gripper."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import ClassVar
 from pyrep.const import JointMode, JointType
 from pyrep.errors import UnsupportedCall
 from pyrep.objects.object import Object
-from rlbench_pin.compat.devices import joints
-from rlbench_pin.compat.things import ObjectType
+from rlbench_pin.compat.joints import JointDrive, drive_of
+from rlbench_pin.compat.objects import ObjectType
 
 
 class Joint(Object):
@@ -20,9 +20,9 @@ class Joint(Object):
     kinds: ClassVar[tuple[ObjectType, ...]] = ("joint",)
 
     @property
-    def drive(self) -> joints.BodyJointDrive | joints.RobotJointDrive:
+    def drive(self) -> JointDrive:
         """What reads and drives it."""
-        return joints.drive_of(self.table, self.element)
+        return drive_of(self.table, self.element)
 
     def get_joint_type(self) -> JointType:
         """Return whether it turns or slides."""
@@ -81,7 +81,7 @@ class Joint(Object):
         return self.drive.force
 
     def set_joint_force(self, force: float) -> None:
-        """Cap the force of its motor [N m] or [N]; of the arm or hand, those of all its motors."""
+        """Cap the force of its motor [N m] or [N]; of the arm or gripper, those of all its motors."""
         self.drive.set_force(float(force))
 
     def get_joint_interval(self) -> tuple[bool, list[float]]:

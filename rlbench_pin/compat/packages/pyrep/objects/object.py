@@ -1,31 +1,38 @@
-"""What all things of a scene can do."""
+"""All objects of a scene: names, parents, poses, boxes, contacts and switches."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 
-from pyrep.backend.poses import PoseMethods
-from pyrep.backend.switches import Switches
 from pyrep.const import ObjectType
 from pyrep.errors import ObjectAlreadyRemovedError, PyRepError, UnsupportedCall, WrongObjectTypeError
-from rlbench_pin.compat.devices import configuration
+from rlbench_pin.compat.joints import ConfigurationTree
+from rlbench_pin.compat.objects import Element, ObjectTable, SceneObject, UnknownObject, made_shapes
+from rlbench_pin.compat.objects import ObjectType as TypeName
 from rlbench_pin.compat.simulator import Simulator
-from rlbench_pin.compat.things import Element, ObjectTable, Thing, UnknownObject, shape_making, solids
-from rlbench_pin.compat.things import ObjectType as TypeName
 from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.robot import geometry
+from rlbench_pin.spatial import FloatArray, compose, matrix_to_pose, pose_to_matrix, pose_to_se3, relative
+
+Numbers = Sequence[float] | FloatArray
+_OWNERS = {"link": "body", "robot_link": "robot", "gripper": "robot", "tip": "robot", "robot_joint": "robot"}
 
 
-class Object(PoseMethods, Switches):
-    """A view of one thing of the scene; it holds a name only, and looks the thing up at each call.
+class InvalidPlace(RlbenchPinError, ValueError):
+    """Numbers that are no place: wrong count, NaN, or a quaternion whose length is not 1."""
+
+
+class Object:
+    """A view of one object of the scene; it holds a name only, and looks the object up at each call.
 
     Args:
-        name_or_handle: Name or handle of the thing.
+        name_or_handle: Name or handle of the object.
 
     Raises:
-        UnknownObject: There is no such thing; also a `RuntimeError`.
+        UnknownObject: There is no such object; also a `RuntimeError`.
         WrongObjectTypeError: It is of another type.
     """
 
@@ -40,7 +47,7 @@ class Object(PoseMethods, Switches):
             self._element = self.table.find(name_or_handle, self.kinds)
         else:
             self._element = self.table.of_handle(int(name_or_handle))
-        found = self.table.thing(self._element).type
+        found = self.table.scene_object(self._element).type
         if self.kinds and found not in self.kinds:
             raise WrongObjectTypeError(
                 f"'{name_or_handle}' is a {found}, not a {type(self).__name__}. `Object.get_object` makes the class that fits."
@@ -50,7 +57,7 @@ class Object(PoseMethods, Switches):
 
     @property
     def table(self) -> ObjectTable:
-        """All things of the present world."""
+        """All objects of the present world."""
         return Simulator.current().objects
 
     @property
@@ -65,9 +72,9 @@ class Object(PoseMethods, Switches):
         return self._element
 
     @property
-    def thing(self) -> Thing:
+    def scene_object(self) -> SceneObject:
         """What answers for it in the world now."""
-        return self.table.thing(self.element)
+        return self.table.scene_object(self.element)
 
     @property
     def _handle(self) -> int:
@@ -99,7 +106,7 @@ class Object(PoseMethods, Switches):
     def get_object_type(name: str) -> ObjectType:
         """Return the type of what has that name."""
         table = Simulator.current().objects
-        return ObjectType[table.thing(table.find(name)).type.upper()]
+        return ObjectType[table.scene_object(table.find(name)).type.upper()]
 
     @staticmethod
     def get_object_name(name_or_handle: str | int) -> str:
@@ -108,8 +115,8 @@ class Object(PoseMethods, Switches):
         return table.name(table.find(name_or_handle) if isinstance(name_or_handle, str) else table.of_handle(name_or_handle))
 
     def get_type(self) -> ObjectType:
-        """Return the type of this thing."""
-        return ObjectType[self.thing.type.upper()]
+        """Return the type of this object."""
+        return ObjectType[self.scene_object.type.upper()]
 
     def get_handle(self) -> int:
         """Return its number; for what masks show, the number in the masks."""
@@ -131,7 +138,7 @@ class Object(PoseMethods, Switches):
 
     @staticmethod
     def get_object(name_or_handle: str | int) -> Object:
-        """Return the thing of that name or handle, as an object of the class for its type."""
+        """Return the object of that name or handle, as an object of the class for its type."""
         table = Simulator.current().objects
         element = table.find(name_or_handle) if isinstance(name_or_handle, str) else table.of_handle(int(name_or_handle))
         return view_of(element)
@@ -142,7 +149,7 @@ class Object(PoseMethods, Switches):
         return None if parent is None else view_of(parent)
 
     def set_parent(self, parent_object: Object | None, keep_in_place: bool = True) -> None:
-        """Let it move with another thing.
+        """Let it move with another object.
 
         Args:
             parent_object: With what; None is the world.
@@ -157,31 +164,137 @@ class Object(PoseMethods, Switches):
         """Return what hangs on it.
 
         Args:
-            object_type: Only things of this type.
+            object_type: Only objects of this type.
             exclude_base: Leave itself out.
             first_generation_only: Direct children only.
         """
         table = self.table
-        tree = table.family.tree(table.elements(), self.element, 1 if first_generation_only else -1)
+        tree = table.tree(self.element, 1 if first_generation_only else -1)
         return views_of(tree if exclude_base else [self.element, *tree], object_type)
+
+    # Poses -----------------------------------------------------------------------------------------------------------
+
+    def get_pose(self, relative_to: Object | None = None) -> FloatArray:
+        """Return the pose (7,): x, y, z [m], qx, qy, qz, qw.
+
+        Args:
+            relative_to: In whose frame; None is the world.
+        """
+        pose = self.scene_object.pose
+        return pose if relative_to is None else relative(pose, relative_to.get_pose())
+
+    def set_pose(self, pose: Numbers, relative_to: Object | None = None, reset_dynamics: bool = True) -> None:
+        """Move to a pose (7,).
+
+        Args:
+            pose: x, y, z [m], qx, qy, qz, qw.
+            relative_to: In whose frame; None is the world.
+            reset_dynamics: Bring it to rest as well.
+        """
+        numbers = _numbers(pose, 7, "pose")
+        norm = float(np.linalg.norm(numbers[3:]))
+        if abs(norm - 1.0) > 1e-2:
+            raise InvalidPlace(f"The quaternion {numbers[3:].tolist()} has length {norm:.4f}, not 1. The order is x, y, z, w.")
+        numbers[3:] /= norm
+        there = numbers if relative_to is None else compose(relative_to.get_pose(), numbers)
+        self.scene_object.set_pose(there, reset_dynamics)
+
+    def get_position(self, relative_to: Object | None = None) -> FloatArray:
+        """Return the position (3,) [m]."""
+        return self.get_pose(relative_to)[:3]
+
+    def set_position(self, position: Numbers, relative_to: Object | None = None, reset_dynamics: bool = True) -> None:
+        """Move to a position (3,) [m]; the orientation stays."""
+        pose = np.concatenate([_numbers(position, 3, "position"), self.get_pose(relative_to)[3:]])
+        self.set_pose(pose, relative_to, reset_dynamics)
+
+    def get_quaternion(self, relative_to: Object | None = None) -> FloatArray:
+        """Return the orientation (4,): qx, qy, qz, qw."""
+        return self.get_pose(relative_to)[3:]
+
+    def set_quaternion(self, quaternion: Numbers, relative_to: Object | None = None, reset_dynamics: bool = True) -> None:
+        """Turn to an orientation (4,): qx, qy, qz, qw; the position stays."""
+        pose = np.concatenate([self.get_pose(relative_to)[:3], _numbers(quaternion, 4, "quaternion")])
+        self.set_pose(pose, relative_to, reset_dynamics)
+
+    def get_orientation(self, relative_to: Object | None = None) -> FloatArray:
+        """Return Euler angles (3,) [rad] with R = Rx(a) Ry(b) Rz(c)."""
+        return matrix_to_euler(self.get_matrix(relative_to)[:3, :3])
+
+    def set_orientation(self, orientation: Numbers, relative_to: Object | None = None, reset_dynamics: bool = True) -> None:
+        """Turn to Euler angles (3,) [rad] with R = Rx(a) Ry(b) Rz(c); the position stays."""
+        matrix = np.eye(4)
+        matrix[:3, :3] = euler_to_matrix(_numbers(orientation, 3, "orientation"))
+        self.set_quaternion(matrix_to_pose(matrix)[3:], relative_to, reset_dynamics)
+
+    def get_matrix(self, relative_to: Object | None = None) -> FloatArray:
+        """Return the homogeneous matrix (4, 4) from its own to world coordinates."""
+        return pose_to_matrix(self.get_pose(relative_to))
+
+    def set_matrix(self, matrix: FloatArray, relative_to: Object | None = None, reset_dynamics: bool = True) -> None:
+        """Move to where a homogeneous matrix (4, 4), or its first three rows, says."""
+        full = np.eye(4)
+        numbers = np.asarray(matrix, dtype=float)
+        if numbers.size not in (12, 16) or not np.isfinite(numbers).all():
+            raise InvalidPlace(f"A matrix has shape (4, 4) or (3, 4) and finite numbers, not shape {numbers.shape}.")
+        full[:3] = numbers.reshape(-1, 4)[:3]
+        self.set_pose(matrix_to_pose(full), relative_to, reset_dynamics)
+
+    def rotate(self, rotation: Numbers) -> None:
+        """Turn about its own x axis, then y, then z, by angles (3,) [rad]; the axes are those before the turn."""
+        a, b, c = _numbers(rotation, 3, "rotation")
+        turn = np.eye(4)
+        turn[:3, :3] = euler_to_matrix((0.0, 0.0, c)) @ euler_to_matrix((0.0, b, 0.0)) @ euler_to_matrix((a, 0.0, 0.0))
+        self.set_pose(compose(self.get_pose(), matrix_to_pose(turn)))
+
+    def set_place(self, position: Numbers | None, orientation: Numbers | None) -> None:
+        """Set position (3,) [m] and Euler angles (3,) [rad], where they are given."""
+        if position is not None:
+            self.set_position(position)
+        if orientation is not None:
+            self.set_orientation(orientation)
+
+    def reset_dynamic_object(self) -> None:
+        """Bring it to rest where it is."""
+        self.set_pose(self.get_pose())
 
     # Boxes, contact, distance ----------------------------------------------------------------------------------------
 
     def get_bounding_box(self) -> list[float]:
         """Return min x, max x, min y, max y, min z, max z of its box in its own frame [m]; without what hangs on it."""
-        return [float(v) for v in self.thing.box().T.ravel()]
+        return [float(v) for v in self.scene_object.box().T.ravel()]
 
     def get_model_bounding_box(self) -> list[float]:
         """Return the same six numbers for everything that hangs on it as well."""
-        return [float(v) for v in solids.tree_box(self.table, self.element).T.ravel()]
+        table, root = self.table, self.scene_object
+        boxes = [root.box()]
+        for member in table.tree(self.element):
+            below = table.scene_object(member)
+            if below.type == "shape":
+                corners = geometry.box_corners(below.box(), relative(below.pose, root.pose))
+                boxes.append(np.stack([corners.min(axis=0), corners.max(axis=0)]))
+        solid = [box for box in boxes if np.any(box[1] > box[0])] or boxes
+        lowest, highest = np.min([box[0] for box in solid], axis=0), np.max([box[1] for box in solid], axis=0)
+        return [float(v) for v in np.stack([lowest, highest]).T.ravel()]
 
     def check_collision(self, obj: Object | None = None) -> bool:
-        """Say whether it touches a thing, or anything collidable outside its own tree when `obj` is None."""
-        return solids.collides(self.table, self.element, None if obj is None else obj.element)
+        """Say whether it touches an object, or anything collidable outside its own tree when `obj` is None."""
+        table, element = self.table, self.element
+        if not self.is_collidable():
+            return False
+        own = {element, *table.ancestors(element), *table.tree(element)}
+        obstacles = [e for e in table.elements() if e.kind in ("body", "room", "robot") and e not in own]
+        others = obstacles if obj is None else [obj.element]
+        return any(_touch(table, element, other) for other in others if table.flags.get((other, "collidable"), True))
 
     def check_distance(self, other: Object) -> float:
-        """Return the smallest distance to another thing [m]; 0 where they touch."""
-        return solids.distance(self.table, self.element, other.element)
+        """Return the smallest distance to another object [m]; 0 where they touch."""
+        first, second = (o.scene_object.solids() or [((point_part(),), o.scene_object.pose)] for o in (self, other))
+        return min(
+            geometry.gap(parts, pose_to_se3(pose), others, pose_to_se3(there))
+            for parts, pose in first
+            for others, there in second
+        )
 
     def get_contact(self, contact_obj: Object | None = None, get_contact_normal: bool = True) -> list[dict[str, Any]]:
         """Return the contact points of the last physics step.
@@ -193,17 +306,106 @@ class Object(PoseMethods, Switches):
         Returns:
             For each point a dict with `contact_handles` (2 numbers) and `contact` (6,): position [m], normal force vector [N].
         """
-        other = None if contact_obj is None else contact_obj.element
-        return solids.contacts(self.table, self.element, other)
+        table, element, other = self.table, self.element, None if contact_obj is None else contact_obj.element
+        if element.kind in ("frame", "root", "placed", "camera") or (other is not None and other.kind in ("frame", "placed")):
+            return []
+        body, link = _body_and_link(table, element)
+        second, second_link = (None, None) if other is None else _body_and_link(table, other)
+        found = [c for c in table.world.contacts(body, second) if link in (None, c.link) and second_link in (None, c.other_link)]
+        return [
+            {
+                "contact_handles": [_link_handle(table, c.body, c.link), _link_handle(table, c.other, c.other_link)],
+                "contact": np.concatenate([c.position, c.force * np.asarray(c.normal)]),
+            }
+            for c in found
+        ]
 
     def get_velocity(self) -> tuple[np.ndarray, np.ndarray]:
         """Return linear (3,) [m/s] and angular (3,) [rad/s] velocity in world axes."""
-        velocity = self.thing.velocity
+        velocity = self.scene_object.velocity
         return velocity[:3], velocity[3:]
 
-    def get_configuration_tree(self) -> configuration.ConfigurationTree:
+    def get_configuration_tree(self) -> ConfigurationTree:
         """Return where it and all that hangs on it are, for `PyRep.set_configuration_tree`."""
-        return configuration.read(self.table, self.element)
+        return ConfigurationTree.read(self.table, self.element)
+
+    # Switches --------------------------------------------------------------------------------------------------------
+
+    def flag(self, name: str, default: bool = True) -> bool:
+        """Return one of the switches."""
+        return bool(self.table.flags.get((self.element, name), default))
+
+    def set_flag(self, name: str, value: bool, model: bool = False) -> None:
+        """Set one of the switches, of the whole tree with `model`."""
+        tree = self.table.tree(self.element) if model else []
+        for element in (self.element, *tree):
+            self.table.flags[element, name] = bool(value)
+            if name == "collidable" and element.kind in ("body", "room"):
+                self.table.world.body(element.name).obstacle = bool(value)
+
+    def is_collidable(self) -> bool:
+        """Whether collision checks and plans look at it."""
+        return self.flag("collidable")
+
+    def set_collidable(self, value: bool) -> None:
+        """Let collision checks and plans look at it, or not; physics is not changed (see `Shape.set_respondable`)."""
+        self.set_flag("collidable", value)
+
+    def is_measurable(self) -> bool:
+        """Whether distances to it are measured."""
+        return self.flag("measurable")
+
+    def set_measurable(self, value: bool) -> None:
+        """Say whether distances to it are measured."""
+        self.set_flag("measurable", value)
+
+    def is_detectable(self) -> bool:
+        """Whether proximity sensors see it."""
+        return self.flag("detectable")
+
+    def set_detectable(self, value: bool) -> None:
+        """Say whether proximity sensors see it."""
+        self.set_flag("detectable", value)
+
+    def is_renderable(self) -> bool:
+        """Whether cameras see it."""
+        return self.flag("renderable")
+
+    def set_renderable(self, value: bool) -> None:
+        """Say whether cameras see it; shapes that are not are hidden."""
+        self.set_flag("renderable", value)
+
+    def is_model_collidable(self) -> bool:
+        """Whether collision checks look at it and at all that hangs on it."""
+        return self._all("collidable")
+
+    def set_model_collidable(self, value: bool) -> None:
+        """Let collision checks look at it and at all that hangs on it, or not."""
+        self.set_flag("collidable", value, model=True)
+
+    def is_model_measurable(self) -> bool:
+        """Whether distances to it and to all that hangs on it are measured."""
+        return self._all("measurable")
+
+    def set_model_measurable(self, value: bool) -> None:
+        """Say whether distances to it and to all that hangs on it are measured."""
+        self.set_flag("measurable", value, model=True)
+
+    def is_model_detectable(self) -> bool:
+        """Whether proximity sensors see it and all that hangs on it."""
+        return self._all("detectable")
+
+    def set_model_detectable(self, value: bool) -> None:
+        """Say whether proximity sensors see it and all that hangs on it."""
+        self.set_flag("detectable", value, model=True)
+
+    def is_model_renderable(self) -> bool:
+        """Whether cameras see it and all that hangs on it."""
+        return self._all("renderable")
+
+    def _all(self, name: str) -> bool:
+        tree = self.table.tree(self.element)
+        return all(bool(self.table.flags.get((element, name), True)) for element in (self.element, *tree))
 
     # Models ----------------------------------------------------------------------------------------------------------
 
@@ -220,12 +422,24 @@ class Object(PoseMethods, Switches):
         for member in self.get_objects_in_tree(exclude_base=False):
             member.set_renderable(value)
 
+    def is_respondable(self) -> bool:
+        """Return False: only shapes touch other objects."""
+        return False
+
+    def set_respondable(self, value: bool) -> None:
+        """Remember the switch: only shapes touch other objects."""
+        self.set_flag("respondable", value)
+
+    def is_dynamic(self) -> bool:
+        """Return False: only shapes are moved by physics."""
+        return False
+
     def is_model_respondable(self) -> bool:
-        """Whether all shapes of its tree touch other things."""
+        """Whether all shapes of its tree touch other objects."""
         return all(shape.is_respondable() for shape in self.get_objects_in_tree(ObjectType.SHAPE, exclude_base=False))
 
     def set_model_respondable(self, value: bool) -> None:
-        """Let all shapes of its tree touch other things, or pass through them."""
+        """Let all shapes of its tree touch other objects, or pass through them."""
         for shape in self.get_objects_in_tree(ObjectType.SHAPE, exclude_base=False):
             shape.set_respondable(value)
 
@@ -241,8 +455,18 @@ class Object(PoseMethods, Switches):
         """Accepted; sensors are read when asked, whatever is set."""
 
     def get_extension_string(self) -> str:
-        """Return the words that a waypoint of a scene file carries; empty for other things."""
-        return solids.extension_string(self.table, self.element)
+        """Return the words that a waypoint of a scene file carries; empty for other objects."""
+        found = [w for w in self.table.world.spec.waypoint if self.element == Element("frame", w.name)]
+        if not found:
+            return ""
+        waypoint = found[0]
+        words = ["ignore_collision"] if waypoint.ignore_collisions else []
+        words += ["linear"] if waypoint.path == "straight" else []
+        if waypoint.gripper in ("open", "close"):
+            words.append(f"{waypoint.gripper}_gripper()")
+        elif waypoint.gripper is not None:
+            words.append(f"open_gripper({waypoint.gripper})")
+        return ";".join(words)
 
     def scale_object(self, scale_x: float, scale_y: float, scale_z: float) -> None:
         """Refused: sizes are part of the model."""
@@ -265,7 +489,7 @@ class Object(PoseMethods, Switches):
             PyRepError: It belongs to the scene file: only what a program made can be removed.
         """
         try:
-            shape_making.discard(self.table, self.element)
+            made_shapes.discard(self.table, self.element)
         except RlbenchPinError as error:
             raise PyRepError(str(error)) from error
         self._removed = True
@@ -273,14 +497,14 @@ class Object(PoseMethods, Switches):
 
 def view_of(element: Element) -> Object:
     """Return an object of the class for the type of an element."""
-    found = Simulator.current().objects.thing(element).type
+    found = Simulator.current().objects.scene_object(element).type
     classes = [c for c in _classes(Object) if c.kinds[:1] == (found,)]
     return (classes or [Object])[0](element)
 
 
 def _classes(base: type[Object]) -> list[type[Object]]:
     """Return the classes of this package that derive from `base`; those that programs derive are theirs alone."""
-    own = [c for c in base.__subclasses__() if c.__module__.startswith("pyrep.objects.")]
+    own = [c for c in base.__subclasses__() if f"{c.__module__}.".startswith("pyrep.objects.")]
     return [c for direct in own for c in (direct, *_classes(direct))]
 
 
@@ -288,3 +512,60 @@ def views_of(elements: Iterable[Element], object_type: ObjectType = ObjectType.A
     """Return objects for those elements that are of a type."""
     views = [view_of(element) for element in elements]
     return views if object_type == ObjectType.ALL else [v for v in views if v.get_type() == object_type]
+
+
+def _touch(table: ObjectTable, first: Element, second: Element) -> bool:
+    for parts, pose in table.scene_object(first).solids():
+        for others, there in table.scene_object(second).solids():
+            for shape, placement in parts:
+                if geometry.overlaps(shape, pose_to_se3(pose) * placement, others, pose_to_se3(there)):
+                    return True
+    return False
+
+
+def point_part() -> geometry.Part:
+    """Return a ball of a micrometre, to measure distances from."""
+    ball = geometry.volume("sphere", (1e-6,))
+    return ball, pose_to_se3((0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0))
+
+
+def _body_and_link(table: ObjectTable, element: Element) -> tuple[str, str | None]:
+    """Name of the body of a contact, and of its link when only that link is meant."""
+    if element.kind == "link":
+        body, _, link = element.name.partition("/")
+        return body, link
+    if _OWNERS.get(element.kind, element.kind) == "robot":
+        description = table.runtime.description
+        links = {"robot_link": element.name, "gripper": description.hand_link}
+        return description.name, links.get(element.kind)
+    return element.name, None
+
+
+def _link_handle(table: ObjectTable, body: str, link: str) -> int:
+    ids = {name: identifier for identifier, name in table.world.masks.items()}
+    return ids.get(f"{body}/{link}", ids.get(body, -1))
+
+
+def euler_to_matrix(angles: Numbers) -> FloatArray:
+    """Return the rotation (3, 3) Rx(a) Ry(b) Rz(c) of angles (3,) [rad]."""
+    (sa, sb, sc), (ca, cb, cc) = np.sin(angles), np.cos(angles)
+    x = np.array([[1.0, 0.0, 0.0], [0.0, ca, -sa], [0.0, sa, ca]])
+    y = np.array([[cb, 0.0, sb], [0.0, 1.0, 0.0], [-sb, 0.0, cb]])
+    z = np.array([[cc, -sc, 0.0], [sc, cc, 0.0], [0.0, 0.0, 1.0]])
+    product: FloatArray = x @ y @ z
+    return product
+
+
+def matrix_to_euler(rotation: FloatArray) -> FloatArray:
+    """Return the angles (3,) [rad] of a rotation (3, 3) = Rx(a) Ry(b) Rz(c); c is 0 where only a + c or a - c counts."""
+    b = float(np.arcsin(np.clip(rotation[0, 2], -1.0, 1.0)))
+    if abs(rotation[0, 2]) > 1.0 - 1e-9:
+        return np.array([np.arctan2(rotation[2, 1], rotation[1, 1]), b, 0.0])
+    return np.array([np.arctan2(-rotation[1, 2], rotation[2, 2]), b, np.arctan2(-rotation[0, 1], rotation[0, 0])])
+
+
+def _numbers(values: Numbers, count: int, what: str) -> FloatArray:
+    numbers = np.array(values, dtype=float)
+    if numbers.shape != (count,) or not np.isfinite(numbers).all():
+        raise InvalidPlace(f"A {what} has {count} finite numbers, not {numbers.tolist()}.")
+    return numbers

@@ -3,22 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
-from pyrep.const import PrimitiveShape
+from pyrep.const import PrimitiveShape, TextureMappingMode
 from pyrep.errors import UnsupportedCall
-from pyrep.objects.object import Object
-from pyrep.objects.shape_look import ShapeLook
-from pyrep.objects.shape_physics import ShapePhysics
+from pyrep.objects.object import Numbers, Object
+from rlbench_pin.compat.objects import Element, ObjectTable, made_shapes
+from rlbench_pin.compat.objects import ObjectType as TypeName
 from rlbench_pin.compat.simulator import Simulator
-from rlbench_pin.compat.things import ObjectType, shape_making
-from rlbench_pin.spatial import FloatArray
+from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.robot import surfaces
+from rlbench_pin.sim import Body, read_texture
+from rlbench_pin.spatial import FloatArray, compose, pose_at, pose_to_matrix
+from rlbench_pin.urdf import UrdfOrigin, read_urdf
+
+Rgba = tuple[float, ...]
+ROBOT_SHAPES = ("robot", "gripper", "robot_link")
+"""Kinds of elements whose links belong to the robot."""
+WHITE: Rgba = (1.0, 1.0, 1.0, 1.0)
 
 
-class Shape(ShapeLook, ShapePhysics, Object):
-    """A body of the scene, one of its links, a part of the room or of the arm, or a plane to place things on.
+class Shape(Object):
+    """A body of the scene, one of its links, a part of the room or of the arm, or a plane to place objects on.
 
     A body with several links goes by its own name for the whole, and its links by `<body>/<link>`, or by the link's name alone
     where only one body has it.
@@ -28,7 +36,7 @@ class Shape(ShapeLook, ShapePhysics, Object):
     every task, too.
     """
 
-    kinds: ClassVar[tuple[ObjectType, ...]] = ("shape",)
+    kinds: ClassVar[tuple[TypeName, ...]] = ("shape",)
 
     @classmethod
     def create(
@@ -49,15 +57,15 @@ class Shape(ShapeLook, ShapePhysics, Object):
         """Add a primitive to the running world; how long it stays is told by `Shape`.
 
         * `type`: which solid; `size`: its lengths along x, y, z [m]; `mass` [kg].
-        * `respondable`: touches other things; `static`: stays where it is put; `renderable`: cameras see it.
+        * `respondable`: touches other objects; `static`: stays where it is put; `renderable`: cameras see it.
         * `position` (3,) [m], None is the origin; `orientation`: Euler angles (3,) [rad].
         * `color`: rgb in 0..1, None is light grey.
         * The rest is accepted: both sides are drawn, edges are not.
         """
         kind = PrimitiveShape(type).name
-        asset = shape_making.primitive(kind, size, mass)
-        look = shape_making.Look(static, respondable, None if color is None else tuple(float(c) for c in color))
-        shape = cls(shape_making.spawn(Simulator.current().objects, kind.capitalize(), asset, look))
+        asset = made_shapes.primitive(kind, size, mass)
+        settings = made_shapes.BodySettings(static, respondable, None if color is None else tuple(float(c) for c in color))
+        shape = cls(made_shapes.spawn(Simulator.current().objects, kind.capitalize(), asset, settings))
         shape.set_place(position, orientation)
         if not renderable:
             shape.set_renderable(False)
@@ -76,12 +84,9 @@ class Shape(ShapeLook, ShapePhysics, Object):
 
         Its frame is in the middle of its box. Others touch its convex hull.
 
-        Args:
-            vertices: x, y, z of all corners [m], one after the other, in world coordinates.
-            indices: Corner numbers of all triangles.
-            shading_angle: Accepted.
-            backface_culling: Accepted.
-            visible_edges: Accepted.
+        * `vertices`: x, y, z of all corners [m], one after the other, in world coordinates.
+        * `indices`: corner numbers of all triangles.
+        * The rest is accepted and changes nothing.
         """
         corners = np.array(vertices, dtype=float).reshape(-1, 3)
         triangles = np.array(indices, dtype=np.int64).reshape(-1, 3)
@@ -94,7 +99,7 @@ class Shape(ShapeLook, ShapePhysics, Object):
         Raises:
             AssetNotFound: There is no such file.
         """
-        corners, triangles = shape_making.read_mesh(filename, scaling_factor)
+        corners, triangles = made_shapes.read_mesh(filename, scaling_factor)
         return cls._from_mesh(corners, triangles, "Mesh")
 
     @classmethod
@@ -106,8 +111,8 @@ class Shape(ShapeLook, ShapePhysics, Object):
 
     @classmethod
     def _from_mesh(cls, corners: FloatArray, triangles: np.ndarray, name: str) -> Shape:
-        asset, middle = shape_making.mesh(corners, triangles)
-        shape = cls(shape_making.spawn(Simulator.current().objects, name, asset, shape_making.Look(static=True)))
+        asset, middle = made_shapes.mesh(corners, triangles)
+        shape = cls(made_shapes.spawn(Simulator.current().objects, name, asset, made_shapes.BodySettings(static=True)))
         shape.set_position(middle)
         return shape
 
@@ -116,7 +121,7 @@ class Shape(ShapeLook, ShapePhysics, Object):
         element = self.element
         if element.kind != "body":
             raise UnsupportedCall(f"copy of '{self.get_name()}'", "it is no body of its own.", "Copy a whole body.")
-        made = shape_making.duplicate(self.table, element)
+        made = made_shapes.duplicate(self.table, element)
         shape = type(self)(made)
         shape.set_color(self.get_color())
         return shape
@@ -131,4 +136,307 @@ class Shape(ShapeLook, ShapePhysics, Object):
 
     def get_mesh_data(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return corners (n, 3) [m] in its own frame, triangles (m, 3) and a normal for each corner of each of them (3 m, 3)."""
-        return shape_making.surface(self.thing)
+        return made_shapes.surface(self.scene_object)
+
+    # Appearance ------------------------------------------------------------------------------------------------------
+
+    def _get_rgba(self) -> Rgba:
+        """Return the colour of the shape; planes, which are not drawn, have the one that they were given."""
+        world, element, (owner, _, link) = self.table.world, self.element, self.element.name.partition("/")
+        if element.kind in ("body", "room"):
+            return world.body(element.name).color
+        if element.kind == "link":
+            body = world.body(owner)
+            return body.colors.get(body.model.link_index(link), _file_color(body, link))
+        if element.kind in ROBOT_SHAPES:
+            return world.texture_overrides.robot_link_color(self._robot_links()[0])
+        given = self.table.flags.get((element, "color"), WHITE)
+        assert isinstance(given, tuple)
+        return given
+
+    def _set_rgba(self, rgba: Rgba) -> None:
+        """Colour the shape; of planes, which are not drawn, the colour is only kept."""
+        world, element, (owner, _, link) = self.table.world, self.element, self.element.name.partition("/")
+        if element.kind in ("body", "room"):
+            world.body(element.name).set_color(rgba)
+        elif element.kind == "link":
+            world.body(owner).set_color(rgba, link)
+        elif element.kind in ROBOT_SHAPES:
+            red, green, blue, alpha = rgba
+            for index in self._robot_links():
+                world.texture_overrides.paint_robot_link(index, (red, green, blue, alpha))
+        else:
+            self.table.flags[element, "color"] = tuple(rgba)
+
+    def _robot_links(self) -> list[int]:
+        """Return the numbers of the links of the robot that the shape stands for, those with visuals first."""
+        world, description = self.table.world, self.table.runtime.description
+        model = world.robot.model
+        hand = (description.hand_link, *description.finger_links)
+        names = {"robot": tuple(model.links), "gripper": hand}.get(self.element.kind, (self.element.name,))
+        seen = world.texture_overrides.robot_links
+        return sorted((model.link_index(name) for name in names), key=lambda index: index not in seen)
+
+    def get_color(self) -> list[float]:
+        """Return red, green, blue in 0..1."""
+        return [float(c) for c in self._get_rgba()[:3]]
+
+    def set_color(self, color: Any) -> None:
+        """Colour the whole shape: a body with all its links, or one link alone.
+
+        Args:
+            color: red, green, blue in 0..1.
+        """
+        values = [float(c) for c in color]
+        self._set_rgba((*values[:3], self._get_rgba()[3]))
+
+    def get_transparency(self) -> float:
+        """Return 0 for opaque, 1 for invisible."""
+        return 1.0 - float(self._get_rgba()[3])
+
+    def set_transparency(self, value: float) -> None:
+        """Set 0 for opaque to 1 for invisible; in between is drawn as opaque.
+
+        Raises:
+            ValueError: `value` is not in 0..1.
+        """
+        if not 0.0 <= value <= 1.0:
+            raise ValueError(f"A transparency lies between 0 (opaque) and 1 (invisible), not {value}.")
+        self._set_rgba((*self._get_rgba()[:3], 1.0 - float(value)))
+
+    def set_renderable(self, value: bool) -> None:
+        """Show the shape to cameras, or hide it; its colour comes back with it."""
+        shown = bool(value)
+        if shown == self.is_renderable():
+            return
+        self.set_flag("renderable", shown)
+        if self.element.kind in ROBOT_SHAPES:
+            for index in self._robot_links():
+                self.table.world.texture_overrides.show_robot_link(index, shown)
+            return
+        rgba = self._get_rgba()
+        if not shown:
+            self.table.flags[self.element, "opacity"] = rgba[3]
+        opacity = self.table.flags.get((self.element, "opacity"), 1.0)
+        assert isinstance(opacity, float)
+        self._set_rgba((*rgba[:3], opacity if shown else 0.0))
+
+    def set_texture(
+        self,
+        texture: Any,
+        mapping_mode: TextureMappingMode = TextureMappingMode.PLANE,
+        interpolate: bool = True,
+        decal_mode: bool = False,
+        repeat_along_u: bool = False,
+        repeat_along_v: bool = False,
+        uv_scaling: list[float] | None = None,
+        position: list[float] | None = None,
+        orientation: list[float] | None = None,
+    ) -> None:
+        """Put a texture on a body, a part of the room or a link of the arm; planes are not drawn, and stay as they are.
+
+        * `texture`: from `PyRep.create_texture`; `uv_scaling`: length of the image on the shape [m], two numbers; None is 1 m.
+        * The rest is accepted and changes nothing: textures lie along the axes of the shape and repeat.
+        """
+        file = getattr(texture, "filename", None)
+        if file is None:
+            raise UnsupportedCall("set_texture", f"{texture!r} is no texture.", "Make one with `PyRep.create_texture(file)`.")
+        image, repeats = read_texture(file), 1.0 / float(uv_scaling[0]) if uv_scaling else 1.0
+        overrides, kind, name = self.table.world.texture_overrides, self.element.kind, self.element.name
+        if kind in ("body", "link"):
+            overrides.set_body(name.partition("/")[0], image, repeats)
+        elif kind == "room":
+            overrides.set_room_body(name, image)
+        elif kind in ROBOT_SHAPES:
+            for index in set(self._robot_links()) & set(overrides.robot_links):
+                overrides.set_robot_link(index, image, repeats)
+
+    def get_texture(self) -> None:
+        """Refused: a shape does not say which texture it has."""
+        raise UnsupportedCall("get_texture", "textures are not read back.", "Keep what `create_texture` returned.")
+
+    def remove_texture(self) -> None:
+        """Show the shape's own colours again."""
+        overrides, kind, name = self.table.world.texture_overrides, self.element.kind, self.element.name
+        if kind in ("body", "link"):
+            overrides.clear_body(name.partition("/")[0])
+        elif kind == "room":
+            overrides.clear_room_body(name)
+        elif kind in ROBOT_SHAPES:
+            for index in self._robot_links():
+                overrides.clear_robot_link(index)
+
+    # Physics ---------------------------------------------------------------------------------------------------------
+
+    def body(self, call: str) -> Body:
+        """Return the body that the shape is, or is a link of.
+
+        Raises:
+            UnsupportedCall: It is a plane or a part of the arm.
+        """
+        return body_of(self.table, self.element, call)
+
+    def _has_body(self) -> bool:
+        return self.element.kind in BODIES
+
+    def _link_index(self) -> int:
+        body, link = self.body("a physical property"), self.element.name.partition("/")[2]
+        return body.model.link_index(link) if link else -1
+
+    def is_respondable(self) -> bool:
+        """Whether it touches other objects."""
+        return self._has_body() and self.body("is_respondable").collides
+
+    def set_respondable(self, value: bool) -> None:
+        """Let it touch other objects, or pass through them; a link shares this with its whole body. Planes touch nothing."""
+        if self._has_body() or value:
+            self.body("set_respondable").set_collides(bool(value))
+
+    def is_dynamic(self) -> bool:
+        """Whether it moves under gravity and contacts."""
+        return self._has_body() and not self.body("is_dynamic").fixed
+
+    def set_dynamic(self, value: bool) -> None:
+        """Let it move under gravity and contacts, or weld it to where it is.
+
+        Raises:
+            UnsupportedCall: It is part of the room, or a link.
+            RlbenchPinError: It has joints, or no mass in its model file.
+        """
+        if not self._has_body() and not value:
+            return
+        body = self.body("set_dynamic")
+        if bool(value) == (not body.fixed):
+            return
+        if self.element.kind != "body":
+            raise UnsupportedCall(
+                f"set_dynamic({bool(value)}) of '{self.get_name()}'",
+                "it is part of something larger.",
+                "Call it on a whole body.",
+            )
+        self.table.world.dynamics_overrides.set_fixed(body, not value)
+
+    def get_mass(self) -> float:
+        """Return its mass [kg], also when it cannot move; that of the base link for a body."""
+        return self.table.world.dynamics_overrides.mass(self.body("get_mass").model, self._link_index())
+
+    def set_mass(self, mass: float) -> None:
+        """Give it another mass [kg]; it stays so until it is set again, resets included."""
+        if not 0.0 < mass < float("inf"):
+            raise ValueError(f"A mass is positive and finite, not {mass} kg.")
+        model = self.body("set_mass").model
+        self.table.world.dynamics_overrides.set_mass(model, self._link_index(), float(mass))
+
+    def get_bullet_friction(self) -> float:
+        """Return the coefficient of sliding friction."""
+        model = self.body("get_bullet_friction").model
+        return self.table.world.dynamics_overrides.friction(model, self._link_index())
+
+    def set_bullet_friction(self, friction: float) -> None:
+        """Set the coefficient of sliding friction; it stays so until it is set again, resets included."""
+        if not 0.0 <= friction < float("inf"):
+            raise ValueError(f"A coefficient of friction is not negative, but {friction} was given.")
+        model = self.body("set_bullet_friction").model
+        self.table.world.dynamics_overrides.set_friction(model, self._link_index(), float(friction))
+
+    def compute_mass_and_inertia(self, density: float) -> None:
+        """Set the mass from a density [kg/m^3] and the volume of its solid parts; its inertia grows alike.
+
+        Where parts overlap, their volume counts twice.
+        """
+        parts = [part for parts, _ in self.scene_object.solids() for part in parts]
+        self.set_mass(density * float(np.sum([surfaces.part_volume(part) for part in parts])))
+
+    def add_force(self, position: Numbers, force: Numbers, reset_force_torque: bool = False) -> None:
+        """Push it during the next step. The push acts as an impulse at once; call it before each step to go on pushing.
+
+        Args:
+            position: Where, in its own frame (3,) [m].
+            force: How, along its own axes (3,) [N].
+            reset_force_torque: Accepted; what was added before has acted already.
+        """
+        T_world_shape = self.get_matrix()
+        at = T_world_shape @ np.append(_three(position), 1.0)
+        self._push(T_world_shape[:3, :3] @ _three(force), np.zeros(3), at[:3])
+
+    def add_force_and_torque(
+        self, force: Numbers, torque: Numbers, reset_force: bool = False, reset_torque: bool = False
+    ) -> None:
+        """Push and turn it about its centre of mass during the next step, as `add_force` does.
+
+        Args:
+            force: Along the axes of the world (3,) [N].
+            torque: About the axes of the world (3,) [N m].
+            reset_force: Accepted; what was added before has acted already.
+            reset_torque: Accepted.
+        """
+        self._push(_three(force), _three(torque))
+
+    def _push(self, force: FloatArray, torque: FloatArray, at: FloatArray | None = None) -> None:
+        """Give a body the impulse at once that a force and a torque of one step have; what cannot move stays.
+
+        Args:
+            force: In the world (3,) [N].
+            torque: In the world (3,) [N m].
+            at: Where the force acts, in the world (3,) [m]; None is the centre of mass.
+
+        Raises:
+            UnsupportedCall: It is a part of something larger.
+        """
+        body = self.body("a force")
+        if self.element.kind != "body":
+            raise UnsupportedCall(f"a force on '{self.get_name()}'", "it is part of something larger.", "Push a whole body.")
+        if body.fixed:
+            return
+        T_world_com, per_kilogram = _centre_of_mass(body)
+        R, kilograms = pose_to_matrix(T_world_com)[:3, :3], self.get_mass()
+        turn = torque if at is None else torque + np.cross(at - T_world_com[:3], force)
+        change = np.concatenate([force / kilograms, np.linalg.solve(kilograms * R @ per_kilogram @ R.T, turn)])
+        body.set_velocity(body.velocity + self.table.world.control_dt * change)
+
+    def set_velocity(self, linear: Any, angular: Any = (0.0, 0.0, 0.0)) -> None:
+        """Set linear (3,) [m/s] and angular (3,) [rad/s] velocity in world axes."""
+        self.body("set_velocity").set_velocity(np.concatenate([np.asarray(linear, float), np.asarray(angular, float)]))
+
+
+BODIES = ("body", "link", "room")
+"""Kinds of elements that are a body of the scene or the room, or a link of one."""
+
+
+def body_of(table: ObjectTable, element: Element, call: str) -> Body:
+    """Return the body that an element is, or is a link of.
+
+    Raises:
+        UnsupportedCall: It has no body.
+    """
+    if element.kind not in BODIES:
+        raise UnsupportedCall(
+            f"{call} of '{table.name(element)}'", "it is no body of the scene.", "Call it on a body, or a link of one."
+        )
+    return table.world.body(element.name.partition("/")[0])
+
+
+def _file_color(body: Body, link: str) -> Rgba:
+    """Return the colour of the first visual of a link in its model file."""
+    found = next(part for part in read_urdf(body.model.urdf).links if part.name == link)
+    colors = [visual.color for visual in found.visuals if visual.color is not None]
+    return colors[0] if colors else WHITE
+
+
+def _centre_of_mass(body: Body) -> tuple[FloatArray, FloatArray]:
+    """Return the inertial frame (7,) of the base link in the world, and the inertia (3, 3) in it over the mass [m^2]."""
+    urdf, scale = read_urdf(body.model.urdf), body.model.scale
+    inertial = next(link.inertial for link in urdf.links if link.name == urdf.base_link)
+    if inertial is None:
+        raise RlbenchPinError(f"{body.model.urdf.name} says no inertia of '{body.name}', so that no force can turn it.")
+    xx, xy, xz, yy, yz, zz = inertial.inertia
+    origin = inertial.origin or UrdfOrigin()
+    place = compose(body.pose, pose_at([scale * x for x in origin.xyz], *origin.rpy))
+    return place, np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) / inertial.mass
+
+
+def _three(values: Numbers) -> FloatArray:
+    numbers = np.asarray(values, dtype=float).reshape(-1)
+    if numbers.shape != (3,) or not np.isfinite(numbers).all():
+        raise ValueError(f"A position, force or torque has 3 finite numbers, not {numbers.tolist()}.")
+    return numbers

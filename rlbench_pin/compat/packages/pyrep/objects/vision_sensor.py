@@ -1,7 +1,8 @@
-"""Cameras that take pictures when asked."""
+"""Cameras that capture images when asked."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, ClassVar
@@ -11,9 +12,10 @@ import numpy as np
 from pyrep.const import PerspectiveMode, RenderMode
 from pyrep.errors import PyRepError, UnsupportedCall
 from pyrep.objects.object import Object
-from rlbench_pin.compat.devices import pictures
+from rlbench_pin.compat.objects import CameraSettings, Element, ObjectType, Placed
+from rlbench_pin.compat.objects.scene_objects import COLOR_CODED, CameraObject
 from rlbench_pin.compat.simulator import Simulator
-from rlbench_pin.compat.things import CameraSettings, Element, ObjectType, Placed
+from rlbench_pin.environment.observations.observe import normalised_depth, spread_mask
 from rlbench_pin.sim import CameraView
 from rlbench_pin.spatial import IDENTITY
 
@@ -21,7 +23,7 @@ from rlbench_pin.spatial import IDENTITY
 class VisionSensor(Object):
     """A camera: one of the five of observations, their twins for masks, or one that a program made.
 
-    The camera's frame has z forward, x to the left, y up. Pictures show the present instant and come top row first.
+    The camera's frame has z forward, x to the left, y up. Images show the present instant and come top row first.
     """
 
     kinds: ClassVar[tuple[ObjectType, ...]] = ("vision_sensor",)
@@ -62,14 +64,15 @@ class VisionSensor(Object):
         sensor.set_place(position, orientation)
         return sensor
 
-    # Pictures --------------------------------------------------------------------------------------------------------
+    # Images --------------------------------------------------------------------------------------------------------
 
     def view(self) -> CameraView:
         """Return what it sees now, as pure geometry."""
-        return pictures.view(self.table, self.element)
+        camera = self.scene_object
+        return self.table.cameras.view(camera.name) if isinstance(camera, CameraObject) else _view(camera.pose, self.camera)
 
     def handle_explicitly(self) -> None:
-        """Nothing: pictures show the present instant in any case.
+        """Nothing: images show the present instant in any case.
 
         Raises:
             RuntimeError: Explicit handling is off.
@@ -78,19 +81,30 @@ class VisionSensor(Object):
             raise RuntimeError("Explicit handling is off. Call `set_explicit_handling(1)` first, or just capture.")
 
     def capture_rgb(self) -> np.ndarray:
-        """Take a picture: float32 (h, w, 3) in 0..1; of twins for masks the handles, spread over the channels."""
-        return pictures.rgb(self.table, self.element)
+        """Take an image: float32 (h, w, 3) in 0..1; of twins for masks the handles, spread over the channels."""
+        world, mode = self.table.world, self.camera.render_mode
+        if mode == COLOR_CODED:
+            mask = world.render(self.view(), rgb=False, depth=False).mask
+            assert mask is not None
+            return spread_mask(mask)
+        world.renderer.lighting = self.table.runtime.observer.appearance.lighting or self.table.cameras.config.lighting
+        image = world.render(self.view(), depth=False, mask=False, shadows=mode.startswith("OPENGL3")).rgb
+        assert image is not None
+        return image.astype(np.float32) / np.float32(255.0)
 
     def capture_depth(self, in_meters: bool = False) -> np.ndarray:
         """Measure depth along the axis: float32 (h, w), in 0..1 from near to far plane, or in [m]."""
-        return pictures.depth(self.table, self.element, in_meters)
+        view = self.view()
+        metres = self.table.world.render(view, rgb=False, mask=False).depth
+        assert metres is not None
+        return metres if in_meters else normalised_depth(metres, view)
 
     def capture_pointcloud(self) -> np.ndarray:
         """Return world coordinates of every pixel (h, w, 3) [m]."""
         return self.pointcloud_from_depth(self.capture_depth(in_meters=True))
 
     def pointcloud_from_depth(self, depth: np.ndarray) -> np.ndarray:
-        """Return world coordinates of every pixel (h, w, 3) [m] of a depth picture (h, w) [m] of this camera."""
+        """Return world coordinates of every pixel (h, w, 3) [m] of a depth image (h, w) [m] of this camera."""
         return self.pointcloud_from_depth_and_camera_params(depth, self.get_matrix(), self.get_intrinsic_matrix())
 
     @staticmethod
@@ -105,7 +119,11 @@ class VisionSensor(Object):
         Returns:
             (h, w, 3) [m].
         """
-        return pictures.point_cloud(depth, extrinsics, intrinsics)
+        height, width = depth.shape
+        columns, rows = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
+        pixels = np.stack([columns, rows, np.ones_like(columns)], axis=-1) @ np.linalg.inv(intrinsics).T
+        points: np.ndarray = (pixels * depth[..., None]) @ np.asarray(extrinsics)[:3, :3].T + np.asarray(extrinsics)[:3, 3]
+        return points
 
     def get_intrinsic_matrix(self) -> np.ndarray:
         """Return the intrinsics (3, 3) with negative focal lengths [px]."""
@@ -116,11 +134,20 @@ class VisionSensor(Object):
     @property
     def camera(self) -> CameraSettings:
         """All settings."""
-        return pictures.settings(self.table, self.element)
+        found = self.scene_object
+        camera = found.camera if isinstance(found, CameraObject) else self.table.placed[self.element.name].camera
+        assert camera is not None, "vision sensors carry settings"
+        return camera
 
     def change(self, **changes: Any) -> None:
-        """Change some of the settings."""
-        pictures.set_settings(self.table, self.element, replace(self.camera, **changes))
+        """Change some of the settings; raise CameraError when no image can be captured like that."""
+        camera, name = replace(self.camera, **changes), self.element.name
+        _view(IDENTITY, camera)
+        found = self.scene_object
+        if isinstance(found, CameraObject):
+            found.set_camera(camera)
+        else:
+            self.table.placed[name] = replace(self.table.placed[name], camera=camera)
 
     def get_resolution(self) -> list[int]:
         """Return width and height [px]."""
@@ -176,11 +203,11 @@ class VisionSensor(Object):
         self.change(far=float(far_clipping))
 
     def get_render_mode(self) -> RenderMode:
-        """Return how pictures are drawn."""
+        """Return how images are drawn."""
         return RenderMode[self.camera.render_mode]
 
     def set_render_mode(self, render_mode: RenderMode) -> None:
-        """Set how pictures are drawn."""
+        """Set how images are drawn."""
         self.change(render_mode=_mode(render_mode).name)
 
     def get_windowed_size(self) -> Sequence[int]:
@@ -207,11 +234,11 @@ class VisionSensor(Object):
         """Accept everything (None or -1).
 
         Raises:
-            UnsupportedCall: One thing alone.
+            UnsupportedCall: One object alone.
         """
         if entity_to_render not in (None, -1):
             raise UnsupportedCall(
-                "set_entity_to_render", "cameras see the whole scene.", "Cut things out of the picture by their masks."
+                "set_entity_to_render", "cameras see the whole scene.", "Cut objects out of the image by their masks."
             )
 
     def copy(self) -> VisionSensor:
@@ -226,20 +253,28 @@ class VisionSensor(Object):
         Raises:
             PyRepError: It is the twin of one of the five cameras.
         """
-        if self.element.kind != "camera":
+        camera = self.scene_object
+        if not isinstance(camera, CameraObject):
             super().remove()
-        elif not pictures.switch_off(self.table, self.element):
+        elif camera.is_mask:
             raise PyRepError(f"'{self.get_name()}' goes with its camera. Switch masks off in the observation config.")
+        else:
+            self.table.cameras.settings_of(camera.name).set_all(False)
         self._removed = True
 
 
 def _placed(camera: CameraSettings) -> Element:
     """Put a camera at the origin of the world."""
-    pictures.check(camera)
+    _view(IDENTITY, camera)
     table = Simulator.current().objects
     name = table.free_name("Vision_sensor")
     table.placed[name] = Placed("vision_sensor", IDENTITY.copy(), camera=camera)
     return Element("placed", name)
+
+
+def _view(pose: np.ndarray, camera: CameraSettings) -> CameraView:
+    """Return what a camera at a pose (7,) sees, or raise CameraError when no image can be captured."""
+    return CameraView(pose.copy(), math.radians(camera.angle), camera.size, camera.near, camera.far)
 
 
 def _size(resolution: Sequence[int]) -> tuple[int, int]:
@@ -252,4 +287,4 @@ def _mode(render_mode: RenderMode | str) -> RenderMode:
 
 
 def _no_parallel_view() -> UnsupportedCall:
-    return UnsupportedCall("an orthographic camera", "pictures are perspective here.", "Use a small angle from far away.")
+    return UnsupportedCall("an orthographic camera", "images are perspective here.", "Use a small angle from far away.")

@@ -1,1 +1,182 @@
-"""Arms and hands, as views on the robot of the running world."""
+"""Arms and grippers, as views on the robot of the running world. What both share: joints in a fixed order, commanded together.
+
+Programs import `RobotComponent` from `pyrep.robots.robot_component`; that name stands for this module.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+import numpy as np
+
+from pyrep.const import JointMode, JointType, ObjectType
+from pyrep.errors import UnsupportedCall
+from pyrep.objects.joint import Joint
+from pyrep.objects.object import Numbers, Object
+from pyrep.objects.shape import Shape
+from rlbench_pin.compat.joints import Motors
+from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.robot import SUPPORTED_ROBOTS
+from rlbench_pin.spatial import FloatArray
+
+
+class RobotComponent(Object):
+    """An arm or a gripper of the running world; every list of numbers has one per joint, in the order of `joints`.
+
+    Args:
+        count: Which robot of this kind, counted from 0; a world has one.
+        name: Name of the component.
+        joint_names: Names of its joints.
+        base_name: Name of the object that carries it; None is `name`.
+
+    Attributes:
+        joints: The joints.
+    """
+
+    def __init__(self, count: int, name: str, joint_names: Sequence[str], base_name: str | None = None) -> None:
+        require_only_one(count, name)
+        super().__init__(name if base_name is None else base_name)
+        self.joints: list[Joint] = [Joint(joint) for joint in joint_names]
+        self._num_joints = len(self.joints)
+
+    @property
+    def motors(self) -> Motors:
+        """What drives the joints."""
+        raise NotImplementedError(f"{type(self).__name__} has no motors of its own. Derive from `Arm` or `Gripper`.")
+
+    def copy(self) -> RobotComponent:
+        """Not offered: a world has one robot.
+
+        Raises:
+            UnsupportedCall: Always.
+        """
+        raise UnsupportedCall(f"copy of '{self.get_name()}'", "a world has one robot.", "Use one process per robot.")
+
+    def get_joint_count(self) -> int:
+        """Return the number of joints."""
+        return self._num_joints
+
+    def get_joint_types(self) -> list[JointType]:
+        """Return the kinds of the joints."""
+        return [joint.get_joint_type() for joint in self.joints]
+
+    # Positions -------------------------------------------------------------------------------------------------------
+
+    def get_joint_positions(self) -> list[float]:
+        """Return measured joint positions [rad] or [m]."""
+        return self.motors.positions().tolist()
+
+    def set_joint_positions(self, positions: Numbers, disable_dynamics: bool = False) -> None:
+        """Put the joints somewhere at once, at rest, and hold them there.
+
+        Args:
+            positions: One per joint [rad] or [m].
+            disable_dynamics: Accepted; joints are put there in any case, without physics.
+        """
+        self.motors.teleport(self._numbers(positions))
+
+    def get_joint_target_positions(self) -> list[float]:
+        """Return where the motors go [rad] or [m]."""
+        return self.motors.target_positions().tolist()
+
+    def set_joint_target_positions(self, positions: Numbers) -> None:
+        """Go to joint positions [rad] or [m] in the coming steps; an arm is under position control from then on."""
+        self.motors.set_target_positions(self._numbers(positions))
+
+    # Velocities and forces -------------------------------------------------------------------------------------------
+
+    def get_joint_velocities(self) -> list[float]:
+        """Return measured joint velocities [rad/s] or [m/s]."""
+        return self.motors.velocities().tolist()
+
+    def get_joint_target_velocities(self) -> list[float]:
+        """Return the velocities that were asked for [rad/s] or [m/s]."""
+        return self.motors.target_velocities().tolist()
+
+    def set_joint_target_velocities(self, velocities: Numbers) -> None:
+        """Move at joint velocities [rad/s] or [m/s] until the next command; an arm is under velocity control from then on."""
+        self.motors.set_target_velocities(self._numbers(velocities))
+
+    def get_joint_forces(self) -> list[float]:
+        """Return the forces of the motors in the last physics step [N m] or [N]."""
+        return self.motors.forces().tolist()
+
+    def set_joint_forces(self, forces: Numbers) -> None:
+        """Cap the motors' forces [N m] or [N]; see `ArmMotors.set_forces` for when the caps of an arm count."""
+        self.motors.set_forces(self._numbers(forces))
+
+    # Limits ----------------------------------------------------------------------------------------------------------
+
+    def get_joint_intervals(self) -> tuple[list[bool], list[list[float]]]:
+        """Return which joints turn without end (none), and the lowest position and the range of each [rad] or [m]."""
+        low, high = self.motors.limits()
+        return [False] * self._num_joints, np.array([low, high - low]).T.tolist()
+
+    def set_joint_intervals(self, cyclic: Sequence[bool], intervals: Sequence[Sequence[float]]) -> None:
+        """Not offered: the limits are those of the model.
+
+        Raises:
+            UnsupportedCall: Always.
+        """
+        raise UnsupportedCall(
+            "set_joint_intervals", "joint limits come from the robot's URDF and stay.", "Clip your targets instead."
+        )
+
+    def get_joint_upper_velocity_limits(self) -> list[float]:
+        """Return the largest joint speeds [rad/s] or [m/s]."""
+        return self.motors.velocity_limits().tolist()
+
+    # Modes -----------------------------------------------------------------------------------------------------------
+
+    def set_control_loop_enabled(self, value: bool) -> None:
+        """Control joint positions (True) or velocities, zero at first (False)."""
+        self.motors.set_control_loop(bool(value))
+
+    def set_motor_locked_at_zero_velocity(self, value: bool) -> None:
+        """Nothing: motors with a target velocity of zero always hold, whatever `value` says."""
+
+    def get_joint_modes(self) -> list[JointMode]:
+        """Return the modes of the joints: they are driven by forces."""
+        return [JointMode.FORCE] * self._num_joints
+
+    def set_joint_mode(self, value: JointMode) -> None:
+        """Accept `JointMode.FORCE`, which the joints always have.
+
+        Raises:
+            UnsupportedCall: `value` is another mode.
+        """
+        if value != JointMode.FORCE:
+            raise UnsupportedCall(
+                f"joint mode {value.name}", "a robot's joints are driven by forces.", "Use `set_joint_positions`."
+            )
+
+    # Looks -----------------------------------------------------------------------------------------------------------
+
+    def get_visuals(self) -> list[Shape]:
+        """Return the shapes that cameras see."""
+        return [Shape(item.get_name()) for item in self.get_objects_in_tree(object_type=ObjectType.SHAPE)]
+
+    def _numbers(self, values: Numbers) -> FloatArray:
+        """Return one number per joint, or raise ValueError."""
+        numbers = np.array(values, dtype=float).reshape(-1)
+        if len(numbers) != self._num_joints:
+            raise ValueError(f"'{self.get_name()}' has {self._num_joints} joints, but {len(numbers)} values were given.")
+        return numbers
+
+
+def require_only_one(count: int, name: str) -> None:
+    """Raise UnsupportedCall for a second robot, and where the world's robot is another one."""
+    running = Simulator.current().model.description.name
+    if name.split("_")[0].lower() != running:
+        known = ", ".join(SUPPORTED_ROBOTS)
+        raise UnsupportedCall(
+            f"robot '{name}'",
+            f"the robot of this world is the {running}, and the catalogue has {known}.",
+            "Use `Panda` and `PandaGripper`.",
+        )
+    if count:
+        raise UnsupportedCall(f"robot '{name}' with count={count}", "a world has one robot.", "Use count=0.")
+
+
+robot_component = sys.modules[f"{__name__}.robot_component"] = sys.modules[__name__]

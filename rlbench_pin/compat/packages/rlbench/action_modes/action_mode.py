@@ -9,7 +9,7 @@ import numpy as np
 from rlbench.action_modes.arm_action_modes import ArmActionMode, JointPosition, takes_ignore_collisions
 from rlbench.action_modes.gripper_action_modes import GripperActionMode, GripperJointPosition
 from rlbench_pin.compat.actions import ScenePart
-from rlbench_pin.compat.unwrap import SceneLike
+from rlbench_pin.compat.simulator import SceneLike
 from rlbench_pin.environment.actions.mode import as_action
 from rlbench_pin.robot import DEFAULT_ROBOT, robot_description
 from rlbench_pin.spatial import FloatArray
@@ -85,8 +85,8 @@ class MoveArmThenGripper(ActionMode):
 
     def _split(self, scene: SceneLike, action: Action) -> tuple[FloatArray, FloatArray, bool | None]:
         """Return the arm's numbers, the gripper's, and the flag for collisions, None where there is none."""
-        arm, hand = (int(np.prod(part.action_shape(scene))) for part in (self.arm_action_mode, self.gripper_action_mode))
-        size, count = arm + hand, np.size(np.asarray(action, dtype=object))
+        arm, gripper = (int(np.prod(part.action_shape(scene))) for part in (self.arm_action_mode, self.gripper_action_mode))
+        size, count = arm + gripper, np.size(np.asarray(action, dtype=object))
         with_flag = count == size + 1 and takes_ignore_collisions(self.arm_action_mode)
         values = as_action(action, size + with_flag, type(self).__name__)
         return values[:arm], values[arm:size], bool(values[size]) if with_flag else None
@@ -119,7 +119,7 @@ class JointPositionActionMode(ActionMode):
         return len(robot_description(DEFAULT_ROBOT).arm_joints) + 1
 
     def action_bounds(self) -> tuple[FloatArray, FloatArray]:
-        """Return lowest and highest values: 0.1 rad each way for the joints, the range of a finger for the hand."""
+        """Return lowest and highest values: 0.1 rad each way for the joints, the range of a finger for the gripper."""
         arm = robot_description(DEFAULT_ROBOT)
         high = np.array([DELTA_LIMIT] * len(arm.arm_joints) + [arm.gripper_open])
         return np.append(-high[:-1], 0.0), high

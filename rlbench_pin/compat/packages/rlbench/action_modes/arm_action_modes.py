@@ -19,14 +19,16 @@ from rlbench.const import SUPPORTED_ROBOTS
 from rlbench_pin.compat import actions
 from rlbench_pin.compat.actions import (
     Action,
+    OneStepPart,
     RelativeFrame,
     ScenePart,
     UserMode,
     assert_action_shape,
     calculate_delta_pose,
     pose_in_end_effector_frame,
+    setting,
 )
-from rlbench_pin.compat.unwrap import SceneLike, runtime_of
+from rlbench_pin.compat.simulator import SceneLike, runtime_of
 from rlbench_pin.environment.actions import joint, pose
 from rlbench_pin.environment.actions.mode import FrameChoice, as_frame, assert_unit_quaternion
 from rlbench_pin.observation import Observation
@@ -64,23 +66,7 @@ class ArmActionMode(UserMode):
         robot.arm.set_control_loop_enabled(True)
 
 
-class JointPart(ScenePart, joint.JointMode):
-    """What modes share that command the joints for one step."""
-
-    def action_pre_step(self, scene: SceneLike, action: object) -> None:
-        """Command the joints."""
-        self.pre_step(runtime_of(scene), self.values(scene, action))
-
-    def action_step(self, scene: SceneLike, action: object) -> None:
-        """Step the simulation once."""
-        scene.step()
-
-    def action_post_step(self, scene: SceneLike, action: object) -> None:
-        """Come to rest."""
-        self.post_step(runtime_of(scene), self.values(scene, action))
-
-
-class JointVelocity(JointPart, joint.JointVelocity, ArmActionMode):
+class JointVelocity(OneStepPart, joint.JointVelocity, ArmActionMode):
     """Joint velocities [rad/s] for one step; then the arm stops."""
 
     def set_control_mode(self, robot: Robot) -> None:
@@ -89,23 +75,17 @@ class JointVelocity(JointPart, joint.JointVelocity, ArmActionMode):
         robot.arm.set_motor_locked_at_zero_velocity(True)
 
 
-class JointPosition(JointPart, joint.JointPosition, ArmActionMode):
+class JointPosition(OneStepPart, joint.JointPosition, ArmActionMode):
     """Joint positions [rad], or changes of the measured ones: one step towards them, then hold.
 
     Args:
         absolute_mode: Positions; otherwise changes.
     """
 
-    @property
-    def _absolute_mode(self) -> bool:
-        return self.absolute_mode
-
-    @_absolute_mode.setter
-    def _absolute_mode(self, value: bool) -> None:
-        self.absolute_mode = value
+    _absolute_mode = setting("absolute_mode")
 
 
-class JointTorque(JointPart, joint.JointTorque, ArmActionMode):
+class JointTorque(OneStepPart, joint.JointTorque, ArmActionMode):
     """Joint torques [N m], with gravity, for one step; a positive torque turns a joint the positive way. Then the arm stops."""
 
     def set_control_mode(self, robot: Robot) -> None:
@@ -116,13 +96,7 @@ class JointTorque(JointPart, joint.JointTorque, ArmActionMode):
 class PosePart(ScenePart, pose.PoseMode):
     """What modes share whose numbers begin with a tip pose: their settings by the names that derived classes know."""
 
-    @property
-    def _absolute_mode(self) -> bool:
-        return self.absolute_mode
-
-    @_absolute_mode.setter
-    def _absolute_mode(self, value: bool) -> None:
-        self.absolute_mode = value
+    _absolute_mode = setting("absolute_mode")
 
     @property
     def _frame(self) -> RelativeFrame:
@@ -132,13 +106,7 @@ class PosePart(ScenePart, pose.PoseMode):
     def _frame(self, value: RelativeFrame | str) -> None:
         self.frame = as_frame(cast(FrameChoice, value))
 
-    @property
-    def _collision_checking(self) -> bool:
-        return self.collision_checking
-
-    @_collision_checking.setter
-    def _collision_checking(self, value: bool) -> None:
-        self.collision_checking = value
+    _collision_checking = setting("collision_checking")
 
     def _pose_in_end_effector_frame(self, robot: Robot, action: Action) -> FloatArray:
         """Return the world pose (7,) of a pose that is given in the frame of the tip."""

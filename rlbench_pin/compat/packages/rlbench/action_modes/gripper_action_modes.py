@@ -1,12 +1,12 @@
-"""What the numbers for the hand mean."""
+"""What the numbers for the gripper mean."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from rlbench.backend.exceptions import InvalidActionError
-from rlbench_pin.compat.actions import ScenePart, UserMode, assert_action_shape
-from rlbench_pin.compat.unwrap import SceneLike, runtime_of
+from rlbench_pin.compat.actions import OneStepPart, UserMode, assert_action_shape, setting
+from rlbench_pin.compat.simulator import SceneLike, runtime_of
 from rlbench_pin.environment.actions import gripper as native
 from rlbench_pin.environment.motion import hold_or_release
 from rlbench_pin.environment.runtime import Runtime
@@ -16,11 +16,11 @@ __all__ = ["Discrete", "GripperActionMode", "GripperJointPosition", "InvalidActi
 
 
 class GripperActionMode(UserMode):
-    """Turns numbers into motion of the hand. Derive from it, or from one of the classes below."""
+    """Turns numbers into motion of the gripper. Derive from it, or from one of the classes below."""
 
 
-class HandPart(ScenePart, native.GripperMode):
-    """What modes of the hand share: their settings by the names that derived classes know."""
+class GripperPart(OneStepPart, native.GripperMode):
+    """What modes of the gripper share: their settings by the names that derived classes know."""
 
     @property
     def _attach_grasped_objects(self) -> bool:
@@ -30,20 +30,18 @@ class HandPart(ScenePart, native.GripperMode):
     def _attach_grasped_objects(self, value: bool) -> None:
         self.attach_grasped_objects = value
 
-    @property
-    def _detach_before_open(self) -> bool:
-        return self.detach_before_open
+    _detach_before_open = setting("detach_before_open")
 
-    @_detach_before_open.setter
-    def _detach_before_open(self, value: bool) -> None:
-        self.detach_before_open = value
+    def action_shape(self, scene: SceneLike | None = None) -> tuple[int]:
+        """Return the shape of an action, (1,)."""
+        return (1,)
 
 
-class Discrete(HandPart, native.Discrete, GripperActionMode):
-    """One number, any finite one: above 0.5 opens the hand, otherwise closes it. Does nothing when the hand is already as asked.
+class Discrete(GripperPart, native.Discrete, GripperActionMode):
+    """One number, any finite one: above 0.5 opens the gripper, otherwise closes it; nothing happens when it is so already.
 
     Args:
-        attach_grasped_objects: Fix graspable objects between the fingers to the hand; None leaves it to the environment.
+        attach_grasped_objects: Fix graspable objects between the fingers to the gripper; None leaves it to the environment.
         detach_before_open: Let go before the fingers open; otherwise after.
     """
 
@@ -70,26 +68,18 @@ class Discrete(HandPart, native.Discrete, GripperActionMode):
         ):
             runtime.gripper.set_target(goal, runtime.description.finger_speed)
 
-    def action_step(self, scene: SceneLike, action: object) -> None:
-        """Step the simulation once."""
-        scene.step()
-
     def action_post_step(self, scene: SceneLike, action: object) -> None:
-        """Let go, or fix to the hand what stopped the fingers."""
+        """Let go, or fix to the gripper what stopped the fingers."""
         runtime, wants_open = runtime_of(scene), bool(self.values(scene, action)[0] > 0.5)
         stands = not runtime.gripper.moving
         hold_or_release(runtime, release=wants_open, attach=self.attaches(runtime) and stands)
 
-    def action_shape(self, scene: SceneLike | None = None) -> tuple[int]:
-        """Return the shape of an action, (1,)."""
-        return (1,)
 
-
-class GripperJointPosition(HandPart, native.GripperJointPosition, GripperActionMode):
+class GripperJointPosition(GripperPart, native.GripperJointPosition, GripperActionMode):
     """One number: the position of both fingers [m], or its change, for one step; then the fingers hold.
 
     Args:
-        attach_grasped_objects: Fix graspable objects to the hand once the fingers can close no further; None leaves it to the
+        attach_grasped_objects: Fix graspable objects to the gripper once the fingers can close no further; None leaves it to the
             environment.
         detach_before_open: Let go before the fingers open; otherwise after.
         absolute_mode: A position; otherwise a difference to the measured one.
@@ -97,19 +87,7 @@ class GripperJointPosition(HandPart, native.GripperJointPosition, GripperActionM
 
     def action_pre_step(self, scene: SceneLike, action: object) -> None:
         """Command the fingers."""
+        super().action_pre_step(scene, action)
         runtime = runtime_of(scene)
-        self.pre_step(runtime, self.values(scene, action))
         if runtime.robot.mode == "torque":
             runtime.hold()
-
-    def action_step(self, scene: SceneLike, action: object) -> None:
-        """Step the simulation once."""
-        scene.step()
-
-    def action_post_step(self, scene: SceneLike, action: object) -> None:
-        """Attach what stopped the fingers, or let go; then hold."""
-        self.post_step(runtime_of(scene), self.values(scene, action))
-
-    def action_shape(self, scene: SceneLike | None = None) -> tuple[int]:
-        """Return the shape of an action, (1,)."""
-        return (1,)

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from pyrep.objects import ProximitySensor
 from pyrep.objects.joint import Joint
 from pyrep.objects.object import Object
-from pyrep.objects.proximity_sensor import ProximitySensor
 from pyrep.objects.shape import Shape
-from pyrep.robots.end_effectors.gripper import Gripper
+from pyrep.robots.end_effectors import Gripper
 from rlbench_pin import tasks
-from rlbench_pin.compat.tasks.memory import Remembered
+from rlbench_pin.compat.task_memory import Remembered
 from rlbench_pin.spatial import FloatArray
 
 MAX_STRIKES = 3
@@ -115,25 +115,25 @@ class DetectedSeveralCondition(Condition):
 
 
 class NothingGrasped(Condition):
-    """Met while the hand holds nothing."""
+    """Met while the gripper holds nothing."""
 
     def __init__(self, gripper: Gripper) -> None:
         self.gripper = gripper
 
     def condition_met(self) -> Answer:
-        """Return whether nothing is attached to the hand now."""
+        """Return whether nothing is attached to the gripper now."""
         met = len(self.gripper.get_grasped_objects()) == 0
         return met, met
 
 
 class GraspedCondition(Condition):
-    """Met while an object is attached to the hand."""
+    """Met while an object is attached to the gripper."""
 
     def __init__(self, gripper: Gripper, object: Object) -> None:
         self.gripper, self.object = gripper, object
 
     def condition_met(self) -> Answer:
-        """Return whether the object is attached to the hand now."""
+        """Return whether the object is attached to the gripper now."""
         handle = self.object.get_handle()
         met = any(held.get_handle() == handle for held in self.gripper.get_grasped_objects())
         return met, met

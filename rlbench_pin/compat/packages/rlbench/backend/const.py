@@ -25,7 +25,7 @@ FRONT_DEPTH_FOLDER = "front_depth"
 FRONT_MASK_FOLDER = "front_mask"
 
 IMAGE_FORMAT = "%d.png"
-"""Number of the frame -> name of its picture."""
+"""Number of the frame -> name of its image."""
 DEPTH_SCALE = DEPTH_STEPS
 """Depth 0..1 is stored in so many steps."""
 

@@ -2,20 +2,6 @@
 
 from __future__ import annotations
 
-from rlbench_pin.errors import (
-    BoundaryError,
-    DemoError,
-    InvalidActionError,
-    NoWaypointsError,
-    TaskEnvironmentError,
-    WaypointError,
-)
+from rlbench_pin.errors import BoundaryError, DemoError, InvalidActionError, NoWaypointsError, TaskEnvironmentError, WaypointError
 
-__all__ = [
-    "BoundaryError",
-    "DemoError",
-    "InvalidActionError",
-    "NoWaypointsError",
-    "TaskEnvironmentError",
-    "WaypointError",
-]
+__all__ = ["BoundaryError", "DemoError", "InvalidActionError", "NoWaypointsError", "TaskEnvironmentError", "WaypointError"]

@@ -1,17 +1,17 @@
-"""An arm with a hand."""
+"""An arm with a gripper."""
 
 from __future__ import annotations
 
-from pyrep.robots.arms.arm import Arm
-from pyrep.robots.end_effectors.gripper import Gripper
+from pyrep.robots.arms import Arm
+from pyrep.robots.end_effectors import Gripper
 
 
 class Robot:
-    """An arm and the hand that it carries.
+    """An arm and the gripper that it carries.
 
     Args:
         arm: The arm.
-        gripper: The hand.
+        gripper: The gripper.
     """
 
     def __init__(self, arm: Arm, gripper: Gripper) -> None:

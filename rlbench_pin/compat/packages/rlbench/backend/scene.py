@@ -2,35 +2,71 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from pyrep.const import ObjectType
+from pyrep.objects import Dummy, Shape, VisionSensor
 from pyrep.pyrep import PyRep
 from rlbench.backend.exceptions import BoundaryError, DemoError, NoWaypointsError, WaypointError
 from rlbench.backend.observation import Observation
 from rlbench.backend.robot import Robot
+from rlbench.backend.spawn_boundary import Workspace
 from rlbench.backend.task import Task
 from rlbench.demo import Demo
 from rlbench.observation_config import ObservationConfig
-from rlbench_pin.compat.scenes import frames as made_frames
-from rlbench_pin.compat.scenes.parts import SceneParts
-from rlbench_pin.compat.scenes.runtime import SceneRuntime
-from rlbench_pin.compat.scenes.starts import Starts
-from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.compat.objects.elements import CAMERA_NAMES, MASK_SUFFIX
+from rlbench_pin.compat.simulator import SceneRuntime, Simulator
 from rlbench_pin.environment import demos
 from rlbench_pin.environment.episode import EpisodeOrigin, EpisodeRandom
 from rlbench_pin.environment.reset import SETTLE_TICKS, start_episode
-from rlbench_pin.environment.runtime import EmptyTable
+from rlbench_pin.environment.runtime import TIP_WORKSPACE, EmptyTable
 from rlbench_pin.errors import NotReset, ResetError, TaskEnvironmentError
 from rlbench_pin.tasks import Task as NativeTask
 
 STEPS_BEFORE_EPISODE_START = SETTLE_TICKS
 """Control ticks that a placed task comes to rest in."""
 
+SEEDS = 2**31
+"""Seeds are drawn below this."""
+_WORD = 32  # [bit]
 
-class Scene(SceneParts):
+
+class EpisodeSeeds:
+    """Draws seeds, and knows the seeds of demonstrations again.
+
+    A program may seed the global generator as a demonstration says (`demo.restore_state()`), then reset, and expects the start of
+    that demonstration. So a generator that was just seeded with the seed of a remembered demonstration gives its start.
+    """
+
+    def __init__(self) -> None:
+        self._known: dict[bytes, tuple[int, int]] = {}
+
+    def remember(self, demo: Demo) -> None:
+        """Know the seed of a demonstration again; one without a seed is left out."""
+        seed = demo.random_seed
+        if isinstance(seed, int | np.integer) and seed >= 0:
+            words = np.array([int(seed) >> shift & 0xFFFFFFFF for shift in range(0, max(int(seed).bit_length(), 1), _WORD)])
+            fresh = np.random.RandomState(int(seed) if len(words) == 1 else words)
+            self._known[_fingerprint(fresh.get_state())] = int(seed), demo.attempt
+
+    def draw(self) -> tuple[int, int]:
+        """Return the seed of an episode and which try of it."""
+        known = self._known.get(_fingerprint(np.random.get_state())) if self._known else None
+        seed = int(np.random.randint(SEEDS))
+        return (seed, 0) if known is None else known
+
+
+def _fingerprint(state: Any) -> bytes:
+    """Return what tells states of a generator apart."""
+    keys, position = state[1], int(state[2])
+    return position.to_bytes(2, "big") + np.asarray(keys).tobytes()
+
+
+class Scene:
     """World, task and robot together.
 
     What the package itself steps and observes goes through `step`, `get_observation` and `check_target_in_workspace` of this
@@ -52,19 +88,27 @@ class Scene(SceneParts):
     def __init__(
         self, pyrep: PyRep, robot: Robot, obs_config: ObservationConfig | None = None, robot_setup: str = "panda"
     ) -> None:
-        super().__init__()
+        self._step_callback: Callable[[], None] | None = None
+        low, high = TIP_WORKSPACE.tolist()
+        self._workspace_minx, self._workspace_miny, self._workspace_minz = low
+        self._workspace_maxx, self._workspace_maxy, self._workspace_maxz = high
         self.pyrep, self.robot, self.robot_setup = pyrep, robot, robot_setup
         self.task: Any = None
         self._obs_config = ObservationConfig() if obs_config is None else obs_config
         self._observed: dict[str, Any] | None = None
         self._frame: Observation | None = None
         self._next_demo: Demo | None = None
-        self._starts = Starts()
+        self._seeds = EpisodeSeeds()
         self._forget_task()
         self._runtime = self._build(EmptyTable)
         self._start_arm_joint_pos = self._runtime.robot.joint_positions.tolist()
         self._starting_gripper_joint_pos = self._runtime.robot.fingers.tolist()
         self._initial_robot_state = (robot.arm.get_configuration_tree(), robot.gripper.get_configuration_tree())
+        for (
+            name
+        ) in CAMERA_NAMES:  # `_cam_front`, `_cam_front_mask`, ... are read by programs, as is what begins so in other places
+            setattr(self, f"_{name}", VisionSensor(name))
+            setattr(self, f"_{name}{MASK_SUFFIX}", VisionSensor(name + MASK_SUFFIX))
         self._set_camera_properties()
 
     def _forget_task(self) -> None:
@@ -82,13 +126,54 @@ class Scene(SceneParts):
         return runtime
 
     def _set_camera_properties(self) -> None:
-        """Check that the cameras can be served; pictures follow the settings at every observation."""
+        """Check that the cameras can be served; images follow the settings at every observation."""
         self._obs_config.check()
 
     @property
     def runtime(self) -> SceneRuntime:
         """World, task and planner together, as the package itself uses them."""
         return self._runtime
+
+    # Workspace and callbacks ----------------------------------------------------------------------------------------
+
+    def prepare(self) -> None:
+        """Put the arm where `_start_arm_joint_pos` says, when a program says another posture than that of the robot file."""
+        if not np.array_equal(self._start_arm_joint_pos, self.robot.arm.get_joint_positions()):
+            self.robot.arm.set_joint_positions(self._start_arm_joint_pos, disable_dynamics=True)
+
+    def check_target_in_workspace(self, pos: Sequence[float] | np.ndarray) -> bool:
+        """Whether a target (3,) [m] is strictly inside the workspace."""
+        x, y, z = (float(value) for value in pos)
+        return bool(
+            self._workspace_minx < x < self._workspace_maxx
+            and self._workspace_miny < y < self._workspace_maxy
+            and self._workspace_minz < z < self._workspace_maxz
+        )
+
+    def register_step_callback(self, func: Callable[[], None] | None) -> None:
+        """Call `func` after every control tick, in place of what was registered before; None calls nothing."""
+        self._step_callback = func
+
+    def _after_step(self) -> None:
+        if self._step_callback is not None:
+            self._step_callback()
+
+    @cached_property
+    def _workspace(self) -> Shape:
+        return Shape("workspace")
+
+    @cached_property
+    def _workspace_boundary(self) -> Workspace:
+        return Workspace(self._workspace)
+
+    @cached_property
+    def target_workspace_check(self) -> Dummy:
+        """A dummy that programs move to targets."""
+        return Dummy.create()
+
+    @cached_property
+    def _robot_shapes(self) -> list[Any]:
+        return list(self.robot.arm.get_objects_in_tree(object_type=ObjectType.SHAPE))
 
     # Tasks ----------------------------------------------------------------------------------------------------------
 
@@ -135,7 +220,7 @@ class Scene(SceneParts):
         if not self._has_init_task:
             self.init_task()
         demo, self._next_demo = self._next_demo, None
-        seed, attempt = self._starts.draw()
+        seed, attempt = self._seeds.draw()
         if demo is not None:
             seed, attempt = demos.check_start(demo, self.task.get_name()), demo.attempt
         random = EpisodeRandom.from_seed(seed, attempt)
@@ -162,7 +247,7 @@ class Scene(SceneParts):
 
     def remember_start(self, demo: Demo) -> None:
         """Let an episode start as `demo` did when numpy's global generator was just seeded with the demonstration's seed."""
-        self._starts.remember(demo)
+        self._seeds.remember(demo)
 
     @property
     def descriptions(self) -> list[str]:
@@ -178,7 +263,10 @@ class Scene(SceneParts):
     def sign(self, demo: Demo) -> None:
         """Tell a demonstration that a program made of bare observations how its episode began."""
         if self._origin is not None and demo.random_seed is None:
-            made_frames.sign(demo, self._origin, self.task.get_name(), self._variation_index)
+            origin = self._origin
+            demo.random_seed, demo.attempt, demo.num_reset_attempts = origin.seed, origin.attempt, origin.reset_attempts
+            demo.instructions, demo.task_name = origin.instructions, self.task.get_name()
+            demo.variation_number = self._variation_index
             self.remember_start(demo)
 
     def _before_episode(self) -> None:
@@ -277,7 +365,18 @@ class Scene(SceneParts):
         if outcome.demo is None:
             raise DemoError(f"Task '{task.get_name()}' was not demonstrated: {outcome.cause}", task)
         self.remember_start(outcome.demo)
-        return made_frames.with_frames(outcome.demo, frames)
+        demo = outcome.demo
+        return Demo(
+            frames,
+            random_seed=demo.random_seed,
+            num_reset_attempts=demo.num_reset_attempts,
+            variation_number=demo.variation_number,
+            instructions=demo.instructions,
+            state=demo.state,
+            versions=demo.versions,
+            attempt=demo.attempt,
+            task_name=demo.task_name,
+        )
 
     def _keep_frame(
         self, frame: Observation, frames: list[Observation], record: bool, func: Callable[[Observation], None] | None

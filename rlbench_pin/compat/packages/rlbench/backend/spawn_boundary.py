@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 import numpy as np
 
 from pyrep.objects.object import Object
 from pyrep.objects.shape import Shape
+from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.errors import BoundaryError, TaskError
 from rlbench_pin.spatial import FloatArray, pose_at
 from rlbench_pin.tasks.boxes import OrientedBox, rotated
+from rlbench_pin.tasks.placement import footprint
 
 MAX_SAMPLES = 100
 """Places that are tried for one object."""
@@ -194,7 +197,7 @@ class SpawnBoundary:
         Raises:
             BoundaryError: No place was found in `MAX_SAMPLES` tries.
         """
-        others = [thing for boundary in self._boundaries for thing in boundary.contained_objects]
+        others = [item for boundary in self._boundaries for item in boundary.contained_objects]
         answers = []
         for _ in range(self.MAX_SAMPLES):
             answers.append(self._choose().add(obj, ignore_collisions, min_rotation, max_rotation, min_distance, others))
@@ -221,3 +224,63 @@ def bounding_box(obj: Object) -> BoundingBox:
         return BoundingBox(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     bounds = obj.get_model_bounding_box() if obj.is_model() else obj.get_bounding_box()
     return BoundingBox(*(float(bound) for bound in bounds))
+
+
+class WorkspaceArea(BoundaryObject):
+    """The plane itself. Of an object that is placed, only its footprint has to fit.
+
+    Places are drawn just as the native placement draws them, so one seed gives one place with both.
+
+    Attributes:
+        rng: What places are drawn from; None is numpy's global generator.
+    """
+
+    rng: np.random.Generator | None = None
+
+    def _box(self, obj: Object) -> BoundingBox:
+        world, element = Simulator.current().runtime.world, obj.element
+        name = element.name.partition("/")[0]
+        if element.kind == "root" or world.spec.placement.footprint is not None:
+            low, high = footprint(world)
+        elif name in world.bodies:
+            low, high = world.bodies[name].bounds()
+        else:
+            high = 0.5 * np.asarray(getattr(world.frames.get(name), "size", np.zeros(3)), dtype=float)
+            low = -high
+        return BoundingBox(float(low[0]), float(high[0]), float(low[1]), float(high[1]), 0.0, 0.0)
+
+    def draw(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Return numbers (n,), each drawn between its bounds from `rng`."""
+        return super().draw(low, high) if self.rng is None else self.rng.uniform(low, high)
+
+    def _get_position_within_boundary(self, obj: Object, obj_bbox: BoundingBox) -> list[float]:
+        """Draw a place for an object, [x, y, z] in the frame of the plane [m]; the middle when it does not fit."""
+        low = (self._boundary_bbox.corners[0] - obj_bbox.corners[0])[:2]
+        high = (self._boundary_bbox.corners[1] - obj_bbox.corners[1])[:2]
+        x, y = self.draw(low, high) if np.all(low <= high) else (low + high) / 2.0
+        return [float(x), float(y), float(obj.get_position(relative_to=self._boundary)[2])]
+
+
+class Workspace(SpawnBoundary):
+    """The boundary that every placement of a task goes through.
+
+    Args:
+        plane: The workspace of the scene.
+    """
+
+    def __init__(self, plane: Shape) -> None:
+        super().__init__([plane])
+        self._area = WorkspaceArea(plane)
+        self._boundaries = [self._area]
+
+    def _choose(self) -> BoundaryObject:
+        return self._boundaries[0]
+
+    @contextmanager
+    def drawing_from(self, rng: np.random.Generator | None) -> Iterator[None]:
+        """Draw from `rng` meanwhile; None is numpy's global generator."""
+        before, self._area.rng = self._area.rng, rng
+        try:
+            yield
+        finally:
+            self._area.rng = before

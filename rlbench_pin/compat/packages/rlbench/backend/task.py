@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from numbers import Number
 from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import numpy as np
 
-from pyrep.objects.dummy import Dummy
-from pyrep.objects.object import Object
+from pyrep.objects import Dummy
+from pyrep.objects.object import Object, view_of
 from pyrep.objects.shape import Shape
 from rlbench.backend.conditions import Condition, NativeCondition, condition_of
 from rlbench.backend.waypoints import Waypoint, waypoint_of
+from rlbench_pin.compat.known_tasks import check_present, library_task
+from rlbench_pin.compat.objects import Element
+from rlbench_pin.compat.paper_tasks import PaperTask, adapter_of
 from rlbench_pin.compat.simulator import Simulator
-from rlbench_pin.compat.tasks.belongings import belonging
-from rlbench_pin.compat.tasks.library import check_present, library_task
-from rlbench_pin.compat.tasks.paper import PaperTask, adapter_of
-from rlbench_pin.compat.tasks.tree import TreeState, restore_tree, save_tree, thing_name
 from rlbench_pin.environment import ObservationConfig
 from rlbench_pin.environment.waypoint_planning import check_feasible
-from rlbench_pin.errors import TaskError
+from rlbench_pin.errors import RlbenchPinError, TaskError
 from rlbench_pin.observation import Observation
+from rlbench_pin.sim import Body, Frame, ObjectJoint
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import LIBRARY
 from rlbench_pin.tasks import Task as NativeTask
@@ -34,6 +36,22 @@ TASKS_PATH = str(LIBRARY)
 """Folder whose `.py` files are the tasks of the library."""
 
 
+@dataclass(frozen=True, eq=False)
+class TreeState:
+    """Where the objects of a task are."""
+
+    bodies: dict[str, tuple[FloatArray, FloatArray]]
+    """Name -> pose (7,) and velocity (6,)."""
+    joints: dict[str, tuple[float, float]]
+    """Name -> value and speed."""
+    frames: dict[str, tuple[str, FloatArray]]
+    """Name -> parent and pose (7,) in the frame of the parent."""
+
+
+class TreeChanged(RlbenchPinError, RuntimeError):
+    """The task has other objects than it had."""
+
+
 class Task:
     """A task: override `init_task`, `init_episode` and `variation_count`; the rest is optional.
 
@@ -42,7 +60,7 @@ class Task:
 
     Args:
         pyrep: The simulator.
-        robot: Arm and hand.
+        robot: Arm and gripper.
         name: Name of the task; by default that of the class in snake case.
     """
 
@@ -57,7 +75,7 @@ class Task:
         self._native: NativeTask | None = None
 
     def __getattr__(self, name: str) -> Any:
-        """Return a thing that a loaded task of the library keeps, such as `target` of `reach_target`, as an object.
+        """Return an object that a loaded task of the library keeps, such as `target` of `reach_target`, as an object.
 
         A task of a program's own may keep what it likes under the same names.
 
@@ -70,7 +88,7 @@ class Task:
         if native is not None and name == "_graspable_objects":
             return self.get_graspable_objects()
         try:
-            return belonging(native, name)
+            return _attribute_of(native, name)
         except AttributeError:
             raise AttributeError(f"'{type(self).__name__}' object has no attribute '{name}'", name=name, obj=self) from None
 
@@ -106,7 +124,7 @@ class Task:
     # To override ------------------------------------------------------------------------------------------------------
 
     def init_task(self) -> None:
-        """Look things up and register what never changes; called once."""
+        """Look objects up and register what never changes; called once."""
         if not self.library_name:
             raise NotImplementedError(f"Task '{self.name}' must define init_task(self).")
         type(self).native_origin().init_task(self.native)
@@ -185,8 +203,8 @@ class Task:
         self.native.register_fail_conditions([NativeCondition(c) for c in condition])
 
     def register_graspable_objects(self, objects: Iterable[Object]) -> None:
-        """Allow the hand to hold these objects."""
-        self.native.register_graspable_objects([thing_name(thing) for thing in objects])
+        """Allow the gripper to hold these objects."""
+        self.native.register_graspable_objects([_world_name(item) for item in objects])
 
     def register_waypoint_ability_start(self, waypoint_index: int, func: Callable[[Waypoint], Any]) -> None:
         """Call `func(waypoint)` before the path to a waypoint is planned."""
@@ -223,7 +241,7 @@ class Task:
         return self.native.should_repeat_waypoints()
 
     def get_graspable_objects(self) -> list[Object]:
-        """Return the objects that the hand may hold."""
+        """Return the objects that the gripper may hold."""
         return [Shape(name) for name in self.native.get_graspable_objects()]
 
     def success(self) -> tuple[bool, bool]:
@@ -239,15 +257,33 @@ class Task:
 
     def get_state(self) -> TreeState:
         """Return where the objects of the task are."""
-        return save_tree(self.native.world)
+        world = self.native.world
+        bodies = {name: (body.pose, body.velocity) for name, body in world.bodies.items()}
+        joints = {joint.name: joint.state() for body in world.bodies.values() for joint in body.joints.values()}
+        return TreeState(bodies, joints, {name: frame.state() for name, frame in world.frames.items()})
 
     def restore_state(self, state: TreeState) -> None:
-        """Put the objects of the task back.
+        """Put the objects of the task back; the arm stays.
 
         Raises:
-            RuntimeError: The task has other objects than it had.
+            TreeChanged: The task has other objects than it had (also a RuntimeError).
         """
-        restore_tree(self.native.world, state)
+        world = self.native.world
+        if set(world.bodies) != set(state.bodies):
+            changed = ", ".join(sorted(set(world.bodies) ^ set(state.bodies)))
+            raise TreeChanged(
+                f"The task had {len(state.bodies)} objects and has {len(world.bodies)} now (other: {changed}). "
+                "Remove what was created, then restore."
+            )
+        for name, (parent, local) in state.frames.items():
+            world.frame(name).set_state(parent, local)
+        for name, (pose, velocity) in state.bodies.items():
+            body = world.body(name)
+            body.place(pose)
+            if not body.fixed:
+                body.set_velocity(velocity)
+        for name, (position, speed) in state.joints.items():
+            world.joint(name).set_state(position, speed)
 
     def cleanup_(self) -> None:
         """Clean up after an episode, if one was begun."""
@@ -272,3 +308,40 @@ class Task:
         simulator = Simulator.running
         if native is not None and simulator is not None and simulator.runtime.task is native:
             simulator.unload()
+
+
+def _world_name(item: Any) -> str:
+    """Return what the world calls an object of the scene: a view, or the name itself; for a part the object that it is of."""
+    return (item if isinstance(item, str) else str(item.element.name)).partition("/")[0]
+
+
+PLAIN_VALUES = (str, bytes, Number, np.ndarray, np.generic)
+"""Values that are handed over as they are."""
+
+
+def _attribute_of(native: object | None, name: str) -> Any:
+    """Return what a native task keeps as attribute `name`: an object of its scene as a view, a plain value as it is.
+
+    Args:
+        native: The task, or None when it is not loaded.
+        name: A public name; lists and tuples of objects are possible, too.
+
+    Raises:
+        AttributeError: It keeps nothing of that name that a program could use.
+    """
+    kept = {} if native is None or name.startswith("_") else vars(native)
+    if name not in kept:
+        raise AttributeError(name)
+    return _view(kept[name], name)
+
+
+def _view(value: Any, name: str) -> Any:
+    if isinstance(value, list | tuple):
+        return [_view(item, name) for item in value]
+    if isinstance(value, Body | ObjectJoint | Frame):
+        return view_of(
+            Element("body" if isinstance(value, Body) else "joint" if isinstance(value, ObjectJoint) else "frame", value.name)
+        )
+    if isinstance(value, PLAIN_VALUES):
+        return value
+    raise AttributeError(name)

@@ -1,6 +1,6 @@
-"""Numbers as pictures and back, masks by handle, and task classes by name.
+"""Numbers as images and back, masks by handle, and task classes by name.
 
-A picture of numbers has 24 bits: the number times a scale, spread over red, green and blue, red the most significant.
+An image of numbers has 24 bits: the number times a scale, spread over red, green and blue, red the most significant.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from rlbench_pin.errors import CameraError
 from rlbench_pin.tasks.registry import camel_case
 
 DEFAULT_RGB_SCALE_FACTOR = 256000.0
-"""Steps of a number 1.0 in a colour picture, unless another scale is given."""
+"""Steps of a number 1.0 in a colour image, unless another scale is given."""
 DEFAULT_GRAY_SCALE_FACTOR = {np.uint8: 100.0, np.uint16: 1000.0, np.int32: DEFAULT_RGB_SCALE_FACTOR}
-"""The same for pictures of one channel, by the type of their numbers."""
+"""The same for images of one channel, by the type of their numbers."""
 _HIGHEST = 2**24 - 1
 _GRAY_MODES = {np.dtype(np.uint8): np.uint8, np.dtype(np.uint16): np.uint16, np.dtype(np.int32): np.int32}
 
@@ -38,9 +38,9 @@ def ClipFloatValues(float_array: np.ndarray, min_value: float, max_value: float)
 def float_array_to_rgb_image(
     float_array: np.ndarray, scale_factor: float | None = DEFAULT_RGB_SCALE_FACTOR, drop_blue: bool = False
 ) -> Image.Image:
-    """Spread numbers (h, w) over the 24 bits of a colour picture; what does not fit is clipped.
+    """Spread numbers (h, w) over the 24 bits of a colour image; what does not fit is clipped.
 
-    With `scale_factor=rlbench.backend.const.DEPTH_SCALE`, depth 0..1 becomes the very picture that stored demonstrations hold.
+    With `scale_factor=rlbench.backend.const.DEPTH_SCALE`, depth 0..1 becomes the very image that stored demonstrations hold.
 
     Args:
         float_array: The numbers, shape (h, w), not negative.
@@ -57,19 +57,19 @@ def float_array_to_rgb_image(
 def float_array_to_grayscale_image(
     float_array: np.ndarray, scale_factor: float | None = None, image_dtype: type = np.uint8
 ) -> Image.Image:
-    """Turn numbers (h, w) into a picture of one channel; what does not fit is clipped.
+    """Turn numbers (h, w) into an image of one channel; what does not fit is clipped.
 
     Args:
         float_array: The numbers, shape (h, w), not negative.
         scale_factor: Steps of a number 1.0; by default 100 for uint8, 1000 for uint16, 256000 for int32.
-        image_dtype: Type of the picture's numbers, one of these three.
+        image_dtype: Type of the image's numbers, one of these three.
 
     Raises:
         CameraError: Another type was asked for.
     """
     kind = _GRAY_MODES.get(np.dtype(image_dtype))
     if kind is None:
-        raise CameraError(f"A picture of one channel holds uint8, uint16 or int32, not {image_dtype}.")
+        raise CameraError(f"An image of one channel holds uint8, uint16 or int32, not {image_dtype}.")
     scale = DEFAULT_GRAY_SCALE_FACTOR[kind] if scale_factor is None else scale_factor
     highest = float(np.iinfo(str(np.dtype(kind))).max)
     steps = np.rint(ClipFloatValues(_plane(float_array).astype(np.float64) * scale, 0.0, highest))
@@ -77,10 +77,10 @@ def float_array_to_grayscale_image(
 
 
 def image_to_float_array(image: Image.Image | np.ndarray, scale_factor: float | None = None) -> np.ndarray:
-    """Return the numbers (h, w), float32, that a picture of one of the two kinds was made from.
+    """Return the numbers (h, w), float32, that an image of one of the two kinds was made from.
 
     Args:
-        image: The picture, or its bytes (h, w, 3) or (h, w).
+        image: The image, or its bytes (h, w, 3) or (h, w).
         scale_factor: What it was made with; None is the default of its kind.
 
     Raises:
@@ -95,7 +95,7 @@ def image_to_float_array(image: Image.Image | np.ndarray, scale_factor: float | 
         array = array[..., 0]
     kind = _GRAY_MODES.get(array.dtype)
     if array.ndim != 2 or kind is None:
-        raise CameraError(f"A picture of numbers has one or three channels of whole numbers, not {array.shape} {array.dtype}.")
+        raise CameraError(f"An image of numbers has one or three channels of whole numbers, not {array.shape} {array.dtype}.")
     scale = DEFAULT_GRAY_SCALE_FACTOR[kind] if scale_factor is None else scale_factor
     return np.asarray(array / scale, dtype=np.float32)
 
@@ -105,7 +105,7 @@ def _plane(float_array: np.ndarray) -> np.ndarray:
     if array.ndim == 3 and array.shape[2] == 1:
         array = array[..., 0]
     if array.ndim != 2:
-        raise CameraError(f"Numbers that become a picture have shape (h, w), not {array.shape}.")
+        raise CameraError(f"Numbers that become an image have shape (h, w), not {array.shape}.")
     return array
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from pyrep.errors import ConfigurationPathError
 from pyrep.objects.cartesian_path import CartesianPath
 from pyrep.objects.object import Object
-from pyrep.robots.configuration_paths.arm_configuration_path import ArmConfigurationPath
+from pyrep.robots.configuration_paths import ArmConfigurationPath
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment.waypoint_planning import WaypointPlanner, grasp_groups, rotated
 from rlbench_pin.errors import PlanningError, WaypointError
@@ -28,7 +28,7 @@ class Waypoint:
 
     Args:
         waypoint: Object that marks the place.
-        robot: Arm and hand.
+        robot: Arm and gripper.
         ignore_collisions: Plan without looking at collisions.
         start_of_path_func: Called with the waypoint before its path is planned.
         end_of_path_func: Called with the waypoint when it was reached.
@@ -65,7 +65,7 @@ class Waypoint:
     def get_path(self, ignore_collisions: bool = False) -> ArmConfigurationPath:
         """Return a path of the arm from where it is to the waypoint, planned as in demonstrations.
 
-        A hand that may arrive turned takes the turn with which the waypoints that follow can be reached as well.
+        A gripper that may arrive turned takes the turn with which the waypoints that follow can be reached as well.
 
         Args:
             ignore_collisions: Plan as if nothing could be touched, whatever the waypoint says.
@@ -88,7 +88,7 @@ class Waypoint:
         return ArmConfigurationPath(self._robot.arm, plan.path.flatten())
 
     def _asked_path(self, ignore_collisions: bool, turn: float = 0.0) -> ArmConfigurationPath:
-        """Ask the arm for a path to the object, with the hand turned about its z [rad]."""
+        """Ask the arm for a path to the object, with the gripper turned about its z [rad]."""
         raise NotImplementedError(f"{type(self).__name__} must define get_path(self, ignore_collisions).")
 
     def get_ext(self) -> str:
@@ -149,7 +149,7 @@ def _extension(waypoint: Object, native: NativeWaypoint | None) -> str:
 
 
 def _rest_of_run(native: NativeWaypoint, task: NativeTask) -> list[NativeWaypoint]:
-    """Return a waypoint and those after it that share the turn of the hand with it."""
+    """Return a waypoint and those after it that share the turn of the gripper with it."""
     for run in grasp_groups([w for w in task.get_waypoints() if w is native or not w.skip]):
         if native in run:
             return run[run.index(native) :]

@@ -1,0 +1,579 @@
+"""Recipes of the classical baseline: what to do about an instruction, in skills and known models."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from rlbench_pin.baselines.classical.skills import (
+    DOWN,
+    PAD,
+    Hand,
+    Moves,
+    NothingFound,
+    all_down,
+    arc,
+    both_ways,
+    down,
+    pick,
+    place,
+    placed,
+    pointing,
+    press,
+    pull,
+    sloping,
+    sweep,
+    touch,
+)
+from rlbench_pin.baselines.perception import (
+    PALETTE,
+    Axis,
+    Cloud,
+    KnownModel,
+    Located,
+    clusters,
+    distances,
+    lit_color,
+    locate,
+    rectangle,
+)
+from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray
+
+
+@dataclass(frozen=True)
+class Instruction:
+    """One sentence, taken apart."""
+
+    words: tuple[str, ...]
+    """In lower case, in their order."""
+
+    @classmethod
+    def read(cls, sentence: str) -> Instruction:
+        """Take a sentence apart."""
+        return cls(tuple(re.findall(r"[a-z0-9]+", sentence.lower())))
+
+    @property
+    def colors(self) -> tuple[str, ...]:
+        """The colour words, in their order, each once."""
+        return tuple(dict.fromkeys(word for word in self.words if word in PALETTE))
+
+    def has(self, phrase: str) -> bool:
+        """Say whether a word, or several that follow each other, occurs; `a|b` means either."""
+        text = f" {' '.join(self.words)} "
+        return any(f" {choice} " in text for choice in phrase.split("|"))
+
+    def one_of(self, words: tuple[str, ...]) -> str | None:
+        """Return the first of some words that occurs; None when none does."""
+        return next((word for word in self.words if word in words), None)
+
+
+def things(hand: Hand) -> list[Cloud]:
+    """Return what stands apart, the largest first."""
+    found = clusters(hand.look().things)
+    if not found:
+        raise NothingFound("No thing is seen.")
+    return found
+
+
+def everything(hand: Hand) -> Cloud:
+    """Return all that is not table and not arm."""
+    cloud = hand.look().things
+    if len(cloud) == 0:
+        raise NothingFound("No thing is seen.")
+    return cloud
+
+
+def colored(candidates: Sequence[Cloud], name: str) -> Cloud:
+    """Return the thing whose colour is nearest to a word."""
+    if not candidates:
+        raise NothingFound(f"No thing is seen that could be {name}.")
+    return min(candidates, key=lambda cloud: float(distances(lit_color(cloud.colors), name)))
+
+
+def parts_colored(cloud: Cloud, rgb: Sequence[float], within: float = 0.3, least: float = 0.4) -> Cloud:
+    """Return the points whose hue is near to that of a colour (3,), and whose brightness is a share `least` of it."""
+    wanted = np.array(rgb) / max(rgb)
+    brightest = np.maximum(cloud.colors.max(axis=1), 1e-3)
+    near = np.linalg.norm(cloud.colors / brightest[:, None] - wanted, axis=1) < within
+    return cloud.where(near & (brightest > least * max(rgb)))
+
+
+def bottom(cloud: Cloud) -> float:
+    """Return the height of the lowest point over the table [m]."""
+    return float(cloud.points[:, 2].min() - TABLE_HEIGHT)
+
+
+def at(flat: FloatArray, up: float) -> FloatArray:
+    """Return a point (3,) from its x, y (2,) and its height over the table [m]."""
+    return np.array([flat[0], flat[1], TABLE_HEIGHT + up])
+
+
+LEVELS = ("bottom", "middle", "top")
+CLEAR = 0.03
+"""How far before a part the fingers start [m]."""
+
+
+@dataclass(frozen=True)
+class Door:
+    """A part on an upright hinge that is pushed shut."""
+
+    model: str
+    """File of the model."""
+    joint: str
+    """Its hinge."""
+    link: str
+    """The part."""
+    states: tuple[float, ...]
+    """Angles that it may stand at [rad]."""
+    grip: float
+    """Where it is pushed, as a share of its width from the hinge."""
+
+
+@dataclass(frozen=True)
+class Lid:
+    """A part on a level hinge that is folded down."""
+
+    model: str
+    """File of the model."""
+    joint: str
+    """Its hinge."""
+    link: str
+    """The part."""
+    states: tuple[float, ...]
+    """Angles that it may stand at [rad]."""
+    press: float
+    """Height of the tip over the hinge when it is pressed flat [m]."""
+    reach: float
+    """How far from the hinge it is pressed [m]."""
+
+
+MICROWAVE_DOOR = Door("microwave/microwave", "door", "door_link", (0.8, 1.2, 1.6), 0.75)
+FRIDGE_DOOR = Door("fridge/fridge", "upper_door", "upper_link", (0.6, 0.9, 1.3), 0.75)
+LAPTOP = Lid("laptop/laptop", "screen_hinge", "screen", (1.5, 1.9), 0.014, 0.139)
+TOILET = Lid("toilet/toilet", "seat_hinge", "seat", (1.5, 1.8), 0.016, 0.183)
+
+
+def push_drawer(hand: Hand, asked: Instruction) -> Moves:
+    """Push the drawer that is out back into the chest."""
+    level = asked.one_of(LEVELS) or "middle"
+    joint = f"drawer_{level}"
+    chest = locate(KnownModel.named("chest/chest_with_stops"), everything(hand), [{joint: s} for s in (0.05, 0.1, 0.15)])
+    axis, points = world_axis(chest, joint), chest.link_points(f"drawer_{level}_link")
+    front, out = _outermost(points, axis.direction), chest.joints[joint]
+    stations = [front + (CLEAR + PAD) * axis.direction, front + (PAD - out - 0.01) * axis.direction]
+    turns = sloping(-axis.direction, (0.0, 0.3, 0.6, 0.9), (0.0, 0.785, -0.785))
+    paths = [[placed(turn, p) for p in stations] for turn in turns]
+    yield from sweep(hand, paths, 0.1 * axis.direction)
+    yield from hand.shift(0.1 * axis.direction)
+
+
+def pull_drawer(hand: Hand, asked: Instruction) -> Moves:
+    """Grip the handle of a drawer, pull it far out, let go."""
+    level = asked.one_of(LEVELS) or "middle"
+    joint = f"drawer_{level}"
+    chest = locate(KnownModel.named("chest/chest"), everything(hand), [{joint: s} for s in (0.0, 0.05, 0.1)])
+    axis, points = world_axis(chest, joint), chest.link_points(f"drawer_{level}_link")
+    bar = _outermost(points, axis.direction) - 0.006 * axis.direction
+    far = bar + (0.19 - chest.joints[joint]) * axis.direction
+    level_hands = sloping(-axis.direction, (0.0,), (0.0, 0.4, -0.4, 0.785, -0.785))  # from sloping ones the bar slips
+    turns = [turn for turn in level_hands if abs(turn[2, 1]) > 0.9]
+    ways = [[placed(t, bar - 0.1 * t[:, 2]), placed(t, bar), placed(t, far)] for t in turns]
+    yield from pull(hand, hand.choose(ways))
+
+
+def push_door(hand: Hand, door: Door) -> Moves:
+    """Push an open door about its hinge until it is nearly shut."""
+    found = locate(KnownModel.named(door.model), everything(hand), [{door.joint: s} for s in door.states])
+    axis, points = world_axis(found, door.joint), found.link_points(door.link)
+    angle = found.joints[door.joint]
+    point, outwards = _on_leaf(points, axis, door.grip)
+    start = point + (CLEAR + PAD) * outwards
+    angles = -np.linspace(0.0, angle - 0.1, 5)
+    stations = arc(axis, start - CLEAR * outwards, angles)
+    pushing = -arc(Axis(np.zeros(3), axis.direction), outwards, [-0.5 * angle])[0]
+    turns = sloping(pushing, (0.0, 0.5, 1.0, 1.57), (0.0, 0.4, -0.4, 0.785, -0.785))
+    paths = [[placed(turn, p) for p in (start, *stations[1:])] for turn in turns]
+    yield from sweep(hand, paths, 0.08 * outwards)
+    yield from hand.shift(0.1 * outwards)
+
+
+def fold_lid(hand: Hand, lid: Lid) -> Moves:
+    """Tip a raised lid over from behind, and press it flat."""
+    found = locate(KnownModel.named(lid.model), everything(hand), [{lid.joint: s} for s in lid.states])
+    axis, points = world_axis(found, lid.joint), found.link_points(lid.link)
+    angle = found.joints[lid.joint]
+    point, outwards = _on_leaf(points, axis, 0.97)
+    start = point + (CLEAR + PAD) * outwards
+    stations = arc(axis, point + PAD * outwards, -np.linspace(0.0, angle - 0.35, 6))
+    turns = both_ways([pointing(DOWN, axis.direction), pointing(DOWN, outwards - outwards[2] * np.array([0.0, 0.0, 1.0]))])
+    up = np.array([0.0, 0.0, 0.1])
+    yield from sweep(hand, [[placed(t, p) for p in (start, *stations)] for t in turns], up)
+    yield from hand.shift(up)
+    free = np.cross(axis.direction, np.array([0.0, 0.0, 1.0]))
+    flat = axis.origin - lid.reach * free + np.array([0.0, 0.0, lid.press])
+    yield from press(hand, flat, all_down())
+
+
+def world_axis(found: Located, joint: str) -> Axis:
+    """Return a joint of a located model in the world."""
+    axis = found.model.axis(joint, found.joints)
+    return Axis(found.point(axis.origin), found.placement.rotation @ axis.direction)
+
+
+def _outermost(points: FloatArray, direction: FloatArray) -> FloatArray:
+    """Return the middle (3,) of what of some points (n, 3) is farthest along a direction."""
+    along = points @ direction
+    last = points[along > along.max() - 0.004]
+    middle = 0.5 * (last.min(axis=0) + last.max(axis=0))
+    return middle + (along.max() - middle @ direction) * direction
+
+
+def _on_leaf(points: FloatArray, axis: Axis, share: float) -> tuple[FloatArray, FloatArray]:
+    """Return a point (3,) on the outside of a leaf, and the unit vector (3,) out of it, the way that it opens.
+
+    Args:
+        points: Surface of the leaf (n, 3) [m].
+        axis: Its hinge; the angle grows when it opens.
+        share: How far from the hinge, as a share of its width.
+    """
+    offset = points - axis.origin
+    offset = offset - np.outer(offset @ axis.direction, axis.direction)
+    mean = offset.mean(axis=0)
+    along = mean / np.linalg.norm(mean)
+    outwards = np.cross(axis.direction, along)
+    width = float(np.percentile(offset @ along, 99))
+    near = np.abs(offset @ along - share * width) < 0.012
+    surface = float(np.percentile((offset @ outwards)[near], 95))
+    heights = points @ axis.direction
+    middle = 0.5 * (heights.min() + heights.max()) - axis.origin @ axis.direction
+    return axis.origin + middle * axis.direction + share * width * along + surface * outwards, outwards
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A part on a hinge, with a bar parallel to that."""
+
+    model: str
+    """File of the model."""
+    joint: str
+    """Its hinge."""
+    link: str
+    """The part; its x-axis points from the bar to it."""
+    middle: tuple[float, float, float]
+    """Middle of the bar, in the frame of the part [m]."""
+    begin: float
+    """Angle that it stands at [rad]."""
+    end: float
+    """Angle that it is brought to [rad]."""
+
+
+MICROWAVE_BAR = Bar("microwave/microwave", "door", "door_link", (-0.06, -0.255, 0.0), 0.0, 1.5)
+FRIDGE_BAR = Bar("fridge/fridge", "upper_door", "upper_link", (-0.086, -0.312, -0.09), 0.0, 1.35)
+HOOD_UP = Bar("hooded_grill/hooded_grill", "lid", "hood", (-0.334, 0.0, 0.042), 0.0, 1.0)
+HOOD_DOWN = Bar("hooded_grill/hooded_grill", "lid", "hood", (-0.334, 0.0, 0.042), 1.2, 0.15)
+
+
+def turn_bar(hand: Hand, bar: Bar) -> Moves:
+    """Grip a bar, go about its hinge with it, let go and draw back; the hand turns less than the part."""
+    state = {bar.joint: bar.begin}
+    found = locate(KnownModel.named(bar.model), everything(hand), [state])
+    axis, part = world_axis(found, bar.joint), found.placement * found.model.placement(bar.link, state)
+    point = part.act(np.array(bar.middle))
+    inwards = part.rotation[:, 0] * (1.0, 1.0, 0.0)
+    angles = np.linspace(0.0, bar.end - bar.begin, 9)[1:]
+    points = arc(axis, point, angles)
+    ways = []
+    for turn in _across_bar(sloping(inwards / np.linalg.norm(inwards), (0.4, 0.8), (0.0, 0.4, -0.4)), axis.direction):
+        for share in (0.1, 0.4):
+            turned = [pin.exp3(share * angle * axis.direction) @ turn for angle in angles]
+            held = [placed(t, p) for t, p in zip(turned, points, strict=True)]
+            ways.append([placed(turn, point - 0.1 * turn[:, 2]), placed(turn, point), *held])
+    yield from pull(hand, hand.choose(ways))
+    yield from hand.grip(True)
+    yield from hand.shift(-0.1 * hand.tip.rotation[:, 2])
+
+
+def _across_bar(turns: list[FloatArray], bar: FloatArray) -> list[FloatArray]:
+    """Return the orientations whose fingers are on both sides of a bar along a direction (3,)."""
+    return [turn for turn in turns if abs(turn[:, 1] @ bar) < 0.2]
+
+
+GRATE = 0.14
+"""Height of the grate of the grill [m]."""
+FINGERS = 0.035
+"""How far the open fingers reach to each side [m]."""
+
+
+def lift_block_to_ring(hand: Hand, asked: Instruction) -> Moves:
+    """Hold the block of the colour where the ring floats."""
+    seen = things(hand)
+    floating = [thing for thing in seen if bottom(thing) > 0.1]
+    if not floating:
+        raise NothingFound("No floating ring is seen.")
+    block = colored([thing for thing in seen if bottom(thing) < 0.03], asked.colors[0])
+    middle, yaw, _ = rectangle(block.points)
+    yield from pick(hand, at(middle, 0.0225), _across(yaw, middle, block, seen))
+    yield from touch(hand, floating[0].middle, [hand.tip.rotation, *all_down(16)])
+
+
+def lift_cup(hand: Hand, asked: Instruction) -> Moves:
+    """Grip the cup of the colour at its rim, one finger inside, and raise it."""
+    cups = things(hand)
+    cup = colored(cups, asked.colors[0])
+    rest = np.concatenate([other.points for other in cups if other is not cup] or [np.full((1, 3), 9.0)])
+    rim = cup.points[cup.points[:, 2] > cup.points[:, 2].max() - 0.006]
+    middle = 0.5 * (rim[:, :2].min(axis=0) + rim[:, :2].max(axis=0))
+    radius = float(np.percentile(np.linalg.norm(rim[:, :2] - middle, axis=1), 90)) - 0.002
+    yaws = np.linspace(-np.pi, np.pi, 12, endpoint=False)
+    places = [middle + radius * np.array([np.cos(yaw), np.sin(yaw)]) for yaw in yaws]
+    best = int(np.argmax([np.linalg.norm(rest[:, :2] - place, axis=1).min() for place in places]))
+    point = at(places[best], float(cup.points[:, 2].max() - TABLE_HEIGHT) - 0.012)
+    yield from pick(hand, point, both_ways([down(float(yaws[best]))]), lift=0.2)
+
+
+def lift_lid(hand: Hand, asked: Instruction) -> Moves:
+    """Take the lid of the pan by its knob, its highest part, and hold it above."""
+    pan = everything(hand)
+    top = pan.points[:, 2].max()
+    knob = pan.where(pan.points[:, 2] > top - 0.01)
+    point = np.array([*knob.middle[:2], top - 0.012])
+    yield from pick(hand, point, all_down(), lift=0.14)
+
+
+def bin_paper(hand: Hand, asked: Instruction) -> Moves:
+    """Pick the ball of paper, the palest of the small things, and let it fall into the bin."""
+    seen = things(hand)
+    bin_, small = seen[0], [thing for thing in seen[1:] if thing.size[2] < 0.08]
+    paper = colored(small, "white")
+    middle = paper.middle[:2]
+    turns = _across(0.0, middle, paper, seen, count=12)
+    yield from pick(hand, at(middle, 0.023), turns, lift=0.25)
+    yield from touch(hand, at(bin_.middle[:2], 0.29), [hand.tip.rotation, *all_down(16)])
+    yield from hand.grip(True)
+
+
+def meat_off_grill(hand: Hand, asked: Instruction) -> Moves:
+    """Take the piece of meat off the grate, and lay it on the table by a long side of the grill."""
+    cloud = everything(hand)
+    grill = locate(KnownModel.named("grill/grill"), cloud.between(0.0, 0.142))
+    pieces = [piece for piece in clusters(cloud.between(0.147, 0.25), gap=0.01) if piece.size[:2].max() < 0.2]
+    middle, yaw = _meat(pieces, asked, GRATE)
+    turns = both_ways([down(yaw)]) + both_ways([down(yaw + s) for s in (-0.3, 0.3)])
+    yield from pick(hand, at(middle, 0.155), turns)
+    side = grill.placement.rotation[:, 1]
+    places = [grill.placement.translation + sign * 0.28 * side for sign in (1.0, -1.0)]
+    nearest = min(places, key=lambda p: float(np.linalg.norm(p[:2] - np.array([0.2, 0.0]))))
+    yield from place(hand, at(nearest[:2], 0.025), over=0.15)
+
+
+def meat_on_grill(hand: Hand, asked: Instruction) -> Moves:
+    """Take the piece of meat from the table, and lay it in the middle of the grate."""
+    seen = things(hand)
+    grill = locate(KnownModel.named("grill/grill"), seen[0])
+    middle, yaw = _meat([thing for thing in seen[1:] if thing.size[2] < 0.08], asked, 0.0)
+    yield from pick(hand, at(middle, 0.015), both_ways([down(yaw + s) for s in (0.0, -0.3, 0.3)]), lift=0.22)
+    yield from place(hand, at(grill.placement.translation[:2], GRATE + 0.018))
+
+
+def unplug(hand: Hand, asked: Instruction) -> Moves:
+    """Grip the charger, which is what stands out of the wall, and pull it straight out."""
+    cloud = everything(hand)
+    panel = locate(KnownModel.named("socket_panel/socket_panel"), cloud)
+    local = (cloud.points - panel.placement.translation) @ panel.placement.rotation
+    charger = local[(np.abs(local - (-0.06, 0.0, 0.15)) < (0.045, 0.05, 0.05)).all(axis=1)]
+    if len(charger) < 20:
+        raise NothingFound("No charger is seen at the wall.")
+    middle = panel.point(0.5 * (charger.min(axis=0) + charger.max(axis=0)))
+    out, across = -panel.placement.rotation[:, 0], panel.placement.rotation[:, 1]
+    turns = both_ways([pointing(np.cos(s) * DOWN - np.sin(s) * out, across) for s in (0.0, 0.4, 0.8)])
+    way = hand.choose([[placed(t, middle - 0.1 * t[:, 2]), placed(t, middle), placed(t, middle + 0.12 * out)] for t in turns])
+    yield from pull(hand, way)
+
+
+def _meat(pieces: Sequence[Cloud], asked: Instruction, ground: float) -> tuple[FloatArray, float]:
+    """Return middle x, y (2,) and heading across of the piece of meat whose height over the ground [m] is that of the named."""
+    word = asked.one_of(("chicken", "steak")) or "steak"
+    if not pieces:
+        raise NothingFound(f"No {word} is seen.")
+    tall = float(np.ptp(KnownModel.named(f"{word}/{word}").points_at()[:, 2]))
+    piece = min(pieces, key=lambda piece: abs(bottom(piece) + piece.size[2] - ground - tall))
+    middle, yaw, sides = rectangle(piece.points)
+    return middle, yaw if sides[0] < sides[1] else yaw + 0.5 * np.pi
+
+
+def _across(yaw: float, middle: FloatArray, thing: Cloud, others: Sequence[Cloud], count: int = 2) -> list[FloatArray]:
+    """Return downward orientations at a yaw [rad] and turned from it, those first whose fingers have most room."""
+    rest = np.concatenate([o.points for o in others if o is not thing and bottom(o) < 0.1] or [np.full((1, 3), 9.0)])[:, :2]
+    yaws = [yaw + k * np.pi / count for k in range(count)]
+    room = []
+    for y in yaws:
+        reach = 0.06 * np.array([np.cos(y), np.sin(y)])
+        room.append(min(float(np.linalg.norm(rest - (middle + s * reach), axis=1).min()) for s in (-1.0, 1.0)))
+    free = [y for y, r in zip(yaws, room, strict=True) if r > FINGERS] or [yaws[int(np.argmax(room))]]
+    return both_ways([down(y) for y in free])
+
+
+PRESSED = 0.0455
+"""Height of the tip when a cap is down: 6 mm below its top, 9.5 mm of fingers [m]."""
+RED, GREEN = (1.0, 0.0, 0.0), (0.0, 0.7, 0.15)
+
+
+def reach_ball(hand: Hand, asked: Instruction) -> Moves:
+    """Bring the tip to the ball of the colour."""
+    ball = colored([thing for thing in things(hand) if bottom(thing) > 0.02], asked.colors[0])
+    yield from touch(hand, ball.middle, all_down())
+
+
+def press_buttons(hand: Hand, asked: Instruction) -> Moves:
+    """Press the caps of the bases of the colours, in their order."""
+    buttons = [(middle, cloud) for cloud in things(hand) for middle in _caps(cloud)]
+    bases = [_base(middle, cloud) for middle, cloud in buttons]
+    for name in asked.colors:
+        base = colored(bases, name)
+        middle = next(m for (m, _), b in zip(buttons, bases, strict=True) if b is base)
+        yield from press(hand, at(middle, PRESSED), all_down())
+
+
+def press_lamp_button(hand: Hand, asked: Instruction) -> Moves:
+    """Press the red cap of the button of a lamp."""
+    caps = [middle for cloud in things(hand) for middle in _caps(cloud)]
+    if not caps:
+        raise NothingFound("No cap of a button is seen.")
+    yield from press(hand, at(caps[0], PRESSED), all_down())
+
+
+def flip_switch(hand: Hand, asked: Instruction) -> Moves:
+    """Push the raised half of the rocker in, sloping down towards the wall."""
+    states = [{"rocker_joint": -0.6}, {"rocker_joint": 0.6}]
+    panel = locate(KnownModel.named("switch_panel/switch_panel"), everything(hand), states)
+    inwards = panel.placement.rotation[:, 0]
+    upper = panel.joints["rocker_joint"] < 0.0
+    end = panel.point(np.array([-0.022, 0.0, 0.15 if upper else 0.11]))
+    turns = [turn for turn in sloping(inwards, (1.27,)) if abs(turn[2, 1]) < 0.1]  # fingers side by side
+    before = -0.06 * inwards
+    yield from sweep(hand, [[placed(turn, end + before), placed(turn, end)] for turn in turns], 0.04 * -inwards)
+    yield from hand.shift(before)
+
+
+def shove_block(hand: Hand, asked: Instruction) -> Moves:
+    """Shove the red block onto the green square; look again after each push."""
+    view = hand.look()
+    square = max(clusters(parts_colored(view.marks, GREEN, 0.4)), key=len, default=None)
+    for _ in range(3):
+        block = max(clusters(parts_colored(hand.look().things, RED)), key=len, default=None)
+        if square is None or block is None:
+            raise NothingFound("No red block or no green square is seen.")
+        way = square.middle[:2] - block.middle[:2]
+        length = float(np.linalg.norm(way))
+        if length < 0.02:
+            return
+        yield from _shove(hand, block.middle[:2], way / length, length)
+
+
+def _shove(hand: Hand, block: FloatArray, along: FloatArray, length: float) -> Moves:
+    """Push a block of 6 cm at x, y (2,) straight along a direction (2,) over a length [m], and go up."""
+    start, up = block - 0.075 * along, np.array([0.0, 0.0, 0.12])
+    end = block + (length - 0.04) * along
+    forward = np.array([*along, 0.0])
+    turns = both_ways([pointing(DOWN, np.cross(forward, DOWN)), pointing(DOWN, forward)])
+    yield from sweep(hand, [[placed(t, at(start, 0.03)), placed(t, at(end, 0.03))] for t in turns], up)
+    yield from hand.shift(up)
+
+
+def _caps(cloud: Cloud) -> list[FloatArray]:
+    """Return the middles x, y (2,) of round red things as high as caps."""
+    level = cloud.between(0.035, 0.05)
+    return [
+        part.middle[:2]
+        for part in clusters(parts_colored(level, RED, least=0.65), gap=0.008, fewest=15)
+        if part.size[:2].max() < 0.05
+    ]
+
+
+def _base(middle: FloatArray, cloud: Cloud) -> Cloud:
+    """Return the points of a button of middle x, y (2,) that do not belong to its cap."""
+    apart = np.linalg.norm(cloud.points[:, :2] - middle, axis=1)
+    return cloud.where((apart > 0.024) & (apart < 0.045))
+
+
+Play = Callable[[Hand, Instruction], Moves]
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """Words and what to do about them."""
+
+    things: str
+    """One of these words, or phrases, occurs: `a|b`."""
+    asks: str
+    """And one of these; empty asks for nothing more."""
+    play: Play
+    """What to do."""
+
+    def fits(self, asked: Instruction) -> bool:
+        """Say whether an instruction asks for this."""
+        return asked.has(self.things) and (not self.asks or asked.has(self.asks))
+
+
+def _door(door: Door) -> Play:
+    return lambda hand, asked: push_door(hand, door)
+
+
+def _bar(bar: Bar) -> Play:
+    return lambda hand, asked: turn_bar(hand, bar)
+
+
+def _lid(lid: Lid) -> Play:
+    return lambda hand, asked: fold_lid(hand, lid)
+
+
+_SHUT = "close|shut|shove|push|down|closed|back|bring|fold|swing"
+RECIPES: tuple[Recipe, ...] = (
+    Recipe("paper", "", bin_paper),
+    Recipe("lamp", "", press_lamp_button),
+    Recipe("button|buttons|click|hit|operate", "", press_buttons),
+    Recipe("switch|rocker", "", flip_switch),
+    Recipe("ring|marker", "block|cube|blocks", lift_block_to_ring),
+    Recipe("block|cube", "square|field|mark", shove_block),
+    Recipe("cup", "lift|take|raise", lift_cup),
+    Recipe("lid|cover", "pan|saucepan|pot|knob", lift_lid),
+    Recipe("charger|adapter|plug", "pull|take|out|draw", unplug),
+    Recipe("chicken|steak", "lay the chicken on the grate|lay the steak on the grate|onto|cook", meat_on_grill),
+    Recipe("chicken|steak", "table|beside|side", meat_off_grill),
+    Recipe("drawer|compartment|compartments", "pull|open|draw", pull_drawer),
+    Recipe("drawer|compartment", _SHUT, push_drawer),
+    Recipe("grill|barbecue", "raise|up|covered", _bar(HOOD_UP)),
+    Recipe("grill|barbecue", "down|lower|close", _bar(HOOD_DOWN)),
+    Recipe("microwave", "wide|pull|nearly", _bar(MICROWAVE_BAR)),
+    Recipe("fridge|refrigerator", "wide|pull|shelves", _bar(FRIDGE_BAR)),
+    Recipe("microwave", _SHUT, _door(MICROWAVE_DOOR)),
+    Recipe("fridge|refrigerator|milk", _SHUT, _door(FRIDGE_DOOR)),
+    Recipe("laptop|computer|notebook", _SHUT, _lid(LAPTOP)),
+    Recipe("toilet|seat", "lower|down|sit", _lid(TOILET)),
+    Recipe("ball|sphere", "move|touch|go", reach_ball),
+)
+
+
+TASKS = (
+    "reach_target", "push_button", "push_buttons", "lamp_on", "lamp_off", "press_switch", "slide_block_to_target",
+    "pick_and_lift", "pick_up_cup", "take_lid_off_saucepan", "put_rubbish_in_bin", "meat_off_grill", "meat_on_grill",
+    "unplug_charger", "close_drawer", "open_drawer", "close_microwave", "open_microwave", "close_fridge", "open_fridge",
+    "close_grill", "open_grill", "close_laptop_lid", "toilet_seat_down",
+)  # fmt: skip
+"""The tasks that the recipes are for, as one evaluates them; the policy itself is told no task and never looks here."""
+
+
+def find_recipe(asked: Instruction) -> Play:
+    """Return what to do about an instruction.
+
+    Raises:
+        NothingFound: No recipe is known for it.
+    """
+    for recipe in RECIPES:
+        if recipe.fits(asked):
+            return recipe.play
+    raise NothingFound(f"No recipe is known for '{' '.join(asked.words)}'.")

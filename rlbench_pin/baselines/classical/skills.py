@@ -1,0 +1,401 @@
+"""Skills of the classical baseline: motions of the gripper, planned and followed."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import pinocchio as pin
+
+from rlbench_pin.baselines.perception import Axis, Cloud, View, as_world, look, near
+from rlbench_pin.control import DifferentialIK, DifferentialIKConfig, PostureObjective, TrajectoryFollower, VelocityFollowing
+from rlbench_pin.errors import GoalInCollision, PlanningError, RlbenchPinError
+from rlbench_pin.observation import Observation
+from rlbench_pin.planning import MotionPlanner, PlannerConfig, solve_ik, straight_path
+from rlbench_pin.robot import RobotModel
+from rlbench_pin.robot.trajectory import Trajectory
+from rlbench_pin.scene.snapshot import WorldSnapshot
+from rlbench_pin.spatial import FloatArray, se3_to_pose
+
+PAD = 0.0095
+"""How far the fingers reach beyond the tip frame [m]."""
+DOWN = np.array([0.0, 0.0, -1.0])
+"""Towards the table."""
+
+
+class NothingFound(RlbenchPinError):
+    """What an instruction names is not seen, or no recipe is known for it."""
+
+
+def pointing(direction: FloatArray, across: FloatArray) -> FloatArray:
+    """Return the rotation (3, 3) of a hand that points along `direction`, fingers apart along `across` as far as that goes."""
+    z = np.asarray(direction, dtype=float) / np.linalg.norm(direction)
+    y = np.asarray(across, dtype=float) - (z @ across) * z
+    y = y / np.linalg.norm(y)
+    return np.stack([np.cross(y, z), y, z], axis=1)
+
+
+def both_ways(turns: Sequence[FloatArray]) -> list[FloatArray]:
+    """Return rotations, each also with the fingers swapped."""
+    half = np.diag([-1.0, -1.0, 1.0])
+    return [turn @ t for turn in turns for t in (np.eye(3), half)]
+
+
+def down(yaw: float) -> FloatArray:
+    """Return the rotation (3, 3) of a hand that points down with its fingers apart along a heading [rad]."""
+    return pointing(DOWN, np.array([np.cos(yaw), np.sin(yaw), 0.0]))
+
+
+def all_down(count: int = 8) -> list[FloatArray]:
+    """Return rotations of a hand that points down, all around."""
+    return [down(float(yaw)) for yaw in np.linspace(-np.pi, np.pi, count, endpoint=False)]
+
+
+def sloping(direction: FloatArray, slopes: Sequence[float], turns: Sequence[float] = (0.0,)) -> list[FloatArray]:
+    """Return rotations of a hand that points along a level direction, turned about the vertical and sloping down.
+
+    Args:
+        direction: Level direction (3,).
+        slopes: How far down it points [rad].
+        turns: How far it is turned aside [rad].
+    """
+    found = []
+    for turn in turns:
+        level = pin.rpy.rpyToMatrix(0.0, 0.0, turn) @ direction
+        for slope in slopes:
+            z = np.cos(slope) * level + np.sin(slope) * DOWN
+            found += [pointing(z, across) for across in (np.cross(level, DOWN), np.cross(z, np.cross(level, DOWN)))]
+    return both_ways(found)
+
+
+def placed(turn: FloatArray, point: FloatArray) -> pin.SE3:
+    """Return a hand of an orientation (3, 3) whose tip is at a point (3,) [m]."""
+    return pin.SE3(np.asarray(turn), np.asarray(point, dtype=float))
+
+
+PULLING = 0.1
+"""Speed of the tip that pulls at something [m/s]."""
+ABOVE = 0.1
+"""How far before a thing the hand stops first [m]."""
+
+
+def touch(hand: Hand, point: FloatArray, turns: Sequence[FloatArray]) -> Moves:
+    """Bring the tip to a point (3,), with the first of some orientations (3, 3) that the arm reaches."""
+    yield from hand.go(hand.choose([[placed(turn, point)] for turn in turns]))
+
+
+def press(hand: Hand, point: FloatArray, turns: Sequence[FloatArray], back: float = ABOVE) -> Moves:
+    """Push the closed fingers to a point (3,) along the hand, and go back by `back` [m]."""
+    way = hand.choose([approach(turn, point, back) for turn in turns])
+    yield from hand.go(way, is_open=False)
+    yield from hand.slide(way.targets[1:])
+    yield from hand.slide(way.targets[:1])
+
+
+def pull(hand: Hand, way: Way) -> Moves:
+    """Go to the first placement of a way, close the fingers at the second, and take what they hold along the others, gently."""
+    yield from hand.go(way, is_open=True)
+    yield from hand.slide(way.targets[1:2])
+    yield from hand.grip(False)
+    yield from hand.slide(way.targets[2:], PULLING)
+
+
+def pick(hand: Hand, point: FloatArray, turns: Sequence[FloatArray], lift: float = ABOVE, back: float = ABOVE) -> Moves:
+    """Close the fingers about a point (3,), and lift what they hold straight up by `lift` [m]."""
+    up = np.array([0.0, 0.0, lift])
+    way = hand.choose([[*approach(turn, point, back), placed(turn, point + up)] for turn in turns])
+    yield from hand.go(way, is_open=True)
+    yield from hand.slide(way.targets[1:2])
+    yield from hand.grip(False)
+    yield from hand.slide(way.targets[2:])
+
+
+def place(hand: Hand, point: FloatArray, over: float = ABOVE) -> Moves:
+    """Bring what is held over a point (3,), lower it there, let go, and go up again by `over` [m]."""
+    turn, up = hand.tip.rotation, np.array([0.0, 0.0, over])
+    turns = [turn @ pin.rpy.rpyToMatrix(0.0, 0.0, yaw) for yaw in (0.0, np.pi, 0.5 * np.pi, -0.5 * np.pi)]
+    way = hand.choose([[placed(t, point + up), placed(t, point)] for t in turns])
+    yield from hand.go(way)
+    yield from hand.slide(way.targets[1:])
+    yield from hand.grip(True)
+    yield from hand.slide(way.targets[:1])
+
+
+def sweep(hand: Hand, paths: Sequence[Sequence[pin.SE3]], back: FloatArray, is_open: bool = False) -> Moves:
+    """Move along the best of several paths.
+
+    Args:
+        hand: The hand.
+        paths: Placements of the tip, one after the other; all of them do.
+        back: From where the hand comes to the start of a path, as an offset (3,) [m].
+        is_open: Whether the fingers are open.
+    """
+    way = hand.choose([[pin.SE3(path[0].rotation, path[0].translation + back), *path] for path in paths])
+    yield from hand.go(way, is_open)
+    yield from hand.slide(way.targets[1:])
+
+
+def arc(axis: Axis, point: FloatArray, angles: Iterable[float]) -> list[FloatArray]:
+    """Return a point (3,) turned about an axis by each angle [rad]."""
+    offset = point - axis.origin
+    return [axis.origin + pin.exp3(angle * axis.direction) @ offset for angle in angles]
+
+
+def approach(turn: FloatArray, point: FloatArray, back: float) -> list[pin.SE3]:
+    """Return two placements of a hand: `back` before a point (3,) along its z, and there [m]."""
+    return [placed(turn, point - back * turn[:, 2]), placed(turn, point)]
+
+
+MEANT = 0.07
+"""What is nearer than this to where the tip goes may be touched [m]."""
+PLANNING = PlannerConfig(
+    max_velocity=1.5, margin=0.008, clearance=0.02, certify=False, ik_starts=15, checks=6000, attempts=1, simplify_checks=600
+)
+"""Free motions."""
+
+
+class Driver:
+    """What moves one arm: a planner in a world of boxes, a follower of trajectories, and Cartesian control.
+
+    Args:
+        arm: The arm.
+        period: Time of a control tick [s].
+    """
+
+    def __init__(self, arm: RobotModel, period: float) -> None:
+        self.arm, self.period = arm, period
+        self._planner = MotionPlanner(arm, PLANNING)
+        self._following = VelocityFollowing(arm.limits, period)
+        still = PostureObjective(gain=0.0)
+        self._cartesian = DifferentialIK(arm, DifferentialIKConfig(dt=period, posture=still))
+        self._world: WorldSnapshot | None = None
+
+    def update(self, things: Cloud, q: FloatArray, fingers: FloatArray) -> None:
+        """Take what is seen for the world, with the arm at `q` (n,) [rad] and its fingers at `fingers` (2,) [m]."""
+        self._world = as_world(things, q, fingers)
+        self._planner.update(self._world)
+
+    def reach(self, q: FloatArray, target: pin.SE3, rng: np.random.Generator) -> tuple[FloatArray, bool]:
+        """Return the configuration (n,) nearest to `q` whose tip is at a placement, and whether it is free.
+
+        Raises:
+            NoIkSolution: There is none.
+        """
+        pose = se3_to_pose(target)
+        try:
+            return self._planner.reachable(q, pose, rng, ignore_collisions=False, allowed=self._meant(target)), True
+        except GoalInCollision:
+            return solve_ik(self.arm, pose, q, rng, starts=10)[0], False
+
+    def plan(self, q: FloatArray, goal: FloatArray, rng: np.random.Generator) -> tuple[Trajectory, bool]:
+        """Return a timed motion from `q` to `goal` (n,) [rad], and whether it goes around what is seen; else straight there."""
+        try:
+            meant = self._meant(self.arm.tip_se3(goal))
+            return self._planner.plan_to_configuration(q, goal, allowed=meant, rng=rng).trajectory, True
+        except PlanningError:
+            return self._planner.plan_to_configuration(q, goal, ignore_collisions=True, rng=rng).trajectory, False
+
+    def follower(self, trajectory: Trajectory) -> TrajectoryFollower:
+        """Return what gives the joint velocity of each tick along a trajectory."""
+        return TrajectoryFollower(trajectory, self._following)
+
+    def towards(self, q: FloatArray, v: FloatArray, target: pin.SE3) -> FloatArray:
+        """Return the joint velocity (n,) [rad/s] that brings the tip to a placement in one tick, as far as limits allow.
+
+        Args:
+            q: Measured configuration (n,) [rad].
+            v: Last command (n,) [rad/s].
+            target: Where the tip should be a tick later.
+        """
+        here = self.arm.tip_se3(q)
+        turn = pin.log3(target.rotation @ here.rotation.T)
+        twist = np.concatenate([target.translation - here.translation, turn]) / self.period
+        return self._cartesian.velocity_for_twist(q, v, twist)
+
+    def _meant(self, target: pin.SE3) -> list[str]:
+        """Return the names of the boxes that the hand goes to."""
+        return [] if self._world is None else near(self._world, target.translation, MEANT)
+
+
+SPEED, TURNING = 0.2, 1.0
+"""Of the tip where it slides [m/s], [rad/s]."""
+PACES = 4
+"""A sliding tip reaches its speed in so many ticks, and stops in about as many."""
+LAG = 0.015
+"""The next station waits until the tip is nearer than this [m]; an angle of 1 rad counts as much as 0.1 m."""
+THERE = 0.002
+"""Nearer than this is there [m]."""
+PATIENCE = 8
+"""How long a motion may stand still before it is given up [ticks]."""
+PLANS = 4
+"""Of so many ways a free motion to the begin is looked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tick:
+    """One action: how fast the joints turn, and what the fingers do then."""
+
+    velocity: FloatArray
+    """Joint velocities (n,) [rad/s]."""
+    is_open: bool
+    """Whether the fingers are open at the end."""
+
+
+Moves = Generator[Tick, Observation, None]
+"""What a skill is: it yields actions and is sent what is seen after each."""
+
+
+@dataclass(frozen=True, eq=False)
+class Way:
+    """Placements of the tip that the arm can follow, and a free motion to the first."""
+
+    targets: Sequence[pin.SE3]
+    """One after the other."""
+    motion: Trajectory
+    """From where the arm is to the first."""
+
+
+class Hand:
+    """The arm with its hand as a skill sees it: what was observed last, and what it may reach from there."""
+
+    def __init__(self, driver: Driver, observation: Observation, rng: np.random.Generator) -> None:
+        """Begin with what is seen at the start of an episode."""
+        self.seen, self._driver, self._rng = observation, driver, rng
+        self.is_open = True
+        self._arm, self._still = driver.arm, np.zeros(driver.arm.size)
+        self._view: tuple[Observation, View] | None = None
+        self._home = self.joints
+
+    def look(self) -> View:
+        """Return what the last observation shows."""
+        if self._view is None or self._view[0] is not self.seen:
+            self._view = self.seen, look(self.seen, self._arm)
+        return self._view[1]
+
+    @property
+    def joints(self) -> FloatArray:
+        """Where the joints of the arm are (n,), brought within their limits [rad]."""
+        measured = np.asarray(self.seen.joint_positions, dtype=float)
+        return np.clip(measured, self._arm.limits.lower, self._arm.limits.upper)
+
+    @property
+    def tip(self) -> pin.SE3:
+        """Where the tip is."""
+        return self._arm.tip_se3(self.joints)
+
+    # Moving -------------------------------------------------------------------------------------------------------
+
+    def go(self, way: Way, is_open: bool | None = None) -> Moves:
+        """Open or close the fingers, or leave them when None; then move freely to the first placement of a way."""
+        yield from self.grip(is_open)
+        yield from self._follow(way.motion)
+
+    def go_home(self) -> Moves:
+        """Move freely to where the episode began."""
+        self._driver.update(self.look().things, self.joints, self._fingers)
+        yield from self._follow(self._driver.plan(self.joints, self._home, self._rng)[0])
+
+    def slide(self, targets: Sequence[pin.SE3], speed: float = SPEED) -> Moves:
+        """Move the tip straight from one placement to the next; wait where it is held back, and give up in time."""
+        share = self._driver.period / PACES
+        legs = pairwise([self.tip, *targets])
+        stations = [station for a, b in legs for station in line(a, b, share * speed, share * TURNING)]
+        v, k, pace, late, last = self._still, -1, 0, 0, len(stations) - 1
+        while late < PATIENCE:
+            if k < last and (k < 0 or apart(self.tip, stations[k]) < LAG):
+                pace, late = min(pace + 1, PACES, 1 + (last - k) // PACES), 0
+                k = min(k + pace, last)
+            else:
+                pace, late = 0, late + 1
+            v = self._driver.towards(self.joints, v, stations[k])
+            yield from self._tick(v)
+            if k == last and apart(self.tip, stations[last]) < THERE:
+                return
+
+    def shift(self, by: Iterable[float]) -> Moves:
+        """Move the tip by a vector (3,) of the world [m]."""
+        here = self.tip
+        yield from self.slide([pin.SE3(here.rotation, here.translation + np.array(list(by)))])
+
+    def grip(self, is_open: bool | None) -> Moves:
+        """Open or close the fingers where the hand is."""
+        if is_open is not None and is_open != self.is_open:
+            self.is_open = is_open
+            yield from self._tick(self._still)
+
+    def rest(self, ticks: int) -> Moves:
+        """Stay for some ticks."""
+        for _ in range(ticks):
+            yield from self._tick(self._still)
+
+    def _follow(self, motion: Trajectory) -> Moves:
+        """Follow a timed motion until it is over and the joints have arrived."""
+        follower, v, late = self._driver.follower(motion), self._still, 0
+        while late < PATIENCE:
+            v = follower.command(self.joints, v)
+            yield from self._tick(v)
+            late += follower.done
+            if follower.done and np.abs(self.joints - motion.q[-1]).max() < THERE:
+                return
+
+    def _tick(self, velocity: FloatArray) -> Moves:
+        self.seen = yield Tick(velocity, self.is_open)
+
+    # Choosing -----------------------------------------------------------------------------------------------------
+
+    def choose(self, ways: Sequence[Sequence[pin.SE3]]) -> Way:
+        """Return the way that the arm can follow farthest; of several, one whose begin is reached without touching anything,
+        with the least joint motion.
+        """
+        self._driver.update(self.look().things, self.joints, self._fingers)
+        scored = sorted(((*self._follows(way), k) for k, way in enumerate(ways)), key=lambda s: (-s[0], not s[1], s[2], s[4]))
+        best: Way | None = None
+        for legs, _, _, start, k in scored[:PLANS]:
+            if start is None or legs < scored[0][0]:
+                break
+            motion, is_free = self._driver.plan(self.joints, start, self._rng)
+            if is_free or best is None:
+                best = Way(ways[k], motion)
+            if is_free:
+                break
+        if best is None:
+            raise NothingFound("The arm reaches nothing of what it should.")
+        return best
+
+    def _follows(self, way: Sequence[pin.SE3]) -> tuple[int, bool, float, FloatArray | None]:
+        """Return how many placements of a way can be reached, the first anyhow and the others straight, whether the first is
+        free of what is seen, the joint motion [rad], and the configuration at the first (n,).
+        """
+        try:
+            start, is_free = self._driver.reach(self.joints, way[0], self._rng)
+        except PlanningError:
+            return 0, False, 0.0, None
+        q, legs, motion = start, 1, float(np.abs(start - self.joints).sum())
+        for target in way[1:]:
+            try:
+                path = straight_path(self._arm, q, se3_to_pose(target))
+            except PlanningError:
+                break
+            motion += float(np.abs(np.diff(path, axis=0)).sum())
+            q, legs = np.clip(path[-1], self._arm.limits.lower, self._arm.limits.upper), legs + 1
+        return legs, is_free, motion, start
+
+    @property
+    def _fingers(self) -> FloatArray:
+        return np.asarray(self.seen.gripper_joint_positions, dtype=float)
+
+
+def line(start: pin.SE3, end: pin.SE3, step: float, turn: float) -> list[pin.SE3]:
+    """Return placements after `start` up to `end`, at most `step` [m] and `turn` [rad] from each other."""
+    shift, rotation = end.translation - start.translation, pin.log3(start.rotation.T @ end.rotation)
+    count = max(1, int(np.ceil(max(np.linalg.norm(shift) / step, np.linalg.norm(rotation) / turn))))
+    shares = [k / count for k in range(1, count + 1)]
+    return [pin.SE3(start.rotation @ pin.exp3(u * rotation), start.translation + u * shift) for u in shares]
+
+
+def apart(a: pin.SE3, b: pin.SE3) -> float:
+    """Return how far two placements are apart, an angle of 1 rad as 0.1 m [m]."""
+    turn = float(np.linalg.norm(pin.log3(a.rotation.T @ b.rotation)))
+    return float(np.linalg.norm(a.translation - b.translation)) + 0.1 * turn

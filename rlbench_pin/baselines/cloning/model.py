@@ -1,0 +1,248 @@
+"""Networks of the cloning baseline: chunks of joint commands, from state or images, with encoded instructions."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from rlbench_pin.datasets import stored_demos
+from rlbench_pin.environment.stored import resize
+from rlbench_pin.errors import DatasetError
+from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.spatial import FloatArray
+
+CHUNK = 20
+"""Ticks ahead that commands are predicted for."""
+SECONDS = 0.05
+"""A tick [s]."""
+PICTURE = 64
+"""Width and height of the pictures that a network sees [px]."""
+
+
+@dataclass(frozen=True)
+class Examples:
+    """All ticks of some demonstrations of one task, one after the other."""
+
+    joints: FloatArray
+    """Joint positions at each tick, (n, 7) [rad]."""
+    opening: FloatArray
+    """Whether the hand is open, (n, 1)."""
+    task_state: FloatArray
+    """What the task says about its objects, (n, m); m = 0 where pictures are to say it."""
+    time: FloatArray
+    """Time since the start, (n, 1) [s]."""
+    episode: np.ndarray
+    """Number of its demonstration, (n,)."""
+    sentences: tuple[FloatArray, ...]
+    """Encoded instructions of each demonstration, (k, size)."""
+    targets: FloatArray
+    """Commanded joint positions of the next `CHUNK` ticks, (n, CHUNK, 7) [rad]; the last command is held."""
+    hand: FloatArray
+    """Commanded opening of the same ticks, (n, CHUNK)."""
+    pictures: np.ndarray
+    """uint8 (n, cameras, PICTURE, PICTURE, 3); no cameras where the task state says where things are."""
+    instructions: tuple[str, ...]
+    """Every sentence that occurs."""
+
+
+def read_examples(root: Path, task: str, demos: int = -1, cameras: Sequence[str] = ()) -> Examples:
+    """Read the first demonstrations of a task, spread over its variations, as examples.
+
+    Args:
+        root: Folder of a dataset.
+        task: Name of the task.
+        demos: How many; -1 is all.
+        cameras: Cameras whose colours are read in place of the task state.
+
+    Raises:
+        DatasetError: Too few are stored, or they lack what is needed.
+    """
+    fields = ["joint_positions", "gripper_open", *([f"{c}_rgb" for c in cameras] or ["task_low_dim_state"])]
+    rng = np.random.default_rng(0)
+    return make_examples(stored_demos(root, task, demos, -1, rng=rng, fields=fields), cameras)
+
+
+def make_examples(demos: Sequence[Demo], cameras: Sequence[str] = ()) -> Examples:
+    """Return the examples of demonstrations.
+
+    Raises:
+        DatasetError: They lack actions, the task state or a camera.
+    """
+    parts = [_columns(demo, index, cameras) for index, demo in enumerate(demos)]
+    if not parts:
+        raise DatasetError("There are no demonstrations to learn from. `rlbench-pin record` makes some.")
+    stacked = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    said = [tuple(str(s) for s in demo[0].misc.get("descriptions", ())) or ("",) for demo in demos]
+    sentences = tuple(np.stack([encode_sentence(s) for s in each]) for each in said)
+    return Examples(**stacked, sentences=sentences, instructions=tuple(dict.fromkeys(s for each in said for s in each)))
+
+
+def pictures_of(observation: Observation, cameras: Sequence[str]) -> np.ndarray:
+    """Return the colours of some cameras, uint8 (cameras, PICTURE, PICTURE, 3).
+
+    Raises:
+        DatasetError: One of them is missing.
+    """
+    found = [getattr(observation, f"{camera}_rgb", None) for camera in cameras]
+    if any(picture is None for picture in found):
+        raise DatasetError(f"An observation lacks the colours of one of {list(cameras)}. Record them with `--products rgb`.")
+    return np.stack([resize(np.asarray(p), (PICTURE, PICTURE)) for p in found]) if found else _no_pictures()
+
+
+def _no_pictures() -> np.ndarray:
+    return np.zeros((0, PICTURE, PICTURE, 3), np.uint8)
+
+
+def _columns(demo: Demo, index: int, cameras: Sequence[str]) -> dict[str, np.ndarray]:
+    """Return the columns of one demonstration; its last frame has no action, so it is no example."""
+    frames = list(demo)[:-1]
+    commands = [o.misc.get("joint_position_action") for o in list(demo)[1:]]
+    if not frames or any(c is None for c in commands):
+        raise DatasetError("A demonstration lacks `joint_position_action`, so there is nothing to imitate. Record it live.")
+    if not cameras and any(o.task_low_dim_state is None for o in frames):
+        raise DatasetError("A demonstration lacks `task_low_dim_state`. Record it, or name cameras to learn from.")
+    ahead = np.minimum(np.arange(len(frames))[:, None] + np.arange(CHUNK), len(commands) - 1)
+    chunks = np.asarray(commands)[ahead]
+    state = [np.zeros(0) if cameras else np.asarray(o.task_low_dim_state) for o in frames]
+    return {
+        "joints": np.stack([np.asarray(o.joint_positions) for o in frames]),
+        "opening": np.array([[float(o.gripper_open or 0.0)] for o in frames]),
+        "task_state": np.stack(state),
+        "time": np.arange(len(frames))[:, None] * SECONDS,
+        "episode": np.full(len(frames), index),
+        "targets": chunks[..., :-1],
+        "hand": chunks[..., -1],
+        "pictures": np.stack([pictures_of(o, cameras) for o in frames]),
+    }
+
+
+SENTENCE_SIZE = 96
+"""Numbers of an encoded sentence."""
+
+_WORD = re.compile(r"[a-z0-9]+")
+
+
+def encode_sentence(sentence: str, size: int = SENTENCE_SIZE) -> FloatArray:
+    """Return a unit vector, shape (size,), that says which words a sentence has; zero for one without words.
+
+    Feature hashing (Weinberger et al. 2009): the hash of a word gives its place and its sign, so that there is no vocabulary, and
+    sentences never seen before have vectors, too. Pairs of neighbouring words count half.
+
+    Args:
+        sentence: Any text; case and punctuation do not matter.
+        size: Length of the vector.
+    """
+    words = _WORD.findall(sentence.lower())
+    vector = np.zeros(size)
+    for term, weight in [*((w, 1.0) for w in words), *((f"{a} {b}", 0.5) for a, b in zip(words, words[1:]))]:
+        number = int.from_bytes(hashlib.blake2b(term.encode(), digest_size=8).digest(), "little")
+        vector[number // 2 % size] += weight if number % 2 else -weight
+    length = float(np.linalg.norm(vector))
+    return vector / length if length > 0.0 else vector
+
+
+def nearest_sentence(sentence: str, known: Sequence[str]) -> int:
+    """Return the index of the known sentence whose vector is nearest; the first of several."""
+    vectors = np.stack([encode_sentence(k) for k in known])
+    return int(np.argmax(vectors @ encode_sentence(sentence)))
+
+
+WIDTH = 384
+_FEATURES = 32
+
+
+@dataclass(frozen=True)
+class ChunkSizes:
+    """What goes into the network and what comes out."""
+
+    joints: int = 7
+    """Joints of the arm."""
+    task_state: int = 0
+    """Numbers that describe the objects."""
+    sentence: int = 96
+    """Numbers of an encoded sentence."""
+    cameras: tuple[str, ...] = field(default=())
+    """Cameras whose pictures it sees."""
+    chunk: int = 20
+    """Ticks that it predicts."""
+
+
+class ChunkNetwork(nn.Module):
+    """A residual perceptron over normalised numbers, and for pictures a small convolution that says where features are.
+
+    Buffers `mean` and `spread` normalise what goes in, `reach` what comes out; they are stored with the weights.
+    """
+
+    mean: Tensor
+    spread: Tensor
+    reach: Tensor
+
+    def __init__(self, sizes: ChunkSizes) -> None:
+        super().__init__()
+        self.sizes = sizes
+        numbers = sizes.joints + 2 + sizes.task_state
+        self.register_buffer("mean", torch.zeros(numbers))
+        self.register_buffer("spread", torch.ones(numbers))
+        self.register_buffer("reach", torch.ones(sizes.chunk, sizes.joints))
+        self.eyes = nn.ModuleList([_Eye() for _ in sizes.cameras])
+        into = numbers + sizes.sentence + 2 * _FEATURES * len(sizes.cameras)
+        self.first = nn.Linear(into, WIDTH)
+        self.blocks = nn.ModuleList([_Block() for _ in range(3)])
+        self.last = nn.Linear(WIDTH, sizes.chunk * (sizes.joints + 1))
+
+    def forward(self, numbers: Tensor, sentence: Tensor, pictures: Tensor) -> tuple[Tensor, Tensor]:
+        """Return joint commands relative to the joints now, (b, chunk, joints) [rad], and how likely the hand is open.
+
+        Args:
+            numbers: Joints, opening, time and task state, (b, n).
+            sentence: Encoded instructions, (b, s).
+            pictures: Colours 0..1, (b, cameras, 3, h, w).
+
+        Returns:
+            Steps, and logits (b, chunk).
+        """
+        seen = [eye(pictures[:, i]) for i, eye in enumerate(self.eyes)]
+        x = self.first(torch.cat([(numbers - self.mean) / self.spread, sentence, *seen], dim=1))
+        for block in self.blocks:
+            x = block(x)
+        out = self.last(x).unflatten(1, (self.sizes.chunk, self.sizes.joints + 1))
+        return out[..., :-1] * self.reach, out[..., -1]
+
+
+class _Block(nn.Module):
+    def __init__(self) -> None:
+        super().__init__()
+        self.inner = nn.Sequential(nn.LayerNorm(WIDTH), nn.Linear(WIDTH, WIDTH), nn.GELU(), nn.Linear(WIDTH, WIDTH))
+
+    def forward(self, x: Tensor) -> Tensor:
+        """Return x and what the block adds."""
+        return x + self.inner(x)  # type: ignore[no-any-return]
+
+
+class _Eye(nn.Module):
+    """Convolutions, then for each feature the mean place where it is strong (Levine et al. 2016)."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.layers = nn.Sequential(
+            nn.Conv2d(3, 32, 5, stride=2, padding=2),
+            nn.ReLU(),
+            nn.Conv2d(32, 32, 3, stride=2, padding=1),
+            nn.ReLU(),
+            nn.Conv2d(32, _FEATURES, 3, padding=1),
+        )
+
+    def forward(self, picture: Tensor) -> Tensor:
+        """Return (b, 2 * features): x and y of each feature in -1..1."""
+        strong = self.layers(picture)
+        weight = strong.flatten(2).softmax(dim=2).view_as(strong)
+        x = torch.linspace(-1.0, 1.0, strong.shape[3], device=picture.device)
+        y = torch.linspace(-1.0, 1.0, strong.shape[2], device=picture.device)
+        return torch.cat([(weight.sum(2) * x).sum(2), (weight.sum(3) * y).sum(2)], dim=1)

@@ -1,0 +1,82 @@
+"""The policy of behaviour cloning: a chunk of commands at each tick, and the mean of what chunks say about now."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from rlbench_pin.baselines.cloning.model import PICTURE, SECONDS, ChunkNetwork, encode_sentence, nearest_sentence, pictures_of
+from rlbench_pin.baselines.cloning.training import KIND, as_pictures, load_cloning, trained_tasks
+from rlbench_pin.environment import Discrete, JointPosition, MoveArmThenGripper, ObservationConfig, low_dim_config, picture_config
+from rlbench_pin.evaluation.policies.policy import PolicyContext
+from rlbench_pin.observation import Observation
+from rlbench_pin.spatial import FloatArray
+
+FADE = 0.1
+"""How fast the say of older chunks falls, per tick; 0 lets all count alike."""
+
+
+class CloningPolicy:
+    """Joint commands learned from demonstrations; which of its networks acts is chosen by the instruction.
+
+    Args:
+        folder: What `rlbench-pin train cloning` wrote.
+        device: Where torch computes.
+    """
+
+    def __init__(self, folder: str | Path, device: str = "cpu") -> None:
+        """Read what is in the folder; networks are loaded when their task comes up."""
+        self._folder, self._device = Path(folder), device
+        self._said = {task: list(s["instructions"]) for task, s in trained_tasks(self._folder, KIND).items()}
+        cameras = {c for s in trained_tasks(self._folder, KIND).values() for c in s["sizes"]["cameras"]}
+        self.action_mode = MoveArmThenGripper(JointPosition(), Discrete())
+        self.obs_config = _observation(tuple(sorted(cameras)))
+        self._networks: dict[str, tuple[ChunkNetwork, float]] = {}
+        self._chunks: list[tuple[FloatArray, FloatArray]] = []
+        self._sentence, self._tick, self._task = encode_sentence(""), 0, next(iter(self._said))
+
+    def reset(self, instruction: str, context: PolicyContext) -> None:
+        """Choose the network whose demonstrations were told something nearest to the instruction."""
+        owners = [(task, said) for task, all_said in self._said.items() for said in all_said]
+        self._task = owners[nearest_sentence(instruction, [said for _, said in owners])][0]
+        if self._task not in self._networks:
+            self._networks[self._task] = load_cloning(self._folder / self._task, self._device)
+        self._sentence, self._tick, self._chunks = encode_sentence(instruction), 0, []
+
+    def act(self, observation: Observation) -> np.ndarray:
+        """Predict a chunk and return the weighted mean of what the last chunks say about this tick, shape (8,)."""
+        network, longest = self._networks[self._task]
+        joints, hand = self._predict(network, longest, observation)
+        self._chunks = [(joints, hand), *self._chunks][: len(hand)]
+        self._tick += 1
+        weights = np.exp(-FADE * np.arange(len(self._chunks)))
+        weights /= weights.sum()
+        arm = sum(w * chunk[age] for age, (w, (chunk, _)) in enumerate(zip(weights, self._chunks)))
+        grip = sum(w * opening[age] for age, (w, (_, opening)) in enumerate(zip(weights, self._chunks)))
+        return np.append(arm, float(grip > 0.5))
+
+    def _predict(self, network: ChunkNetwork, longest: float, observation: Observation) -> tuple[FloatArray, FloatArray]:
+        """Return commands (chunk, joints) [rad] and how likely the hand is open (chunk,)."""
+        sizes = network.sizes
+        joints = np.asarray(observation.joint_positions, dtype=float)
+        state = np.asarray(observation.task_low_dim_state, dtype=float) if not sizes.cameras else np.zeros(0)
+        numbers = np.r_[joints, float(observation.gripper_open or 0.0), min(self._tick * SECONDS, longest), state]
+        pictures = as_pictures(pictures_of(observation, sizes.cameras)[None], torch.device(self._device))
+        rows = [torch.as_tensor(v[None], dtype=torch.float32, device=self._device) for v in (numbers, self._sentence)]
+        with torch.no_grad():
+            steps, hand = network(rows[0], rows[1], pictures)
+        return joints + steps[0].double().cpu().numpy(), hand[0].sigmoid().double().cpu().numpy()
+
+
+def policy(folder: str, device: str = "cpu") -> CloningPolicy:
+    """Return the policy in a folder that `rlbench-pin train cloning` wrote."""
+    return CloningPolicy(folder, device)
+
+
+def _observation(cameras: tuple[str, ...]) -> ObservationConfig:
+    """Return what is observed: joints, hand, task state, and for pictures the colours of some cameras."""
+    if not cameras:
+        return low_dim_config()
+    return picture_config((2 * PICTURE, 2 * PICTURE), cameras, depth=False, mask=False)

@@ -1,0 +1,367 @@
+"""Training of the cloning baseline on recorded demonstrations, and its model files."""
+
+from __future__ import annotations
+
+import json
+import math
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from safetensors import SafetensorError, safe_open
+from safetensors.torch import load, save
+from torch.utils.tensorboard import SummaryWriter
+
+from rlbench_pin.baselines.cloning.model import CHUNK, SENTENCE_SIZE, ChunkNetwork, ChunkSizes, Examples, read_examples
+from rlbench_pin.datasets import write_whole
+from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.spatial import FloatArray
+
+MODEL, SETTINGS, CHECKPOINT = "model.safetensors", "settings.json", "checkpoint.safetensors"
+FORMAT = 1
+
+
+class ModelFileError(RlbenchPinError):
+    """A trained model is missing, damaged, or of another kind; names the file and what makes one."""
+
+    def __init__(self, path: Path, why: str) -> None:
+        self.path = path
+        super().__init__(f"'{path}' {why}. `rlbench-pin train` makes a folder with models.")
+
+
+def write_tensors(path: Path, tensors: Mapping[str, torch.Tensor], **notes: str) -> None:
+    """Write tensors and a few texts as one file, whole or not at all."""
+    plain = {name: tensor.detach().to("cpu").contiguous() for name, tensor in tensors.items()}
+    write_whole(path, save(plain, metadata=notes))
+
+
+def read_tensors(path: Path) -> tuple[dict[str, torch.Tensor], dict[str, str]]:
+    """Return the tensors and texts of a file.
+
+    Raises:
+        ModelFileError: It is missing or damaged.
+    """
+    if not path.is_file():
+        raise ModelFileError(path, "does not exist")
+    try:
+        with safe_open(path, framework="pt") as file:
+            notes = dict(file.metadata() or {})
+        return load(path.read_bytes()), notes
+    except (SafetensorError, OSError) as error:
+        raise ModelFileError(path, f"is damaged ({error})") from error
+
+
+def write_settings(path: Path, kind: str, settings: Mapping[str, Any]) -> None:
+    """Write what a model is and how it was made, as JSON."""
+    content = {"format": FORMAT, "kind": kind, **settings}
+    write_whole(path, (json.dumps(content, indent=1, sort_keys=True) + "\n").encode())
+
+
+def read_settings(path: Path, kind: str) -> dict[str, Any]:
+    """Return what `write_settings` wrote.
+
+    Raises:
+        ModelFileError: The file is missing, damaged, or about another kind of model.
+    """
+    if not path.is_file():
+        raise ModelFileError(path, "does not exist")
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (ValueError, OSError) as error:
+        raise ModelFileError(path, f"is damaged ({error})") from error
+    if not isinstance(content, dict) or (content.pop("format", None), content.pop("kind", None)) != (FORMAT, kind):
+        raise ModelFileError(path, f"is not about a model of kind '{kind}'")
+    return content
+
+
+def fill_network(network: torch.nn.Module, path: Path) -> None:
+    """Load the tensors of a file into a network.
+
+    Raises:
+        ModelFileError: It is missing, damaged, or of another network.
+    """
+    tensors, _ = read_tensors(path)
+    try:
+        network.load_state_dict(tensors)
+    except RuntimeError as error:
+        raise ModelFileError(path, "does not fit the settings beside it") from error
+
+
+def trained_tasks(folder: Path, kind: str) -> dict[str, dict[str, Any]]:
+    """Return the settings of the models in a folder by task, each in a folder of its own.
+
+    Raises:
+        ModelFileError: There is none.
+    """
+    found = {p.parent.name: read_settings(p, kind) for p in sorted(Path(folder).glob(f"*/{SETTINGS}"))}
+    if not found:
+        raise ModelFileError(Path(folder), f"holds no model of kind '{kind}'")
+    return found
+
+
+Losses = dict[str, torch.Tensor]
+"""Name -> loss; `total` is what is minimised."""
+CURVE_EVERY = 20
+"""Steps between points of the curves."""
+
+
+@dataclass(frozen=True)
+class TrainConfig:
+    """How long and how a network is trained."""
+
+    steps: int = 3000
+    """Batches."""
+    batch: int = 128
+    """Examples in a batch."""
+    rate: float = 1e-3
+    """Learning rate after the first hundred steps; it falls to 0 along half a cosine."""
+    decay: float = 1e-4
+    """Weight decay of AdamW."""
+    seed: int = 0
+    """Of first weights, batches and augmentation."""
+    device: str = "cpu"
+    """Where torch computes: `cpu`, `cuda`, `cuda:1` ... On the CPU the same seed gives the same bytes."""
+    checkpoint_every: int = 250
+    """Steps between checkpoints."""
+
+
+def seeded(make: Callable[[], torch.nn.Module], seed: int) -> torch.nn.Module:
+    """Return a network whose first weights follow from a seed; torch's own generator is as before."""
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(seed)
+        return make()
+
+
+def learning_rate(config: TrainConfig, step: int) -> float:
+    """Return the learning rate of a step: up over a hundred steps, then down half a cosine."""
+    warm = min(1.0, (step + 1) / 100.0)
+    return config.rate * warm * 0.5 * (1.0 + math.cos(math.pi * step / config.steps))
+
+
+def train(
+    network: torch.nn.Module,
+    losses: Callable[[np.random.Generator], Losses],
+    config: TrainConfig,
+    folder: Path,
+    on_step: Callable[[int, float], None] = lambda step, loss: None,
+    stop: threading.Event | None = None,
+) -> bool:
+    """Train a network, write it to `model.safetensors`, and return whether it came to its end.
+
+    What was begun goes on from its last checkpoint, and ends with the same bits as if it had never been ended.
+
+    Args:
+        network: On the device of the settings; a checkpoint's weights replace its own.
+        losses: Draws a batch, from nothing but the generator that it is given, and returns its losses.
+        config: How long, how fast.
+        folder: Where everything is written.
+        on_step: Called with how many steps are done, and the loss.
+        stop: Ends the training at a checkpoint.
+
+    Raises:
+        ModelFileError: The checkpoint is damaged, or of other settings.
+    """
+    optimizer = torch.optim.AdamW(network.parameters(), lr=config.rate, weight_decay=config.decay)
+    done = _restore(network, optimizer, config, folder)
+    writer = SummaryWriter(str(folder / "curves"), purge_step=done)
+    try:
+        for step in range(done, config.steps):
+            if (is_ending := stop is not None and stop.is_set()) or step % config.checkpoint_every == 0:
+                _checkpoint(network, optimizer, config, folder, step)
+            if is_ending:
+                return False
+            found = _step(network, optimizer, losses, config, step)
+            _draw(writer, found, step + 1)
+            on_step(step + 1, found["total"])
+    finally:
+        writer.close()
+    write_tensors(folder / MODEL, network.state_dict())
+    (folder / CHECKPOINT).unlink(missing_ok=True)
+    return True
+
+
+def _step(
+    network: torch.nn.Module,
+    optimizer: torch.optim.Optimizer,
+    losses: Callable[[np.random.Generator], Losses],
+    config: TrainConfig,
+    step: int,
+) -> dict[str, float]:
+    for group in optimizer.param_groups:
+        group["lr"] = learning_rate(config, step)
+    found = losses(np.random.default_rng([config.seed, step]))
+    optimizer.zero_grad(set_to_none=True)
+    found["total"].backward()
+    torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
+    optimizer.step()
+    return {name: float(value.detach()) for name, value in found.items()}
+
+
+def _draw(writer: SummaryWriter, losses: dict[str, float], step: int) -> None:
+    """Put the losses of every twentieth step on the curves."""
+    if step % CURVE_EVERY == 0:
+        for name, value in losses.items():
+            writer.add_scalar(f"loss/{name}", value, step)
+
+
+def _checkpoint(network: torch.nn.Module, optimizer: torch.optim.Optimizer, config: TrainConfig, folder: Path, step: int) -> None:
+    tensors = {f"network/{name}": value for name, value in network.state_dict().items()}
+    for index, state in optimizer.state_dict()["state"].items():
+        tensors |= {f"optimizer/{index}/{name}": torch.as_tensor(value) for name, value in state.items()}
+    write_tensors(folder / CHECKPOINT, tensors, step=str(step), config=_identity(config))
+
+
+def _restore(network: torch.nn.Module, optimizer: torch.optim.Optimizer, config: TrainConfig, folder: Path) -> int:
+    """Load the checkpoint, if there is one, and return how many steps were done."""
+    path = folder / CHECKPOINT
+    if not path.exists():
+        return 0
+    tensors, notes = read_tensors(path)
+    if notes.get("config") != _identity(config):
+        raise ModelFileError(path, f"was begun with {notes.get('config')}, not {_identity(config)}; delete it to begin again")
+    network.load_state_dict({n.removeprefix("network/"): t for n, t in tensors.items() if n.startswith("network/")})
+    state: dict[int, dict[str, torch.Tensor]] = {}
+    for name, tensor in tensors.items():
+        if name.startswith("optimizer/"):
+            _, index, key = name.split("/")
+            state.setdefault(int(index), {})[key] = tensor
+    optimizer.load_state_dict({"state": state, "param_groups": optimizer.state_dict()["param_groups"]})
+    return int(notes["step"])
+
+
+def _identity(config: TrainConfig) -> str:
+    """Say what must be the same for training to go on."""
+    return f"steps={config.steps} batch={config.batch} rate={config.rate} decay={config.decay} seed={config.seed}"
+
+
+KIND = "cloning"
+JOINT_NOISE = 0.02
+"""Spread of what is added to the joints that are seen [rad]. The commands stay, so the network learns to come back."""
+STATE_NOISE = 0.002
+"""Spread of what is added to the numbers that describe objects, in [m] or [rad]."""
+TIME_NOISE = 0.1
+"""Spread of what is added to the time [s]."""
+SHIFT = 2
+"""Pixels that pictures are moved by at most, of `PICTURE`."""
+LEAST_SPREAD = 0.02
+"""Numbers that vary less are divided by this, so that what is constant in the demonstrations stays near 0."""
+
+
+class ChunkLearner:
+    """Examples on a device, and losses of a network on batches of them."""
+
+    def __init__(self, examples: Examples, cameras: Sequence[str] = (), device: str = "cpu", seed: int = 0) -> None:
+        """Put examples on a device and make a network for them."""
+        self._examples, self._device = examples, torch.device(device)
+        width, state = examples.joints.shape[1], examples.task_state.shape[1]
+        sizes = ChunkSizes(width, state, SENTENCE_SIZE, tuple(cameras), CHUNK)
+        network = seeded(lambda: ChunkNetwork(sizes), seed)
+        assert isinstance(network, ChunkNetwork)
+        self.network = network.to(self._device)
+        numbers = np.concatenate([examples.joints, examples.opening, examples.time, examples.task_state], axis=1)
+        steps = examples.targets - examples.joints[:, None]
+        self._fill(self.network.mean, numbers.mean(axis=0))
+        self._fill(self.network.spread, np.maximum(numbers.std(axis=0), LEAST_SPREAD))
+        self._fill(self.network.reach, np.maximum(steps.std(axis=0), LEAST_SPREAD))
+        self._numbers, width = numbers, examples.joints.shape[1]
+        self._noise = np.r_[np.full(width, JOINT_NOISE), 0.0, TIME_NOISE, np.full(state, STATE_NOISE)]
+
+    def losses(self, rng: np.random.Generator, batch: int) -> Losses:
+        """Draw a batch and return the mean errors of commands, in units of their spread, and of the hand."""
+        data = self._examples
+        rows = rng.integers(len(self._numbers), size=batch)
+        numbers = self._numbers[rows] + rng.normal(size=(batch, len(self._noise))) * self._noise
+        steps = data.targets[rows] - numbers[:, None, : data.joints.shape[1]]
+        said = [data.sentences[e] for e in data.episode[rows]]
+        sentence = np.stack([each[rng.integers(len(each))] for each in said])
+        seen = as_pictures(shifted(data.pictures[rows], rng), self._device)
+        found, hand = self.network(self._tensor(numbers), self._tensor(sentence), seen)
+        arm = torch.nn.functional.smooth_l1_loss(found / self.network.reach, self._tensor(steps) / self.network.reach, beta=0.1)
+        grip = torch.nn.functional.binary_cross_entropy_with_logits(hand, self._tensor(data.hand[rows]).clamp(0.0, 1.0))
+        return {"total": arm + 0.1 * grip, "arm": arm, "hand": grip}
+
+    def _tensor(self, values: FloatArray) -> torch.Tensor:
+        return torch.as_tensor(values, dtype=torch.float32, device=self._device)
+
+    def _fill(self, buffer: torch.Tensor, values: FloatArray) -> None:
+        buffer.copy_(self._tensor(values))
+
+
+def shifted(pictures: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return pictures (b, cameras, h, w, 3), each moved by up to `SHIFT` pixels either way; borders are repeated."""
+    batch, cameras, height, width = pictures.shape[:4]
+    down, right = rng.integers(-SHIFT, SHIFT + 1, size=(2, batch, cameras, 1))
+    rows = np.clip(np.arange(height) + down, 0, height - 1)[..., None]
+    columns = np.clip(np.arange(width) + right, 0, width - 1)[:, :, None]
+    return pictures[np.arange(batch)[:, None, None, None], np.arange(cameras)[:, None, None], rows, columns]
+
+
+def as_pictures(pictures: np.ndarray, device: torch.device) -> torch.Tensor:
+    """Return uint8 pictures (b, cameras, h, w, 3) as a network sees them: (b, cameras, 3, h, w), 0..1."""
+    return torch.as_tensor(pictures, device=device).movedim(-1, 2).float() / 255.0
+
+
+def train_cloning(
+    roots: Sequence[Path],
+    task: str,
+    folder: Path,
+    config: TrainConfig,
+    *,
+    demos: int = -1,
+    cameras: Sequence[str] = (),
+    on_step: Callable[[int, float], None] = lambda step, loss: None,
+    stop: threading.Event | None = None,
+) -> bool:
+    """Train behaviour cloning of one task and write it to `folder/task`; what was begun there goes on.
+
+    Args:
+        roots: Folders of datasets; the first that holds the task is read.
+        task: Its name.
+        folder: Where the folder of its model is made.
+        config: How long, how fast.
+        demos: Demonstrations to learn from; -1 is all.
+        cameras: Cameras to learn from in place of the task state.
+        on_step: Called with how many steps are done, and the loss.
+        stop: When set, the training ends at a checkpoint.
+
+    Returns:
+        Whether it is finished.
+    """
+    place = Path(folder) / task
+    if (place / MODEL).exists() and (place / SETTINGS).exists():
+        return True
+    root = next((r for r in roots if (Path(r) / task).is_dir()), roots[0])
+    examples = read_examples(Path(root), task, demos, cameras)
+    learner = ChunkLearner(examples, cameras, config.device, config.seed)
+    finished = train(learner.network, lambda rng: learner.losses(rng, config.batch), config, place, on_step, stop)
+    if finished:
+        write_settings(place / SETTINGS, KIND, _settings(task, learner.network.sizes, examples, config))
+    return finished
+
+
+def _settings(task: str, sizes: ChunkSizes, examples: Examples, config: TrainConfig) -> dict[str, Any]:
+    return {
+        "task": task,
+        "sizes": asdict(sizes),
+        "instructions": list(examples.instructions),
+        "demonstrations": len(examples.sentences),
+        "longest": float(examples.time.max()),
+        "train": asdict(replace(config, device="cpu")),
+    }
+
+
+def load_cloning(folder: Path, device: str = "cpu") -> tuple[ChunkNetwork, float]:
+    """Return the network in a folder, and the longest time that it has seen [s].
+
+    Raises:
+        ModelFileError: A file is missing or damaged.
+    """
+    settings = read_settings(folder / SETTINGS, KIND)
+    sizes = dict(settings["sizes"])
+    network = ChunkNetwork(ChunkSizes(**{**sizes, "cameras": tuple(sizes["cameras"])}))
+    fill_network(network, folder / MODEL)
+    return network.to(device).eval(), float(settings["longest"])

@@ -1,0 +1,393 @@
+"""The few-shot baseline: it replays the nearest demonstration, with point clouds registered."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from rlbench_pin.datasets import key_frames
+from rlbench_pin.environment.observations import ObservationConfig
+from rlbench_pin.environment.presets import key_frame_mode
+from rlbench_pin.evaluation.challenge.learner import Demonstration, TrainingTask
+from rlbench_pin.evaluation.policies.adapters import KeyFrame, KeyFramePolicy
+from rlbench_pin.evaluation.policies.policy import PolicyContext
+from rlbench_pin.evaluation.policies.settings import blank_observations
+from rlbench_pin.observation import Observation
+from rlbench_pin.spatial import TABLE_HEIGHT, compose, pose_at
+
+CAMERAS = ("left_shoulder", "right_shoulder", "overhead", "front")
+"""Cameras whose pictures are used."""
+LOW, HIGH = np.array([-0.12, -0.7, TABLE_HEIGHT + 0.006]), np.array([0.85, 0.7, TABLE_HEIGHT + 0.9])
+"""Corners of the box in which points count [m]."""
+ARM, HAND = 0.11, 0.13
+"""Points nearer to the line through the joints, or to the tip and above it, are the arm's [m]."""
+GRAIN = 0.007
+"""Edge of the cubes of which each keeps one point [m]."""
+
+
+def scene_points(observation: Observation) -> np.ndarray:
+    """Return the points of a scene, shape (n, 6), see `registration`.
+
+    Args:
+        observation: With `rgb` and `point_cloud` of the cameras, and `joint_poses` in `misc`.
+    """
+    parts = []
+    for camera in CAMERAS:
+        places, colours = getattr(observation, f"{camera}_point_cloud"), getattr(observation, f"{camera}_rgb")
+        parts.append(np.column_stack([places.reshape(-1, 3), colours.reshape(-1, 3) * (COLOUR / 255.0)]).astype(float))
+    points = np.concatenate(parts)
+    points = points[((points[:, :3] > LOW) & (points[:, :3] < HIGH)).all(axis=1)]
+    points = points[_arm_distances(points[:, :3], observation) > 0.0]
+    _, kept = np.unique(np.floor(points[:, :3] / GRAIN).astype(int), axis=0, return_index=True)
+    return points[kept]
+
+
+def _arm_distances(points: np.ndarray, observation: Observation) -> np.ndarray:
+    """Return how far points (n, 3) are outside of the arm, roughly [m]."""
+    joints = np.asarray(observation.misc["joint_poses"], dtype=float)[:, :3]
+    assert observation.gripper_pose is not None
+    tip = np.asarray(observation.gripper_pose, dtype=float)[:3]
+    lines = [(a, b, ARM) for a, b in zip(joints, joints[1:]) if np.linalg.norm(b - a) > 1e-6]
+    lines.append((joints[-1], tip, HAND))
+    return np.min([_line_distances(points, a, b) - radius for a, b, radius in lines], axis=0)
+
+
+def _line_distances(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    along = np.clip(((points - a) @ (b - a)) / ((b - a) @ (b - a)), 0.0, 1.0)
+    return np.asarray(np.linalg.norm(points - (a + along[:, None] * (b - a)), axis=1))
+
+
+COLOUR = 0.06
+"""Distance that stands for the whole range of a colour [m]."""
+KEPT = 0.8
+"""Share of the nearest neighbours that count; the others are hidden in one of the scenes."""
+FAR = 0.05
+"""Distances beyond are no worse [m]."""
+TURNS = np.linspace(-np.pi, np.pi, 24, endpoint=False)
+"""Turns that are tried [rad]."""
+SHIFTS = [(x, y) for x in np.linspace(-0.2, 0.2, 5) for y in np.linspace(-0.2, 0.2, 5)]
+"""Shifts of a whole scene that are tried, beside those that bring the middles together [m]."""
+TURNING = 0.001
+"""Cost of a turn, so that of two that fit alike the smaller is taken [m/rad]."""
+CLEARLY = 0.001
+"""What is clearly better [m]."""
+PLACES = 40
+"""Places that are tried."""
+SAMPLES, REFINED = (80, 200, 500), (10, 3)
+"""Points that motions are compared by, then refined by, then refined by again, and how many of them are each time."""
+OUTLYING, NEAR, NEIGHBOURS = 2.5, 0.2, 12
+"""Distances so many times the median do not count; how much neighbours count beside surfaces; neighbours that make a surface."""
+STEPS = 20
+"""Iterations of a refinement."""
+
+
+@dataclass(frozen=True)
+class PlanarMotion:
+    """A turn about the vertical axis of the world, then a shift: from the demonstration's scene to the other."""
+
+    yaw: float = 0.0
+    """[rad]"""
+    x: float = 0.0
+    """[m]"""
+    y: float = 0.0
+    """[m]"""
+
+    def of_points(self, points: np.ndarray) -> np.ndarray:
+        """Return points (n, 6) moved."""
+        c, s = np.cos(self.yaw), np.sin(self.yaw)
+        moved = points.copy()
+        moved[:, 0] = c * points[:, 0] - s * points[:, 1] + self.x
+        moved[:, 1] = s * points[:, 0] + c * points[:, 1] + self.y
+        return moved
+
+    def of_pose(self, pose: np.ndarray) -> np.ndarray:
+        """Return a pose (7,) moved."""
+        return compose(pose_at((self.x, self.y, 0.0), yaw=self.yaw), pose)
+
+    def then(self, step: PlanarMotion) -> PlanarMotion:
+        """Return this motion and another one after it, as one."""
+        x, y = step.of_points(np.array([[self.x, self.y, 0.0, 0.0, 0.0, 0.0]]))[0, :2]
+        return PlanarMotion(self.yaw + step.yaw, float(x), float(y))
+
+    @classmethod
+    def about(cls, yaw: float, center: np.ndarray, target: np.ndarray) -> PlanarMotion:
+        """Return the turn that brings a point (2,) to another (2,)."""
+        c, s = np.cos(yaw), np.sin(yaw)
+        return cls(yaw, float(target[0] - c * center[0] + s * center[1]), float(target[1] - s * center[0] - c * center[1]))
+
+
+@dataclass(frozen=True)
+class Match:
+    """A motion, and how well it fits."""
+
+    motion: PlanarMotion
+    cost: float
+    """Mean distance of neighbours, of place and colour together [m]."""
+
+
+class Scene:
+    """Points that parts of another scene are looked for in.
+
+    Args:
+        points: Shape (n, 6).
+    """
+
+    def __init__(self, points: np.ndarray) -> None:
+        self.points = points
+        self._tree = KDTree(points)
+        self._normals = surface_normals(points, self._tree)
+
+    def cost(self, moved: np.ndarray) -> float:
+        """Return the mean distance of points (m, 6) to their neighbours here, without the worst."""
+        return kept_mean(self._tree.query(moved, distance_upper_bound=FAR)[0])
+
+    def whole(self, part: np.ndarray) -> Match:
+        """Return the motion of a whole scene (m, 6) that fits best, judged both ways."""
+        center, here = part[:, :2].mean(axis=0), self.points[:, :2].mean(axis=0)
+        tried = [PlanarMotion.about(yaw, center, here + shift) for yaw in TURNS for shift in SHIFTS]
+        return self._best(part, [PlanarMotion(), *tried], both_ways=True)
+
+    def staying(self, part: np.ndarray, motion: PlanarMotion) -> Match:
+        """Return a motion as it is, and how well it fits a part (m, 6)."""
+        return Match(motion, self._misfit(motion, thinned(part, SAMPLES[-1])) + CLEARLY)
+
+    def part(self, part: np.ndarray, likely: PlanarMotion) -> Match:
+        """Return the motion of a part (m, 6) that fits best.
+
+        Args:
+            part: Its points.
+            likely: A motion that is kept, but for a little, unless another one fits clearly better.
+        """
+        center = part[:, :2].mean(axis=0)
+        places = thinned(self.points, PLACES)[:, :2]
+        tried = [PlanarMotion.about(yaw, center, place) for place in places for yaw in TURNS]
+        kept, other = self._best(part, [likely], both_ways=False), self._best(part, tried, both_ways=False)
+        return other if other.cost + CLEARLY < kept.cost else kept
+
+    def _best(self, part: np.ndarray, tried: Sequence[PlanarMotion], both_ways: bool) -> Match:
+        """Return the best motion: those tried are compared, refined by few points, then by more, fewer of them each time."""
+        few, some, more = (thinned(part, most) for most in SAMPLES)
+        distances = self._tree.query(np.concatenate([m.of_points(few) for m in tried]), distance_upper_bound=FAR)[0]
+        costs = [kept_mean(of_one) for of_one in distances.reshape(len(tried), len(few))]
+        motions = [self._refined(some, tried[i]) for i in np.argsort(costs, kind="stable")[: REFINED[0]]]
+        motions = [self._refined(more, m) for m in sorted(motions, key=lambda m: self._misfit(m, some))[: REFINED[1]]]
+        matches = [Match(m, self._misfit(m, more) + (self._back(m, part) if both_ways else 0.0)) for m in motions]
+        return min(matches, key=lambda match: match.cost)
+
+    def _misfit(self, motion: PlanarMotion, points: np.ndarray) -> float:
+        """Return how badly a motion fits, by some points (n, 6)."""
+        return self.cost(motion.of_points(points)) + TURNING * abs(float(np.angle(np.exp(1j * motion.yaw))))
+
+    def _back(self, motion: PlanarMotion, whole: np.ndarray) -> float:
+        """Return how far what is here is from a whole scene (n, 6) that was moved."""
+        here = thinned(self.points, SAMPLES[-1])
+        return kept_mean(KDTree(motion.of_points(whole)).query(here, distance_upper_bound=FAR)[0])
+
+    def _refined(self, part: np.ndarray, motion: PlanarMotion) -> PlanarMotion:
+        """Bring a part nearer, again and again: to the surfaces of its neighbours, so that it slides along them, and a little
+        to the neighbours themselves.
+        """
+        for _ in range(STEPS):
+            moved = motion.of_points(part)
+            distances, nearest = self._tree.query(moved)
+            close = distances <= max(0.01, OUTLYING * float(np.median(distances)))
+            ours, gaps, normals = moved[close, :3], (self.points[nearest] - moved)[close, :3], self._normals[nearest[close]]
+            center = ours[:, :2].mean(axis=0)
+            x, y = (ours[:, :2] - center).T
+            zero, one = np.zeros_like(x), np.ones_like(x)
+            flat = np.stack([np.column_stack([-y, one, zero]), np.column_stack([x, zero, one])])  # how a step moves x and y
+            rows = np.concatenate([np.einsum("nk,knj->nj", normals[:, :2], flat), *(NEAR * flat)])
+            wanted = np.concatenate([(normals * gaps).sum(axis=1), *(NEAR * gaps[:, :2].T)])
+            turn, *shift = np.linalg.lstsq(rows, wanted, rcond=None)[0]
+            motion = motion.then(PlanarMotion.about(float(turn), center, center + shift))
+            if abs(turn) < 1e-4 and np.abs(shift).max() < 1e-5:
+                break
+        return motion
+
+
+def surface_normals(points: np.ndarray, tree: KDTree) -> np.ndarray:
+    """Return the direction in which the neighbours of each point (n, 6) spread least, shape (n, 3)."""
+    around = points[tree.query(points, k=min(NEIGHBOURS, len(points)))[1].reshape(len(points), -1), :3]
+    spread = around - around.mean(axis=1, keepdims=True)
+    return np.asarray(np.linalg.eigh(np.einsum("nki,nkj->nij", spread, spread))[1][:, :, 0])
+
+
+def kept_mean(distances: np.ndarray) -> float:
+    """Return the mean of the least distances, each cut off at `FAR`."""
+    cut = np.sort(np.minimum(distances, FAR))
+    return float(cut[: max(1, int(KEPT * len(cut)))].mean())
+
+
+def thinned(points: np.ndarray, most: int) -> np.ndarray:
+    """Return at most so many of the points (n, 6), evenly taken in their order."""
+    return points[np.linspace(0, len(points) - 1, min(most, len(points))).astype(int)]
+
+
+TOGETHER = 0.2
+"""Key frames that follow each other within this distance belong to one part of the scene, which the hand may touch [m]."""
+RADIUS = 0.15
+"""A part of the scene is what is so near to its key frames [m]."""
+FEWEST = 40
+"""Points of a part at least; with fewer, it moves as its neighbour does."""
+WORDS = 0.02
+"""Cost of an instruction without a word in common [m]."""
+CONSIDERED = 4
+"""Demonstrations whose scenes fit best that are looked at more closely."""
+
+
+def nearest_config() -> ObservationConfig:
+    """Return what the learner observes: colours and points of four cameras, and the arm."""
+    config = blank_observations()
+    config.gripper_open = config.gripper_pose = config.joint_velocities = config.joint_poses = True
+    for name in CAMERAS:
+        config.camera(name).rgb = config.camera(name).point_cloud = True
+    return config
+
+
+@dataclass(frozen=True)
+class Part:
+    """Key frames that have to do with the same part of the scene."""
+
+    frames: tuple[KeyFrame, ...]
+    points: np.ndarray
+    """What is around them in the first frame, shape (n, 6); nothing where there is too little."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A demonstration as it is remembered."""
+
+    words: frozenset[str]
+    scene: np.ndarray
+    """Points of the first frame, shape (n, 6)."""
+    parts: tuple[Part, ...]
+
+    def misses(self, said: frozenset[str]) -> float:
+        """Return the cost of an instruction with these words [m]."""
+        return WORDS * (1.0 - len(said & self.words) / max(1, len(said | self.words)))
+
+
+class Nearest:
+    """Remembers demonstrations; practises nothing.
+
+    Args:
+        local: Whether parts of the scene are looked for apart; otherwise it moves as a whole.
+    """
+
+    pictures = "first"
+
+    def __init__(self, local: bool = True) -> None:
+        self.action_mode, self.obs_config, self.max_steps = key_frame_mode(), nearest_config(), 25
+        self._local = local
+
+    def meta_train(self, tasks: Sequence[TrainingTask]) -> None:
+        """Practise nothing."""
+
+    def recall(self, learned: Mapping[str, Any]) -> None:
+        """Nothing was learned."""
+
+    def adapt(self, demonstrations: Sequence[Demonstration]) -> NearestPolicy:
+        """Remember the demonstrations."""
+        return NearestPolicy([remembered(demonstration) for demonstration in demonstrations], self._local)
+
+
+class NearestPolicy(KeyFramePolicy):
+    """Replays the key frames of the demonstration that fits best; where that did not help, those of the next one.
+
+    Args:
+        shown: The demonstrations.
+        local: Whether parts of the scene are looked for apart.
+    """
+
+    def __init__(self, shown: Sequence[Shown], local: bool) -> None:
+        super().__init__(nearest_config())
+        self._shown, self._local = shown, local
+        self._plans: list[list[KeyFrame]] = []
+        self._next, self._tries, self._tip = 0, 0, np.full(7, np.nan)
+
+    def reset(self, instruction: str, context: PolicyContext) -> None:
+        """Begin an episode."""
+        super().reset(instruction, context)
+        self._plans, self._next, self._tries, self._tip = [], 0, 0, np.full(7, np.nan)
+
+    def predict(self, observation: Observation, instruction: str) -> KeyFrame:
+        """Return the next key frame. Where the arm has not moved towards the last one, that was refused."""
+        assert observation.gripper_pose is not None
+        if not self._plans:
+            self._plans = self._looked(observation, instruction)
+        plan = self._plans[self._tries % len(self._plans)]
+        here, refused = observation.gripper_pose, False
+        if self._next:
+            way = np.linalg.norm(plan[self._next - 1].pose[:3] - here[:3])
+            refused = bool(np.array_equal(here, self._tip) and way > 0.01)
+        if refused or self._next == len(plan):
+            self._tries, self._next = self._tries + 1, 0
+            plan = self._plans[self._tries % len(self._plans)]
+        self._tip, self._next = here, self._next + 1
+        return plan[self._next - 1]
+
+    def _looked(self, observation: Observation, instruction: str) -> list[list[KeyFrame]]:
+        """Return the key frames of the demonstrations that fit best, moved to what is seen; each plan ends with the way back."""
+        assert observation.gripper_pose is not None
+        scene, home, said = Scene(scene_points(observation)), KeyFrame(observation.gripper_pose, True), words_of(instruction)
+        wholes = [(scene.whole(shown.scene), shown) for shown in self._shown]
+        wholes.sort(key=lambda fit: fit[0].cost + fit[1].misses(said))
+        ways = (True, False) if self._local else (False,)
+        plans = [_moved(shown, scene, whole, said, local) for whole, shown in wholes[:CONSIDERED] for local in ways]
+        return [[*frames, home] for _, frames in sorted(plans, key=lambda plan: plan[0])]
+
+
+def _moved(shown: Shown, scene: Scene, whole: Match, said: frozenset[str], local: bool) -> tuple[float, list[KeyFrame]]:
+    """Return how badly a demonstration fits, and its key frames moved to this scene, part by part or with the whole."""
+    find = scene.part if local else scene.staying
+    matches = [find(part.points, whole.motion) if len(part.points) else None for part in shown.parts]
+    costs = [match.cost for match in matches if match is not None]
+    frames = []
+    for part, motion in zip(shown.parts, _motions(matches, whole.motion)):
+        frames += [KeyFrame(motion.of_pose(f.pose), f.is_open, f.ignore_collisions) for f in part.frames]
+    return (float(np.mean(costs)) if costs else whole.cost) + shown.misses(said), frames
+
+
+def _motions(matches: Sequence[Match | None], whole: PlanarMotion) -> list[PlanarMotion]:
+    """Return the motion of each part; one that is not known moves as that before it, else as that after it, else as the whole."""
+    motions = [None if match is None else match.motion for match in matches]
+    for order in (range(1, len(motions)), range(len(motions) - 2, -1, -1)):
+        step = order.step
+        for i in order:
+            motions[i] = motions[i] if motions[i] is not None else motions[i - step]
+    return [whole if motion is None else motion for motion in motions]
+
+
+def remembered(demonstration: Demonstration) -> Shown:
+    """Return what is remembered of a demonstration."""
+    seen = demonstration.observations
+    scene = scene_points(seen[0])
+    groups: list[list[KeyFrame]] = []
+    for frame in map(_frame, (seen[index] for index in key_frames(seen))):
+        if groups and np.linalg.norm(frame.pose[:3] - groups[-1][-1].pose[:3]) < TOGETHER:
+            groups[-1].append(replace(frame, ignore_collisions=True))
+        else:
+            groups.append([frame])
+    parts = tuple(Part(tuple(group), _around(scene, group)) for group in groups)
+    return Shown(frozenset().union(*map(words_of, demonstration.instructions)), scene, parts)
+
+
+def words_of(sentence: str) -> frozenset[str]:
+    """Return the words of a sentence."""
+    return frozenset("".join(c if c.isalnum() else " " for c in sentence.lower()).split())
+
+
+def _frame(observation: Observation) -> KeyFrame:
+    assert observation.gripper_pose is not None
+    return KeyFrame(observation.gripper_pose, bool((observation.gripper_open or 0.0) > 0.5))
+
+
+def _around(scene: np.ndarray, frames: Sequence[KeyFrame]) -> np.ndarray:
+    near = np.zeros(len(scene), dtype=bool)
+    for frame in frames:
+        near |= np.linalg.norm(scene[:, :3] - frame.pose[:3], axis=1) < RADIUS
+    return scene[near] if near.sum() >= FEWEST else scene[:0]

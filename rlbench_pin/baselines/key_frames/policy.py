@@ -1,0 +1,148 @@
+"""The policy of key-frame cloning: a cloud in, the tip pose that most votes agree on out; another when that is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from rlbench_pin.baselines.cloning.model import nearest_sentence
+from rlbench_pin.baselines.cloning.training import trained_tasks
+from rlbench_pin.baselines.key_frames.examples import (
+    OVERVIEW,
+    Cloud,
+    Frame,
+    Sight,
+    Told,
+    close_up,
+    cloud_config,
+    make_cloud,
+    overview,
+    sight,
+    whole,
+)
+from rlbench_pin.baselines.key_frames.training import KIND, Votes, load_key_frames
+from rlbench_pin.environment.presets import key_frame_mode
+from rlbench_pin.evaluation.policies.policy import PolicyContext
+from rlbench_pin.observation import Observation
+from rlbench_pin.robot import RobotModel, robot_description
+from rlbench_pin.spatial import FloatArray
+
+CANDIDATES = 256
+"""Votes of most weight among which the densest are looked for."""
+CLUSTERS = 3
+"""Clusters of votes that are tried, the densest first."""
+APART = 3.0
+"""Clusters differ by more than this, counted in the scales of the densities."""
+TRIES = 6
+"""Poses that may be refused at a key frame before the next one is tried."""
+NUDGE = 0.006
+"""How far a pose is moved for each refusal after all clusters were refused, and for each time that all key frames are gone
+through again: standard deviation along each axis [m]."""
+HOME = -1
+"""Number of the step back to where the arm began."""
+
+
+class KeyFramePolicy:
+    """Next tip pose from a point cloud; which of its networks act is chosen by the instruction.
+
+    When all key frames are behind and the episode goes on, the arm goes back to where it began and all begins again.
+
+    Args:
+        folder: What `rlbench-pin train key-frames` wrote.
+        device: Where torch computes.
+    """
+
+    def __init__(self, folder: str | Path, device: str = "cpu") -> None:
+        """Read what is in the folder; networks are loaded when their task comes up."""
+        self._folder, self._device = Path(folder), torch.device(device)
+        trained = trained_tasks(self._folder, KIND)
+        self._known = [(said, task, length) for task, s in trained.items() for said, length in s["key_frames"].items()]
+        self.action_mode, self.obs_config = key_frame_mode(), cloud_config()
+        self._networks: dict[str, torch.nn.ModuleDict] = {}
+        self._arm: RobotModel | None = None
+
+    def reset(self, instruction: str, context: PolicyContext) -> None:
+        """Choose the networks whose demonstrations were told something nearest to the instruction."""
+        _, self._task, self._length = self._known[nearest_sentence(instruction, [said for said, _, _ in self._known])]
+        if self._task not in self._networks:
+            self._networks[self._task] = load_key_frames(self._folder / self._task, str(self._device))
+        if self._arm is None or self._arm.description.name != context.robot:
+            self._arm = RobotModel(robot_description(context.robot))
+        self._instruction, self._rng = instruction, np.random.default_rng(context.seed)
+        self._step, self._refused, self._round = 0, 0, 0
+        self._joints: FloatArray | None = None
+        self._home: FloatArray | None = None
+
+    def act(self, observation: Observation) -> np.ndarray:
+        """Return tip pose, opening and whether collisions are ignored, shape (9,)."""
+        self._count(observation)
+        if self._step == HOME:
+            assert self._home is not None, "the first action is never the way back"
+            return np.concatenate([self._home, [1.0, 0.0]])
+        pose, hand = self._next(observation)
+        pose[:3] += self._rng.normal(scale=NUDGE, size=3) * (self._round + max(0, self._refused - CLUSTERS + 1))
+        return np.concatenate([pose, hand])
+
+    def _count(self, observation: Observation) -> None:
+        """Find out whether the last action was refused, which leaves every joint as it was, and where the episode stands."""
+        joints = np.append(np.asarray(observation.joint_positions), np.asarray(observation.gripper_joint_positions))
+        if self._joints is None:
+            self._home = np.asarray(observation.gripper_pose, dtype=float)
+        elif np.array_equal(joints, self._joints) and self._step != HOME and self._refused < TRIES:
+            self._refused += 1
+        else:
+            self._refused, self._step = 0, self._step + 1
+            if self._step == self._length:
+                self._step, self._round = HOME, self._round + 1
+        self._joints = joints
+
+    def _next(self, observation: Observation) -> tuple[FloatArray, FloatArray]:
+        """Return the next tip pose (7,), then whether the hand is open and collisions are ignored (2,)."""
+        assert self._arm is not None, "reset comes first"
+        cloud = make_cloud(observation, self._arm)
+        tip, opening = np.asarray(observation.gripper_pose, dtype=float), float(observation.gripper_open or 0.0)
+        told = Told(self._instruction, tip, opening, self._step)
+        votes = self._votes("coarse", whole(overview(cloud), np.random.default_rng(0)), told, OVERVIEW)
+        found = clusters(votes)
+        pose = OVERVIEW.pose(*found[min(self._refused, len(found) - 1)])
+        return self._close(cloud, told, pose), (votes.hand[0] > 0.0).double().cpu().numpy()
+
+    def _close(self, cloud: Cloud, told: Told, pose: FloatArray) -> FloatArray:
+        """Return a tip pose after two closer looks at its surroundings."""
+        for _ in range(2):
+            frame = Frame.of_tip(pose)
+            votes = self._votes("fine", close_up(cloud, frame.origin, np.random.default_rng(0)), told, frame)
+            pose = frame.pose(*clusters(votes)[0])
+        return pose
+
+    def _votes(self, name: str, cloud: Cloud, told: Told, frame: Frame) -> Votes:
+        with torch.no_grad():
+            votes: Votes = self._networks[self._task][name](*Sight.batch([sight(cloud, told, frame)], self._device))
+        return votes
+
+
+def clusters(votes: Votes, most: int = CLUSTERS) -> list[tuple[FloatArray, FloatArray]]:
+    """Return positions (3,) and axes (6,) on which many votes of the first cloud agree, those with most agreement first.
+
+    Each is the vote at which the mixture is densest, then the weighted mean of those that lie near it, so that two clusters of
+    votes are never averaged; the next one is looked for away from it.
+    """
+    best = votes.weight[0].topk(min(CANDIDATES, votes.weight.shape[1])).indices
+    weight, position, axes = (values[0, best].double() for values in (votes.weight, votes.position, votes.axes))
+    apart = (position[:, None] - position).abs().sum(-1) / votes.scales.position
+    apart += (axes[:, None] - axes).abs().sum(-1) / votes.scales.axes
+    density = (weight - apart).logsumexp(dim=1)
+    found: list[tuple[FloatArray, FloatArray]] = []
+    while len(found) < most and bool(density.isfinite().any()):
+        densest = density.argmax()
+        share = (weight - apart[densest]).softmax(dim=0)[:, None]
+        found.append(((share * position).sum(0).cpu().numpy(), (share * axes).sum(0).cpu().numpy()))
+        density = density.masked_fill(apart[densest] < APART, -torch.inf)
+    return found
+
+
+def policy(folder: str, device: str = "cpu") -> KeyFramePolicy:
+    """Return the policy in a folder that `rlbench-pin train key-frames` wrote."""
+    return KeyFramePolicy(folder, device)

@@ -1,0 +1,305 @@
+"""Network and training of the key-frame baseline."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from rlbench_pin.baselines.cloning.training import (
+    MODEL,
+    SETTINGS,
+    Losses,
+    TrainConfig,
+    fill_network,
+    read_settings,
+    seeded,
+    train,
+    write_settings,
+)
+from rlbench_pin.baselines.key_frames.examples import (
+    CONTEXT,
+    OVERVIEW,
+    POINT,
+    Example,
+    Frame,
+    Sight,
+    Told,
+    axes_of,
+    close_up,
+    read_key_frames,
+    sight,
+    turn,
+    whole,
+)
+from rlbench_pin.errors import DatasetError
+from rlbench_pin.spatial import FloatArray
+
+WIDTH = 64
+MODES = 2
+"""Votes of each point; a hand with two fingers can often come from either side."""
+
+
+@dataclass(frozen=True)
+class Scales:
+    """What is large and what is small to a network."""
+
+    position: float
+    """Scale of the Laplace densities around votes [m]."""
+    axes: float
+    """The same in entries of the two rotated axes."""
+    scene: float
+    """Size of what it sees [m]."""
+    gap: float
+    """Distance of neighbouring points [m]."""
+    rest: tuple[float, ...]
+    """Axes of a hand to begin from (6,)."""
+
+
+COARSE = Scales(0.015, 0.15, 0.5, 0.05, (1.0, 0.0, 0.0, 0.0, 0.0, -1.0))
+FINE = Scales(0.004, 0.04, 0.1, 0.02, (1.0, 0.0, 0.0, 0.0, 0.0, 1.0))
+"""Of the network that sees the whole scene, and of the one that sees the surroundings of what the first has found."""
+
+
+@dataclass(frozen=True)
+class Votes:
+    """What the points of clouds say, for b clouds and v = POINTS * MODES votes."""
+
+    weight: Tensor
+    """Logarithm of the weight of each vote, (b, v); their exponentials add up to 1."""
+    position: Tensor
+    """Position of the tip, (b, v, 3) [m]."""
+    axes: Tensor
+    """x and z axis of the tip, not yet orthonormal, (b, v, 6)."""
+    hand: Tensor
+    """Logits that the hand is open and that collisions are ignored, (b, 2)."""
+    scales: Scales
+    """Of the densities."""
+
+    def log_density(self, position: Tensor, axes: Tensor) -> Tensor:
+        """Return the logarithm of the mixture density, up to a constant, at tip poses: positions (b, 3) and axes (b, 6)."""
+        far = (self.position - position[:, None]).abs().sum(-1) / self.scales.position
+        turned = (self.axes - axes[:, None]).abs().sum(-1) / self.scales.axes
+        return (self.weight - far - turned).logsumexp(dim=1)
+
+
+class VoteNetwork(nn.Module):
+    """Convolutions over neighbouring points (Wang et al. 2019), told what to do by sentence, hand and number of the step.
+
+    Args:
+        scales: What is large and small to it.
+    """
+
+    def __init__(self, scales: Scales) -> None:
+        super().__init__()
+        self.scales = scales
+        self.first = nn.Linear(POINT + 4, WIDTH)
+        self.context = nn.Sequential(nn.Linear(CONTEXT, 128), nn.GELU(), nn.Linear(128, 128), nn.GELU())
+        self.layers = nn.ModuleList([_EdgeLayer() for _ in range(3)])
+        self.look = nn.ModuleList([_Overview() for _ in range(2)])
+        self.votes = nn.Sequential(nn.Linear(WIDTH, 128), nn.GELU(), nn.Linear(128, MODES * 10))
+        self.hand = nn.Sequential(nn.Linear(WIDTH + 128, 64), nn.GELU(), nn.Linear(64, 2))
+
+    def forward(self, points: Tensor, neighbours: Tensor, context: Tensor) -> Votes:
+        """Return the votes on a batch of sights: points (b, n, POINT), neighbours (b, n, k), contexts (b, CONTEXT)."""
+        where, rest = points[..., :3], points[..., 3:]
+        away = (where - where[:, -1:]) / self.scales.scene
+        x = self.first(torch.cat([where / self.scales.scene, rest, away, away.norm(dim=-1, keepdim=True)], dim=-1))
+        told = self.context(context)
+        place = where / self.scales.gap
+        x = self.layers[0](x, place, neighbours, told)
+        x = self.layers[1](x, place, neighbours, told)
+        x, _ = self.look[0](x, told)
+        x = self.layers[2](x, place, neighbours, told)
+        x, seen = self.look[1](x, told)
+        out = self.votes(x).unflatten(-1, (MODES, 10))
+        position = (where[:, :, None] + 0.4 * self.scales.scene * out[..., 1:4]).flatten(1, 2)
+        axes = (out[..., 4:] + out.new_tensor(self.scales.rest)).flatten(1, 2)
+        hand = self.hand(torch.cat([seen, told], dim=-1))
+        return Votes(out[..., 0].flatten(1).log_softmax(dim=1), position, axes, hand, self.scales)
+
+
+class _EdgeLayer(nn.Module):
+    """x + max over neighbours of relu(A x_i + B x_j + C (p_j - p_i)), scaled and shifted by what is to be done."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.norm = nn.LayerNorm(WIDTH)
+        self.own, self.other = nn.Linear(WIDTH, WIDTH), nn.Linear(WIDTH, WIDTH, bias=False)
+        self.offset = nn.Linear(3, WIDTH, bias=False)
+        self.told = nn.Linear(128, 2 * WIDTH)
+        self.out = nn.Linear(WIDTH, WIDTH)
+
+    def forward(self, x: Tensor, place: Tensor, neighbours: Tensor, told: Tensor) -> Tensor:
+        """Return the features after the layer, (b, n, WIDTH)."""
+        normed, at = self.norm(x), self.offset(place)
+        pooled = torch.relu(strongest_neighbour(self.other(normed) + at, neighbours) + self.own(normed) - at)
+        scale, shift = self.told(told)[:, None].chunk(2, dim=-1)
+        return x + self.out(torch.relu(pooled * (1.0 + scale) + shift))  # type: ignore[no-any-return]
+
+
+class _Overview(nn.Module):
+    """Tell every point what all points together look like: the strongest features, and those that attention picks."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.features, self.score = nn.Linear(WIDTH, WIDTH), nn.Linear(WIDTH, 4)
+        self.mix = nn.Sequential(nn.Linear(5 * WIDTH + 128, 128), nn.GELU(), nn.Linear(128, WIDTH))
+        self.back = nn.Linear(2 * WIDTH, WIDTH)
+
+    def forward(self, x: Tensor, told: Tensor) -> tuple[Tensor, Tensor]:
+        """Return the features of the points, (b, n, WIDTH), and the overview, (b, WIDTH)."""
+        features = torch.relu(self.features(x))
+        picked = torch.einsum("bnh,bnw->bhw", self.score(x).softmax(dim=1), features).flatten(1)
+        seen = self.mix(torch.cat([features.amax(dim=1), picked, told], dim=-1))
+        spread = seen[:, None].expand(-1, x.shape[1], -1)
+        return x + self.back(torch.relu(torch.cat([x, spread], dim=-1))), seen
+
+
+def strongest_neighbour(values: Tensor, rows: Tensor) -> Tensor:
+    """Return the largest of values (b, n, w) among rows (b, n, k <= 8), (b, n, w).
+
+    Gradients need only the row that is strongest. To find it, the last three bits of a number say which neighbour it is from:
+    half the time of a maximum with indices on a CPU.
+    """
+    b, n, k = rows.shape
+    flat = (rows + (torch.arange(b, device=rows.device) * n)[:, None, None]).reshape(b * n, k)
+    flat_values = values.reshape(b * n, -1)
+    with torch.no_grad():
+        marked = (flat_values.view(torch.int32) & -8).index_select(0, flat.reshape(-1)).view(b * n, k, -1)
+        marked |= torch.arange(k, dtype=torch.int32, device=rows.device)[:, None]
+        slot = marked.view(torch.float32).amax(dim=1).view(torch.int32) & 7
+    return flat_values.gather(0, flat.gather(1, slot.long())).view(b, n, -1)
+
+
+def make_networks() -> nn.ModuleDict:
+    """Return the two networks of a task, `coarse` and `fine`."""
+    return nn.ModuleDict({"coarse": VoteNetwork(COARSE), "fine": VoteNetwork(FINE)})
+
+
+KIND = "key_frames"
+SHIFT, TURN = 0.06, 0.35
+"""Largest shift along x and y [m], and turn about the vertical [rad], of a scene in training."""
+MISSED, TILTED = 0.012, 0.08
+"""How far beside the key frame the close look is in training: standard deviations along each axis [m] and about it [rad]."""
+
+
+class KeyFrameLearner:
+    """Examples on a device, and losses of two networks on batches of them."""
+
+    def __init__(self, examples: Sequence[Example], device: str = "cpu", seed: int = 0) -> None:
+        """Keep examples and make networks for them.
+
+        Raises:
+            DatasetError: There are none.
+        """
+        if not examples:
+            raise DatasetError("There are no demonstrations to learn from. `rlbench-pin record` makes some.")
+        self._examples, self._device = examples, torch.device(device)
+        network = seeded(make_networks, seed)
+        assert isinstance(network, torch.nn.ModuleDict)
+        self.network = network.to(self._device)
+
+    def losses(self, rng: np.random.Generator, batch: int) -> Losses:
+        """Draw a batch and return the negative logarithms of the densities at the key frames, and the error of the hand."""
+        drawn = [self._examples[row] for row in rng.integers(len(self._examples), size=batch)]
+        told = [Told(e.sentences[rng.integers(len(e.sentences))], e.tip, e.opening, e.step) for e in drawn]
+        frames = {"coarse": [_moved(rng) for _ in drawn], "fine": [_beside(e.target[:7], rng) for e in drawn]}
+        clouds = {
+            "coarse": [whole(e.whole, rng) for e in drawn],
+            "fine": [close_up(e.close, f.origin, rng) for e, f in zip(drawn, frames["fine"], strict=True)],
+        }
+        hand = self._tensor([e.target[7:].clip(0.0, 1.0) for e in drawn])
+        losses: Losses = {}
+        for name, network in self.network.items():
+            sights = [sight(*seen) for seen in zip(clouds[name], told, frames[name], strict=True)]
+            votes: Votes = network(*Sight.batch(sights, self._device))
+            position = [f.points(e.target[:3]) for e, f in zip(drawn, frames[name], strict=True)]
+            axes = [f.axes(axes_of(e.target[:7])) for e, f in zip(drawn, frames[name], strict=True)]
+            losses[name] = -votes.log_density(self._tensor(position), self._tensor(axes)).mean()
+            losses[f"{name} hand"] = torch.nn.functional.binary_cross_entropy_with_logits(votes.hand, hand)
+        return {"total": torch.stack(list(losses.values())).sum(), **losses}
+
+    def _tensor(self, rows: Sequence[FloatArray]) -> torch.Tensor:
+        return torch.as_tensor(np.stack(rows), dtype=torch.float32, device=self._device)
+
+
+def _moved(rng: np.random.Generator) -> Frame:
+    """Return a frame near that of the overview, so that the scene seems shifted and turned."""
+    shift = np.append(rng.uniform(-SHIFT, SHIFT, size=2), 0.0)
+    return Frame(OVERVIEW.origin + shift, turn(np.array([0.0, 0.0, rng.uniform(-TURN, TURN)])))
+
+
+def _beside(pose: FloatArray, rng: np.random.Generator) -> Frame:
+    """Return the frame of a tip pose that misses another by about as much as the first network does."""
+    frame = Frame.of_tip(pose)
+    return Frame(frame.origin + rng.normal(scale=MISSED, size=3), frame.rotation @ turn(rng.normal(scale=TILTED, size=3)))
+
+
+def train_key_frames(
+    roots: Sequence[Path],
+    task: str,
+    folder: Path,
+    config: TrainConfig,
+    *,
+    demos: int = -1,
+    on_demo: Callable[[int, int], None] = lambda done, total: None,
+    on_step: Callable[[int, float], None] = lambda step, loss: None,
+    stop: threading.Event | None = None,
+) -> bool:
+    """Train key-frame cloning of one task and write it to `folder/task`; what was begun there goes on.
+
+    Args:
+        roots: Folders of datasets; the first that holds the task is read.
+        task: Its name.
+        folder: Where the folder of its model is made.
+        config: How long, how fast.
+        demos: Demonstrations to learn from; -1 is all.
+        on_demo: Called while demonstrations are played again, with how many are done, and how many there are.
+        on_step: Called with how many steps are done, and the loss.
+        stop: When set, the training ends at a checkpoint.
+
+    Returns:
+        Whether it is finished.
+    """
+    place = Path(folder) / task
+    if (place / MODEL).exists() and (place / SETTINGS).exists():
+        return True
+    root = next((r for r in roots if (Path(r) / task).is_dir()), roots[0])
+    examples = read_key_frames(Path(root), task, demos, on_demo)
+    learner = KeyFrameLearner(examples, config.device, config.seed)
+    finished = train(learner.network, lambda rng: learner.losses(rng, config.batch), config, place, on_step, stop)
+    if finished:
+        write_settings(place / SETTINGS, KIND, _settings(task, examples, config))
+    return finished
+
+
+def _settings(task: str, examples: Sequence[Example], config: TrainConfig) -> dict[str, Any]:
+    lengths: dict[str, int] = {}
+    for example in examples:
+        for sentence in example.sentences:
+            lengths[sentence] = max(lengths.get(sentence, 0), example.step + 1)
+    return {
+        "task": task,
+        "key_frames": lengths,
+        "demonstrations": sum(e.step == 0 for e in examples),
+        "train": asdict(replace(config, device="cpu")),
+    }
+
+
+def load_key_frames(folder: Path, device: str = "cpu") -> torch.nn.ModuleDict:
+    """Return the networks in a folder.
+
+    Raises:
+        ModelFileError: A file is missing or damaged.
+    """
+    read_settings(folder / SETTINGS, KIND)
+    networks = make_networks()
+    fill_network(networks, folder / MODEL)
+    return networks.to(device).eval()

@@ -1,0 +1,479 @@
+"""Point clouds from cameras: object models, clusters, obstacles and registration."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+import pinocchio as pin
+import small_gicp
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from rlbench_pin.assets import asset_path
+from rlbench_pin.observation import Observation
+from rlbench_pin.robot import RobotModel
+from rlbench_pin.robot.surfaces import shape_surface
+from rlbench_pin.scene.snapshot import NO_FILE, BodySnapshot, Shape, WorldSnapshot
+from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray
+from rlbench_pin.tasks import COLORS
+from rlbench_pin.urdf import UrdfLink, kinematic_urdf, read_urdf
+
+
+def arm_surface(arm: RobotModel, q: FloatArray, fingers: FloatArray) -> FloatArray:
+    """Return points (m, 3) on the surface of arm and hand at joint positions `q` (n,) [rad] and `fingers` (2,) [m]."""
+    description = arm.description
+    names = (*description.arm_joints, *description.gripper_joints)
+    joints = dict(zip(names, [*q.tolist(), *fingers.tolist()], strict=True))
+    model = KnownModel.load(description.urdf)
+    return model.points_at(joints) @ arm.base.rotation.T + arm.base.translation
+
+
+PALETTE = {color.name: np.array(color.rgb) for color in COLORS}
+"""Colour words and their red, green, blue from 0 to 1."""
+BRIGHT = 75.0
+"""Percentile of brightness of the points that are compared: those that the light falls on."""
+
+
+def lit_color(colors: FloatArray) -> FloatArray:
+    """Return the colour (3,) of the brighter points of a surface (n, 3)."""
+    brightness = colors.sum(axis=1)
+    bright = colors[brightness >= np.percentile(brightness, BRIGHT)]
+    color: FloatArray = np.median(bright, axis=0)
+    return color
+
+
+def distances(colors: FloatArray, name: str) -> FloatArray:
+    """Return how far colours (..., 3) are from a named one; light and shade change the brightness, less than the hue."""
+    wanted = PALETTE[name]
+    brightest = colors.max(axis=-1)
+    hue = colors / np.maximum(brightest, 0.08)[..., None] - wanted / max(float(wanted.max()), 0.08)
+    weight = np.minimum(1.0, np.maximum(brightest, wanted.max()))
+    far: FloatArray = np.linalg.norm(hue, axis=-1) * weight + np.abs(brightest - wanted.max())
+    return far
+
+
+def name_of(color: FloatArray, names: Sequence[str] = tuple(PALETTE)) -> str:
+    """Return the nearest of some colour words."""
+    return min(names, key=lambda name: float(distances(color, name)))
+
+
+SPACING = 0.006
+"""Mean distance of points on a surface [m]."""
+MOST = 6000
+"""Points of one link at most."""
+NO_JOINTS: Mapping[str, float] = MappingProxyType({})
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """Where a joint is, in the frame of the model."""
+
+    origin: FloatArray
+    """A point on the axis (3,) [m]."""
+    direction: FloatArray
+    """Unit vector (3,): the axis of a hinge, the way of a slide."""
+
+
+@dataclass(frozen=True, eq=False)
+class KnownModel:
+    """Kinematics and surface of an object."""
+
+    kinematics: pin.Model
+    """Its joints."""
+    surfaces: Mapping[str, FloatArray]
+    """Link -> points on its visible surface, in the frame of the link (n, 3) [m]."""
+
+    @classmethod
+    def named(cls, name: str) -> KnownModel:
+        """Return the model of `objects/<name>.urdf` of the package, `chest/chest` for example."""
+        return cls.load(asset_path(f"objects/{name}.urdf"))
+
+    @classmethod
+    def load(cls, urdf: Path) -> KnownModel:
+        """Return the model of a URDF file; read once."""
+        return _load(urdf)
+
+    def points_at(self, joints: Mapping[str, float] = NO_JOINTS) -> FloatArray:
+        """Return the surface of all links at joint values, 0 where none is given, in the frame of the model (n, 3) [m]."""
+        return np.concatenate([self.link_points(link, joints) for link in self.surfaces])
+
+    def link_points(self, link: str, joints: Mapping[str, float] = NO_JOINTS) -> FloatArray:
+        """Return the surface of one link in the frame of the model (n, 3) [m]."""
+        placement = self.placement(link, joints)
+        return self.surfaces[link] @ placement.rotation.T + placement.translation
+
+    def placement(self, link: str, joints: Mapping[str, float] = NO_JOINTS) -> pin.SE3:
+        """Return the frame of a link in that of the model."""
+        data = self.kinematics.createData()
+        pin.framesForwardKinematics(self.kinematics, data, self._configuration(joints))
+        return data.oMf[self.kinematics.getFrameId(link)].copy()
+
+    def axis(self, joint: str, joints: Mapping[str, float] = NO_JOINTS) -> Axis:
+        """Return where a joint is."""
+        data, number = self.kinematics.createData(), self.kinematics.getJointId(joint)
+        q = self._configuration(joints)
+        pin.computeJointJacobians(self.kinematics, data, q)
+        column = pin.getJointJacobian(self.kinematics, data, number, pin.LOCAL_WORLD_ALIGNED)
+        moving = np.reshape(column, (6, -1))[:, self.kinematics.joints[number].idx_v]
+        turning = moving[3:] if np.linalg.norm(moving[3:]) > 0.5 else moving[:3]
+        return Axis(data.oMi[number].translation.copy(), turning.copy())
+
+    def _configuration(self, joints: Mapping[str, float]) -> FloatArray:
+        q = pin.neutral(self.kinematics)
+        for name, value in joints.items():
+            q[self.kinematics.joints[self.kinematics.getJointId(name)].idx_q] = value
+        return q
+
+
+@cache
+def _load(urdf: Path) -> KnownModel:
+    surfaces = {link.name: points for link in read_urdf(urdf).links if len(points := _sampled(link))}
+    return KnownModel(pin.buildModelFromXML(kinematic_urdf(urdf)), MappingProxyType(surfaces))
+
+
+def _sampled(link: UrdfLink) -> FloatArray:
+    """Return points spread evenly over the visuals of a link; the same at every call."""
+    rng = np.random.default_rng(0)
+    corners = [shape_surface(shape) for shape in link.visuals]
+    if not corners:
+        return np.zeros((0, 3))
+    triangles = np.concatenate([points[numbers] for points, numbers in corners])
+    across = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    areas = 0.5 * np.linalg.norm(across, axis=1)
+    count = int(min(MOST, max(40.0, areas.sum() / SPACING**2)))
+    chosen = triangles[rng.choice(len(triangles), size=count, p=areas / areas.sum())]
+    a, b = rng.random((2, count, 1))
+    flip = a + b > 1.0
+    a, b = np.where(flip, 1.0 - a, a), np.where(flip, 1.0 - b, b)
+    points: FloatArray = chosen[:, 0] + a * (chosen[:, 1] - chosen[:, 0]) + b * (chosen[:, 2] - chosen[:, 0])
+    return points
+
+
+CAMERAS = ("left_shoulder", "right_shoulder", "overhead", "wrist", "front")
+"""The cameras that are looked through."""
+LOWEST, HIGHEST = np.array([-0.1, -0.85, -0.003]), np.array([1.1, 0.85, 0.9])
+"""Corners of the box over the table in which things are looked for; heights count from the table [m]."""
+FLAT = 0.003
+"""What is lower than this belongs to the plane of the table [m]."""
+OWN = 0.03
+"""Points nearer than this to the arm's own surface are taken for the arm [m]."""
+VOXEL = 0.003
+"""One point is kept of each cube of this side [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cloud:
+    """Coloured points in the world."""
+
+    points: FloatArray
+    """Shape (n, 3) [m]."""
+    colors: FloatArray
+    """Red, green, blue from 0 to 1, shape (n, 3)."""
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def where(self, chosen: NDArray[np.bool_] | NDArray[np.int64]) -> Cloud:
+        """Return the points that a mask (n,) or indices choose."""
+        return Cloud(self.points[chosen], self.colors[chosen])
+
+    def between(self, low: float, high: float) -> Cloud:
+        """Return what is between two heights over the table [m]."""
+        height = self.points[:, 2] - TABLE_HEIGHT
+        return self.where((height >= low) & (height < high))
+
+    @property
+    def middle(self) -> FloatArray:
+        """Middle of the axis-aligned box around the points (3,) [m]."""
+        middle: FloatArray = 0.5 * (self.points.min(axis=0) + self.points.max(axis=0))
+        return middle
+
+    @property
+    def size(self) -> FloatArray:
+        """Sides of that box (3,) [m]."""
+        return np.ptp(self.points, axis=0)
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """What is seen at one instant, taken apart."""
+
+    things: Cloud
+    """What stands on the table or floats above it."""
+    marks: Cloud
+    """The plane of the table, with what is painted on it."""
+
+
+def back_project(depth: FloatArray, intrinsics: FloatArray, extrinsics: FloatArray) -> FloatArray:
+    """Return the world coordinates of every pixel, shape (h * w, 3) [m].
+
+    Args:
+        depth: Along the optical axis (h, w) [m].
+        intrinsics: Camera to pixel (3, 3).
+        extrinsics: Camera to world (4, 4).
+    """
+    height, width = depth.shape
+    v, u = np.mgrid[0:height, 0:width] + 0.5
+    rays = np.stack([u, v, np.ones_like(u)], axis=-1).reshape(-1, 3) @ np.linalg.inv(intrinsics).T
+    points: FloatArray = (rays * depth.reshape(-1, 1)) @ extrinsics[:3, :3].T + extrinsics[:3, 3]
+    return points
+
+
+def look(observation: Observation, arm: RobotModel) -> View:
+    """Return what the cameras of an observation see, merged.
+
+    Args:
+        observation: Colours and depth [m] of cameras, joint positions, and the positions of the fingers.
+        arm: Model of the arm, to leave out its own points.
+    """
+    clouds = [cloud for name in CAMERAS if (cloud := _seen_by(observation, name)) is not None]
+    merged = thinned(Cloud(np.concatenate([c.points for c in clouds]), np.concatenate([c.colors for c in clouds])))
+    own = arm_surface(arm, np.asarray(observation.joint_positions), np.asarray(observation.gripper_joint_positions))
+    height = merged.points[:, 2] - TABLE_HEIGHT
+    apart = cKDTree(own).query(merged.points, distance_upper_bound=OWN)[0] > OWN
+    return View(merged.where(apart & (height > FLAT)), merged.where(apart & (height <= FLAT)))
+
+
+def thinned(cloud: Cloud, voxel: float = VOXEL) -> Cloud:
+    """Keep one point of each cube of side `voxel` [m]."""
+    cells = np.floor(cloud.points / voxel).astype(np.int64)
+    _, first = np.unique(cells, axis=0, return_index=True)
+    return cloud.where(np.sort(first))
+
+
+def _seen_by(observation: Observation, name: str) -> Cloud | None:
+    """Return what one camera sees in the box over the table; None when it is switched off."""
+    depth, rgb = getattr(observation, f"{name}_depth", None), getattr(observation, f"{name}_rgb", None)
+    if depth is None or rgb is None:
+        return None
+    misc = observation.misc
+    points = back_project(depth, misc[f"{name}_camera_intrinsics"], misc[f"{name}_camera_extrinsics"])
+    local = points - (0.0, 0.0, TABLE_HEIGHT)
+    inside = ((local > LOWEST) & (local < HIGHEST)).all(axis=1)
+    return Cloud(points[inside], rgb.reshape(-1, 3)[inside] / 255.0)
+
+
+GAP = 0.012
+"""Points nearer than this to each other belong together [m]."""
+FEWEST_POINTS = 25
+"""Smaller clusters are dust."""
+
+
+def clusters(cloud: Cloud, gap: float = GAP, fewest: int = FEWEST_POINTS) -> list[Cloud]:
+    """Return the connected parts of a cloud, the largest first."""
+    if len(cloud) == 0:
+        return []
+    pairs = cKDTree(cloud.points).query_pairs(gap, output_type="ndarray")
+    links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(cloud), len(cloud)))
+    _, labels = connected_components(links, directed=False)
+    sizes = np.bincount(labels)
+    order = [label for label in np.argsort(-sizes, kind="stable") if sizes[label] >= fewest]
+    return [cloud.where(labels == label) for label in order]
+
+
+def rectangle(points: FloatArray) -> tuple[FloatArray, float, FloatArray]:
+    """Return middle (2,) [m], yaw [rad] and sides (2,) [m] of the smallest upright rectangle around points (n, 2 or 3)."""
+    flat, best = points[:, :2], (np.inf, 0.0)
+    for yaw in np.linspace(0.0, np.pi / 2.0, 90, endpoint=False):
+        sides = np.ptp(flat @ _turn(yaw), axis=0)
+        best = min(best, (float(sides[0] * sides[1]), float(yaw)))
+    turned = flat @ _turn(best[1])
+    low, high = turned.min(axis=0), turned.max(axis=0)
+    return _turn(best[1]) @ (0.5 * (low + high)), best[1], high - low
+
+
+def _turn(yaw: float) -> FloatArray:
+    """Return the matrix (2, 2) whose columns are the axes of a frame turned by `yaw` [rad]."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    return np.array([[c, -s], [s, c]])
+
+
+HEADINGS = 16
+"""Headings that registration starts from."""
+FARTHEST = 0.03
+"""Distances count at most this much in a fit [m]."""
+POINTS = 1200
+"""Points of the scene that are registered."""
+SURFACE = 12000
+"""Points of the model that they are brought to; with few, neighbours lie on different faces and normals are wrong."""
+STAGES = (0.12, 0.04, 0.015)
+"""Largest distance of points that are brought together, one run after the other [m]."""
+UNSEEN = 0.3
+"""Weight of the model's points, of which some are hidden, against the scene's, all of which belong to it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Located:
+    """A model in the scene."""
+
+    model: KnownModel
+    """The model."""
+    placement: pin.SE3
+    """Its frame in the world."""
+    joints: Mapping[str, float]
+    """Values of its joints."""
+    error: float
+    """Mean distance of scene and model, each at most `FARTHEST` [m]."""
+
+    def point(self, local: FloatArray) -> FloatArray:
+        """Return a point (3,) of the frame of the model in the world."""
+        point: FloatArray = self.placement.act(np.asarray(local, dtype=float))
+        return point
+
+    def link_points(self, link: str) -> FloatArray:
+        """Return the surface of a link in the world (n, 3) [m]."""
+        points: FloatArray = self.model.link_points(link, self.joints) @ self.placement.rotation.T + self.placement.translation
+        return points
+
+
+def locate(
+    model: KnownModel, cloud: Cloud, states: Iterable[Mapping[str, float]] = (NO_JOINTS,), yaws: int = HEADINGS
+) -> Located:
+    """Return where an upright model stands on the table.
+
+    Args:
+        model: What is looked for.
+        cloud: Its points and nothing else.
+        states: Joint values that it may have.
+        yaws: Headings to start from.
+    """
+    scene = thinned(cloud, 0.006).points
+    scene = scene[:: max(1, len(scene) // POINTS)]
+    found = [_best(model, joints, scene, yaws) for joints in states]
+    return min(found, key=lambda located: located.error)
+
+
+def _best(model: KnownModel, joints: Mapping[str, float], scene: FloatArray, yaws: int) -> Located:
+    """Return the best fit of one state of the model."""
+    surface = outside(model.points_at(joints))
+    surface = surface[:: max(1, len(surface) // SURFACE)]
+    target, tree = small_gicp.PointCloud(surface), cKDTree(surface)
+    points = small_gicp.PointCloud(scene)
+    small_gicp.estimate_normals(target, num_neighbors=12)
+    gicp_tree, scene_tree = small_gicp.KdTree(target), cKDTree(scene)
+    fits: list[tuple[float, int, pin.SE3]] = []
+    for yaw in np.linspace(-np.pi, np.pi, yaws, endpoint=False):
+        placement = _centred(surface, scene, float(yaw))
+        for farthest in STAGES:
+            result = small_gicp.align(
+                target, points, gicp_tree, placement.inverse().homogeneous,
+                registration_type="PLANE_ICP", max_correspondence_distance=farthest, max_iterations=15,
+            )  # fmt: skip
+            placement = _upright(pin.SE3(result.T_target_source).inverse())
+        fits.append((_misfit(tree, scene_tree, surface, scene, placement), len(fits), placement))
+    error, _, placement = min(fits)
+    return Located(model, placement, dict(joints), error)
+
+
+def outside(points: FloatArray, cell: float = 0.02, depth: float = 0.01) -> FloatArray:
+    """Return those points (m, 3) of a surface (n, 3) that are seen from above or from a side, and not what is within.
+
+    Args:
+        points: Points on the surface [m].
+        cell: Of the points in a square of this side across the direction of sight, the nearest one hides the others [m].
+        depth: Unless they lie less than this behind it [m].
+    """
+    seen = np.zeros(len(points), dtype=bool)
+    for slope in (0.3, 0.8, 1.5):
+        for yaw in np.linspace(-np.pi, np.pi, 8, endpoint=False):
+            along = points @ pin.rpy.rpyToMatrix(0.0, slope, yaw)  # x towards the thing, and down
+            cells = np.floor(along[:, 1:] / cell).astype(np.int64)
+            _, which = np.unique(cells[:, 0] * 100_000 + cells[:, 1], return_inverse=True)
+            nearest = np.full(which.max() + 1, np.inf)
+            np.minimum.at(nearest, which, along[:, 0])
+            seen |= along[:, 0] < nearest[which] + depth
+    return points[seen]
+
+
+def _centred(surface: FloatArray, scene: FloatArray, yaw: float) -> pin.SE3:
+    """Return a placement of a heading that puts the middle of the model's box over that of the scene's."""
+    turn = pin.rpy.rpyToMatrix(0.0, 0.0, yaw)
+    turned = surface @ turn.T
+    shift = 0.5 * (scene.min(axis=0) + scene.max(axis=0)) - 0.5 * (turned.min(axis=0) + turned.max(axis=0))
+    return pin.SE3(turn, np.array([shift[0], shift[1], TABLE_HEIGHT]))
+
+
+def _upright(placement: pin.SE3) -> pin.SE3:
+    """Return the placement with its heading alone, standing on the table."""
+    yaw = float(np.arctan2(placement.rotation[1, 0], placement.rotation[0, 0]))
+    return pin.SE3(pin.rpy.rpyToMatrix(0.0, 0.0, yaw), np.array([*placement.translation[:2], TABLE_HEIGHT]))
+
+
+def _misfit(tree: cKDTree, scene_tree: cKDTree, surface: FloatArray, scene: FloatArray, placement: pin.SE3) -> float:
+    """Return the mean distance of scene to model, and with less weight of model to scene [m]."""
+    local = (scene - placement.translation) @ placement.rotation
+    there = surface @ placement.rotation.T + placement.translation
+    seen = np.minimum(tree.query(local)[0], FARTHEST).mean()
+    hidden = np.minimum(scene_tree.query(there[:: max(1, len(there) // POINTS)])[0], FARTHEST).mean()
+    return float((1.0 - UNSEEN) * seen + UNSEEN * hidden)
+
+
+CELL = 0.025
+"""Side of the cubes that space is divided into [m]."""
+LONGEST = 4
+"""So many cubes in a row make one box at most, so that what may be touched is no more than what is meant."""
+FEWEST_IN_CELL = 2
+"""A cube with fewer points than this is taken for noise."""
+TABLE = ((0.3, 0.0, TABLE_HEIGHT - 0.05), (1.6, 2.0, 0.1))
+"""Middle and sides of the table [m]."""
+
+
+def filled_boxes(points: FloatArray, side: float = CELL, fewest: int = FEWEST_IN_CELL) -> FloatArray:
+    """Return boxes that together are the cubes with points in them, lowest and highest corners (m, 2, 3) [m].
+
+    Args:
+        points: Points (n, 3) [m].
+        side: Side of the cubes [m].
+        fewest: Points that a cube must have.
+    """
+    cells, counts = np.unique(np.floor(points / side).astype(np.int64), axis=0, return_counts=True)
+    cells = cells[counts >= fewest]
+    boxes = np.stack([cells, cells + 1], axis=1)
+    for axis in (2, 0, 1):
+        boxes = _joined(boxes, axis)
+    return side * boxes.astype(float)
+
+
+def _joined(boxes: np.ndarray, axis: int) -> np.ndarray:
+    """Join boxes (m, 2, 3) of one cross-section that follow each other along an axis, up to the next multiple of `LONGEST`."""
+    others = [i for i in range(3) if i != axis]
+    section = boxes[:, :, others].reshape(-1, 4)
+    order = np.lexsort((boxes[:, 0, axis], *section.T))
+    boxes, section = boxes[order], section[order]
+    goes_on = (section[1:] == section[:-1]).all(axis=1) & (boxes[1:, 0, axis] == boxes[:-1, 1, axis])
+    goes_on &= boxes[1:, 0, axis] % LONGEST != 0
+    first, last = np.append(True, ~goes_on)[: len(boxes)], np.append(~goes_on, True)[: len(boxes)]
+    joined = boxes[first].copy()
+    joined[:, 1] = boxes[last][:, 1]
+    return joined
+
+
+def as_world(cloud: Cloud, q: FloatArray, fingers: FloatArray) -> WorldSnapshot:
+    """Return the table and boxes around a cloud, each a body of its own, the arm at `q` (n,) [rad] and `fingers` (2,) [m]."""
+    bodies = [_box("table", np.array(TABLE[0]), np.array(TABLE[1]), in_room=True)]
+    for k, (low, high) in enumerate(filled_boxes(cloud.points)):
+        bodies.append(_box(f"seen {k}", 0.5 * (low + high), high - low))
+    return WorldSnapshot(tuple(bodies), q, fingers)
+
+
+def near(world: WorldSnapshot, point: FloatArray, within: float) -> list[str]:
+    """Return the names of the boxes of a world, but the table, that come nearer to a point (3,) than `within` [m]."""
+    names = []
+    for body in world.bodies:
+        apart = np.abs(point - body.link_poses[0, :3]) - 0.5 * np.array(body.shapes[0].size)
+        if not body.in_room and np.linalg.norm(np.maximum(apart, 0.0)) < within:
+            names.append(body.name)
+    return names
+
+
+def _box(name: str, middle: FloatArray, sides: FloatArray, in_room: bool = False) -> BodySnapshot:
+    pose = np.array([[*middle, 0.0, 0.0, 0.0, 1.0]])
+    shape = Shape("box", tuple(float(side) for side in sides))
+    return BodySnapshot(name, NO_FILE, ("base",), pose, fixed=True, shapes=(shape,), in_room=in_room)

@@ -1,0 +1,320 @@
+"""PPO and SAC with demonstrations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+import torch
+from stable_baselines3 import PPO, SAC
+from stable_baselines3.common.buffers import ReplayBuffer
+from stable_baselines3.common.policies import ActorCriticPolicy
+from stable_baselines3.common.torch_layers import BaseFeaturesExtractor, create_mlp
+from stable_baselines3.common.type_aliases import ReplayBufferSamples
+from stable_baselines3.common.utils import polyak_update
+from stable_baselines3.common.vec_env import VecNormalize
+from stable_baselines3.sac.policies import ContinuousCritic, SACPolicy
+from torch import Tensor, nn
+
+from rlbench_pin.baselines.reinforcement.environment import LEAST_LEG, TICKS, LearningEnv, ReinforcementConfig, as_unit, features
+from rlbench_pin.errors import DemoError
+from rlbench_pin.observation import Demo
+
+IMITATED_SPREAD = -2.2
+"""Logarithm of how far an imitating policy explores at first, in units of the largest action."""
+BATCH, RATE = 256, 1e-3
+
+Means = Callable[[torch.Tensor], torch.Tensor]
+
+
+def imitate(model: PPO | SAC, env: VecNormalize, experience: Experience, steps: int) -> None:
+    """Fit the most likely action of an untrained model to that of demonstrations, by least squares, in some batches."""
+    means, weights = _of_ppo(model) if isinstance(model, PPO) else _of_sac(model)
+    seen = torch.as_tensor(env.normalize_obs(experience.seen), device=model.device)
+    actions = torch.as_tensor(experience.actions, device=model.device)
+    optimizer, rng = torch.optim.Adam(weights, lr=RATE), np.random.default_rng(model.seed)
+    schedule = torch.optim.lr_scheduler.LinearLR(optimizer, 1.0, 0.05, total_iters=steps)
+    for _ in range(steps):
+        rows = torch.as_tensor(rng.integers(len(experience), size=BATCH), device=model.device)
+        loss = torch.nn.functional.mse_loss(means(seen[rows]), actions[rows])
+        optimizer.zero_grad()
+        loss.backward()  # type: ignore[no-untyped-call]
+        optimizer.step()
+        schedule.step()
+
+
+def _of_ppo(model: PPO) -> tuple[Means, list[torch.nn.Parameter]]:
+    policy = model.policy
+    assert isinstance(policy, ActorCriticPolicy)
+    with torch.no_grad():
+        policy.log_std.fill_(IMITATED_SPREAD)
+    weights = [*policy.mlp_extractor.policy_net.parameters(), *policy.action_net.parameters()]
+    return lambda seen: policy.get_distribution(seen).mode(), weights
+
+
+def _of_sac(model: SAC) -> tuple[Means, list[torch.nn.Parameter]]:
+    actor = model.actor
+    assert isinstance(actor.log_std, torch.nn.Linear)
+    with torch.no_grad():
+        actor.log_std.weight.zero_()
+        actor.log_std.bias.fill_(IMITATED_SPREAD)
+    weights = [*actor.latent_pi.parameters(), *actor.mu.parameters()]
+    return lambda seen: torch.tanh(actor.get_action_dist_params(seen)[0]), weights
+
+
+ACTOR_EVERY = 2
+"""Steps of the critics for one of the actor."""
+IMITATION = 0.3
+"""What the squared distance to a demonstrated action costs, where success pays 1."""
+
+
+class HalfDemonstrations(ReplayBuffer):
+    """A replay buffer; the second half of each batch comes from demonstrations, once they are there."""
+
+    demonstrations: ReplayBuffer | None = None
+
+    def hold(self, experience: Experience) -> None:
+        """Keep demonstrations, apart from what is experienced, which in time replaces itself."""
+        kept = ReplayBuffer(len(experience), self.observation_space, self.action_space, self.device)
+        rows = zip(experience.seen, experience.then, experience.actions, experience.rewards, experience.ends)
+        for seen, then, action, reward, end in rows:
+            kept.add(seen[None], then[None], action[None], reward[None], end[None], [{}])
+        self.demonstrations = kept
+
+    def sample(self, batch_size: int, env: VecNormalize | None = None) -> ReplayBufferSamples:
+        """Draw a batch."""
+        if self.demonstrations is None:
+            return super().sample(batch_size, env)
+        half = batch_size // 2
+        parts = (super().sample(batch_size - half, env), self.demonstrations.sample(half, env))
+        names = ("observations", "actions", "next_observations", "dones", "rewards")
+        return ReplayBufferSamples(*(torch.cat([getattr(part, name) for part in parts]) for name in names))
+
+
+class NormedCritics(SACPolicy):
+    """The networks of SAC, with a layer norm behind every hidden layer of the critics: values stay near those of the data."""
+
+    def make_critic(self, features_extractor: BaseFeaturesExtractor | None = None) -> ContinuousCritic:
+        """Return the critics."""
+        critic = super().make_critic(features_extractor)
+        for index, plain in enumerate(critic.q_networks):
+            first = next(plain.children())
+            assert isinstance(first, nn.Linear)
+            layers = create_mlp(first.in_features, 1, list(self.net_arch), post_linear_modules=[nn.LayerNorm])  # type: ignore[arg-type]
+            critic.q_networks[index] = nn.Sequential(*layers)
+            critic.add_module(f"qf{index}", critic.q_networks[index])
+        return critic.to(self.device)
+
+
+class ImitatingSac(SAC):
+    """SAC that keeps its actor near demonstrations, where it has some; entropy is not part of what its critics learn.
+
+    Attributes:
+        is_actor_still: Whether the critics alone learn.
+    """
+
+    is_actor_still = False
+    replay_buffer: HalfDemonstrations
+
+    def train(self, gradient_steps: int, batch_size: int = 256) -> None:
+        """Do some steps of the critics, and half as many of the actor."""
+        self.policy.set_training_mode(True)
+        losses: dict[str, float] = {}
+        for step in range(gradient_steps):
+            batch = self.replay_buffer.sample(batch_size, env=self._vec_normalize_env)
+            losses["critic_loss"] = self._fit_critics(batch)
+            if step % ACTOR_EVERY == 0 and not self.is_actor_still:
+                losses |= self._improve_actor(batch)
+            polyak_update(self.critic.parameters(), self.critic_target.parameters(), self.tau)
+        for name, loss in losses.items():
+            self.logger.record(f"train/{name}", loss)
+
+    def _fit_critics(self, batch: ReplayBufferSamples) -> float:
+        with torch.no_grad():
+            actions, _ = self.actor.action_log_prob(batch.next_observations)
+            later = _least(self.critic_target(batch.next_observations, actions))
+            target = batch.rewards + (1.0 - batch.dones) * self.gamma * later
+        found = self.critic(batch.observations, batch.actions)
+        loss = torch.stack([nn.functional.mse_loss(each, target) for each in found]).sum()
+        _step(self.critic.optimizer, loss)
+        return float(loss.detach())
+
+    def _improve_actor(self, batch: ReplayBufferSamples) -> dict[str, float]:
+        actions, likelihood = self.actor.action_log_prob(batch.observations)
+        assert isinstance(self.log_ent_coef, Tensor) and isinstance(self.target_entropy, float)
+        surplus = (likelihood + self.target_entropy).detach().mean()
+        _step(self.ent_coef_optimizer, -(self.log_ent_coef * surplus).sum())
+        weight = self.log_ent_coef.detach().exp()
+        loss = (weight * likelihood[:, None] - _least(self.critic(batch.observations, actions))).mean()
+        if self.replay_buffer.demonstrations is not None:
+            shown = slice(len(batch.actions) - len(batch.actions) // 2, None)
+            mean, _, _ = self.actor.get_action_dist_params(batch.observations[shown])
+            loss = loss + IMITATION * (torch.tanh(mean) - batch.actions[shown]).square().sum(dim=1).mean()
+        _step(self.actor.optimizer, loss)
+        return {"actor_loss": float(loss.detach()), "ent_coef": float(weight)}
+
+
+def _least(values: tuple[Tensor, ...]) -> Tensor:
+    return torch.cat(values, dim=1).min(dim=1, keepdim=True).values
+
+
+def _step(optimizer: torch.optim.Optimizer | None, loss: Tensor) -> None:
+    assert optimizer is not None
+    optimizer.zero_grad()
+    loss.backward()  # type: ignore[no-untyped-call]
+    optimizer.step()
+
+
+FIRST_SEED = 2**32
+"""Seed of the first demonstration; training draws below 2^31."""
+MOST_TRIES = 3
+"""Demonstrations that are tried for each that is wanted."""
+NOISE = 0.15
+"""Spread of what is added to the actions of the arm, so that there is experience beside the path as well."""
+TIMES = 2
+"""How often each demonstration is followed."""
+
+
+@dataclass(frozen=True)
+class Experience:
+    """Transitions; row i of each array belongs together."""
+
+    seen: np.ndarray
+    """Features before, float32 (n, m)."""
+    then: np.ndarray
+    """Features after, float32 (n, m)."""
+    actions: np.ndarray
+    """Between -1 and 1, float32 (n, k)."""
+    rewards: np.ndarray
+    """float32 (n,)."""
+    ends: np.ndarray
+    """Whether the episode ended, float32 (n,)."""
+
+    @classmethod
+    def joined(cls, parts: Sequence[Experience]) -> Experience:
+        """Return several as one."""
+        names = ("seen", "then", "actions", "rewards", "ends")
+        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+
+    def __len__(self) -> int:
+        """Return how many transitions there are."""
+        return len(self.seen)
+
+
+def gather(env: LearningEnv, count: int, on_demo: Callable[[int, int], None] = lambda done, wanted: None) -> Experience:
+    """Plan demonstrations, variations in turn, and return the transitions of those that succeed with the learner's actions.
+
+    Args:
+        env: The task.
+        count: How many demonstrations.
+        on_demo: Called with how many there are, and how many are wanted.
+
+    Raises:
+        DemoError: Too few succeed.
+    """
+    found: list[Experience] = []
+    for index in range(MOST_TRIES * count):
+        outcome = env.task.try_demo(seed=FIRST_SEED + index, variation=index % env.task.variation_count())
+        if outcome.demo is None:
+            continue
+        rng = np.random.default_rng(FIRST_SEED + index)
+        played = [p for p in (follow(env, outcome.demo, rng) for _ in range(TIMES)) if p is not None]
+        if played:
+            found.append(Experience.joined(played))
+            on_demo(len(found), count)
+        if len(found) == count:
+            return Experience.joined(found)
+    raise DemoError(
+        f"{len(found)} of {MOST_TRIES * count} demonstrations succeed with the actions of the learner; {count} are wanted."
+        " Longer episodes may help: --episode-steps."
+    )
+
+
+def follow(env: LearningEnv, demo: Demo, rng: np.random.Generator) -> Experience | None:
+    """Follow joints and hand of a demonstration, with noise; None where that does not succeed within an episode.
+
+    The noise is made good by the decisions after it, and means nothing on average: the mean action is the right one.
+    """
+    seen, rows = env.reset_to(demo), []
+    for index in range(TICKS, 2 * len(demo), TICKS):
+        goal = demo[min(index, len(demo) - 1)]
+        joints, wanted = np.asarray(seen.joint_positions), np.asarray(goal.joint_positions)
+        clean = as_unit(joints, wanted, (goal.gripper_open or 0.0) > 0.5)
+        noise = np.append(rng.normal(scale=NOISE, size=len(clean) - 1), 0.0)
+        action = np.clip(clean + noise, -1.0, 1.0).astype(np.float32)
+        before = features(seen)
+        after, reward, over, cut, info = env.step(action)
+        rows.append((before, after, action, np.float32(reward), np.float32(over)))
+        seen = info["observation"]
+        if over or cut:
+            return Experience(*(np.array(column, np.float32) for column in zip(*rows))) if info["is_success"] else None
+    return None
+
+
+NETWORK = (128, 128)
+"""Neurons of the hidden layers, of actors and critics."""
+DISCOUNT = 0.97
+"""What a reward one decision later is worth."""
+PPO_SETTINGS: Mapping[str, Any] = {"batch_size": 128, "n_epochs": 10, "learning_rate": 5e-4, "clip_range": 0.2}
+SAC_SETTINGS: Mapping[str, Any] = {
+    "batch_size": 256,
+    "buffer_size": 100_000,
+    "train_freq": LEAST_LEG,
+    "gradient_steps": 16,
+}
+SAC_FROM_NOTHING: Mapping[str, Any] = {"learning_rate": 1e-3, "learning_starts": 1000, "ent_coef": "auto_0.1"}
+"""Decisions at random first; the goal of entropy is the usual one, minus the numbers of an action."""
+SAC_AFTER_IMITATION: Mapping[str, Any] = {
+    "learning_rate": 3e-4,
+    "learning_starts": 0,
+    "ent_coef": "auto_0.01",
+    "target_entropy": -16.0,
+}
+"""Smaller steps, and half as far beside the path: 0.03 of the largest action for each number."""
+SPREAD = -0.5
+"""Logarithm of how far PPO explores at first without demonstrations, in units of the largest action."""
+CLONED_RATE = 1e-4
+"""Learning rate of PPO after imitation: large steps forget what was imitated."""
+WARM_UP: Mapping[str, int] = {"ppo": 2, "sac": 1}
+"""Legs in which the values of an imitating policy are learned, and it stays as it is."""
+
+Model: TypeAlias = PPO | ImitatingSac
+
+
+def make_model(config: ReinforcementConfig, env: VecNormalize) -> Model:
+    """Return an untrained model; its first weights follow from the seed."""
+    networks: dict[str, Any] = {"net_arch": list(NETWORK), "optimizer_kwargs": {"fused": True}}
+    common: dict[str, Any] = {"gamma": DISCOUNT, "seed": config.seed % 2**31, "device": config.device, "verbose": 0}
+    if config.algorithm == "sac":
+        common |= SAC_AFTER_IMITATION if config.demonstrations else SAC_FROM_NOTHING
+        return ImitatingSac(
+            NormedCritics, env, replay_buffer_class=HalfDemonstrations, policy_kwargs=networks, **SAC_SETTINGS, **common
+        )
+    settings = {**PPO_SETTINGS, **({"learning_rate": CLONED_RATE} if config.demonstrations else {})}
+    settings["batch_size"] = min(settings["batch_size"], config.leg)
+    networks["log_std_init"] = SPREAD
+    return PPO("MlpPolicy", env, n_steps=config.leg // config.workers, policy_kwargs=networks, **settings, **common)
+
+
+def teach(model: Model, env: VecNormalize, experience: Experience, steps: int) -> None:
+    """Give demonstrations to an untrained model: it begins with a policy that imitates them, and SAC keeps them in its buffer.
+
+    The statistics of what is seen are those of the demonstrations.
+    """
+    env.obs_rms.update(experience.seen)  # type: ignore[union-attr]
+    imitate(model, env, experience, steps)
+    if isinstance(model, ImitatingSac):
+        model.replay_buffer.hold(experience)
+
+
+def hold_still(model: Model, still: bool) -> None:
+    """Let a model change its values alone, or all of its weights."""
+    if isinstance(model, ImitatingSac):
+        model.is_actor_still = still
+        return
+    policy = model.policy
+    assert isinstance(policy, ActorCriticPolicy)
+    for weight in (*policy.mlp_extractor.policy_net.parameters(), *policy.action_net.parameters(), policy.log_std):
+        weight.requires_grad_(not still)

@@ -1,0 +1,243 @@
+"""Environment and settings of the reinforcement learning baselines."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import gymnasium
+import numpy as np
+
+from rlbench_pin.environment import Environment, JointPositionActionMode, TaskEnvironment, low_dim_config
+from rlbench_pin.errors import InvalidArgument, ResetError, TaskEnvironmentError, UnknownName
+from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_flag, as_seed, as_whole
+
+LEAST_LEG = 8
+"""Decisions of a leg in one environment at least: SAC learns after so many."""
+Algorithm = Literal["ppo", "sac"]
+ALGORITHMS = ("ppo", "sac")
+EPISODE_STEPS: Mapping[str, int] = {"reach_target": 30}
+"""Decisions of a training episode for tasks that need fewer than others."""
+LONG_EPISODE = 50
+"""Decisions of a training episode for all other tasks: 7.5 s."""
+LEG = 2048
+"""Decisions between two check points. Each leg begins with new episodes and generators of its own."""
+
+
+@dataclass(frozen=True)
+class ReinforcementConfig:
+    """How a task is learned by trial.
+
+    Raises:
+        UnknownName: There is no such algorithm.
+        InvalidArgument: A number is out of range.
+    """
+
+    algorithm: Algorithm
+    """PPO or SAC of Stable-Baselines3."""
+    task: str
+    """Name of the task."""
+    steps: int = 20_000
+    """Decisions of training, rounded up to whole legs."""
+    shaped: bool = False
+    """Pay the task's own reward at each step, and 1 for success; otherwise 1 for success alone."""
+    demonstrations: int = 0
+    """Demonstrations of the planner: half of each batch of SAC, the first policy of PPO."""
+    imitation_steps: int = 3000
+    """Batches from which the first policy learns to imitate demonstrations."""
+    seed: int = 0
+    """Of first weights, episodes, exploration and batches."""
+    workers: int = 1
+    """Environments at once, each in a process of its own when there are several. Another number is another training."""
+    device: str = "cpu"
+    """Where torch computes: `cpu`, `cuda`, `cuda:1`."""
+    episode_steps: int | None = None
+    """Decisions of a training episode at most; None is 30 for `reach_target` and 50 for others."""
+    leg_steps: int = LEG
+    """Decisions between two check points; PPO learns once in each leg. Rounded down to a multiple of the environments."""
+    validate_every: int = 2
+    """Legs between two looks at how well the most likely action does."""
+    validation_episodes: int = 20
+    """Episodes of each look, always the same, which training does not meet."""
+
+    def __post_init__(self) -> None:
+        """Check every number."""
+        if self.algorithm not in ALGORITHMS:
+            raise UnknownName("algorithm", str(self.algorithm), ALGORITHMS)
+        for name in ("steps", "workers", "leg_steps", "imitation_steps", "validate_every", "validation_episodes"):
+            as_whole(getattr(self, name), name, InvalidArgument, least=1)
+        as_whole(self.demonstrations, "demonstrations", InvalidArgument, least=0)
+        as_flag(self.shaped, "shaped", InvalidArgument)
+        as_seed(self.seed, "seed", InvalidArgument)
+        if self.leg_steps < LEAST_LEG * self.workers:
+            hint = f"has to be at least {LEAST_LEG} for each of the {self.workers} environments"
+            raise InvalidArgument("leg_steps", self.leg_steps, hint)
+        if self.episode_steps is None:
+            object.__setattr__(self, "episode_steps", EPISODE_STEPS.get(self.task, LONG_EPISODE))
+        as_whole(self.episode_steps, "episode_steps", InvalidArgument, least=1)
+
+    @property
+    def longest(self) -> int:
+        """Decisions of a training episode at most."""
+        assert self.episode_steps is not None
+        return self.episode_steps
+
+    @property
+    def leg(self) -> int:
+        """Steps between two check points, a multiple of the environments."""
+        return self.leg_steps // self.workers * self.workers
+
+    @property
+    def legs(self) -> int:
+        """How many legs there are."""
+        return -(-self.steps // self.leg)
+
+    def identity(self) -> dict[str, Any]:
+        """Return what must be the same for a training to go on: all but its length, its device and how it is watched."""
+        names = (
+            "algorithm",
+            "task",
+            "shaped",
+            "demonstrations",
+            "imitation_steps",
+            "seed",
+            "workers",
+            "leg_steps",
+            "episode_steps",
+        )
+        return {name: getattr(self, name) for name in names}
+
+
+REACH = 0.05
+"""Joint difference of a control tick at most [rad]: 1 rad/s."""
+EPSILON = 1e-4
+"""Added to variances of features: what hardly varies is divided by 1 cm or 0.01 rad, not by next to nothing."""
+TICKS = 3
+"""Control ticks that a decision lasts: 0.15 s. An episode of fewer decisions is learned sooner."""
+
+
+def features(observation: Observation) -> np.ndarray:
+    """Return joints [rad], opening of the hand, pose of the tip, state of the task, and its first place seen from the tip [m].
+
+    Args:
+        observation: With the low-dimensional fields.
+
+    Returns:
+        float32, shape (joints + 11 + numbers of the state,).
+    """
+    tip = np.asarray(observation.gripper_pose, dtype=np.float64)
+    state = np.asarray(observation.task_low_dim_state, dtype=np.float64)
+    joints = np.asarray(observation.joint_positions, dtype=np.float64)
+    hand = float(observation.gripper_open or 0.0)
+    return np.concatenate([joints, [hand], tip, state, state[:3] - tip[:3]]).astype(np.float32)
+
+
+def as_command(unit: FloatArray, high: FloatArray) -> FloatArray:
+    """Return an action of `JointPositionActionMode`.
+
+    Args:
+        unit: A difference for each joint and the hand, open above 0, between -1 and 1, shape (joints + 1,).
+        high: Highest value of each number of the action; the last is the position of an open finger [m].
+    """
+    values = np.clip(np.asarray(unit, dtype=np.float64), -1.0, 1.0)
+    return np.append(REACH * values[:-1], high[-1] if values[-1] > 0.0 else 0.0)
+
+
+def as_unit(joints: FloatArray, target: FloatArray, is_open: bool) -> FloatArray:
+    """Return the numbers between -1 and 1 that go towards joint positions.
+
+    Args:
+        joints: Where the joints are [rad].
+        target: Where they should be a decision later [rad].
+        is_open: Whether the hand should be open.
+    """
+    return np.append(np.clip((target - joints) / (TICKS * REACH), -1.0, 1.0), 1.0 if is_open else -1.0)
+
+
+TRAINING_SEEDS = 2**31
+"""Training draws the seeds of its episodes below this, so that it never meets one of an evaluation."""
+VALIDATION_SEED = 2**52
+"""Episode i of a look at a policy has this seed plus i."""
+SHAPED = 0.1
+"""The share of the task's own reward that is paid: with it an episode that fails costs about what success pays."""
+TRIES = 10
+"""Seeds that are drawn before a task that cannot be placed is an error."""
+
+
+class LearningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
+    """One task for Stable-Baselines3, of any variation. A step is a decision of `TICKS` control ticks; `info` holds `is_success`.
+
+    Success pays 1. With `shaped` every decision pays `SHAPED` of the task's own reward, too. Success and failure end an episode.
+
+    Args:
+        task: Name of the task.
+        shaped: Whether the task's own reward is paid.
+        longest: Decisions of an episode at most.
+
+    Raises:
+        TaskEnvironmentError: The task has no reward of its own, and `shaped` is asked for.
+    """
+
+    def __init__(self, task: str, shaped: bool, longest: int) -> None:
+        self._environment = Environment(JointPositionActionMode(), obs_config=low_dim_config())
+        self._shaped, self._longest, self._count = shaped, longest, 0
+        try:
+            self.task: TaskEnvironment = self._environment.get_task(task)
+            self.task.set_variation(0)
+            _, seen = self.task.reset(seed=0)
+            if shaped and self.task.task.reward() is None:
+                raise TaskEnvironmentError(f"'{task}' has no shaped reward. Leave out `--shaped`, or use --demonstrations.")
+        except BaseException:
+            self.close()
+            raise
+        self._high = self.task.action_bounds()[1]
+        self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, features(seen).shape, np.float32)
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, self._high.shape, np.float32)
+
+    def reset(self, *, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin an episode from a seed that is drawn; `options={"episode": seed}` names one.
+
+        Raises:
+            ResetError: The task could not be placed, from none of ten seeds.
+        """
+        super().reset(seed=seed)
+        named = (options or {}).get("episode")
+        for last in [False] * (TRIES - 1) + [True]:
+            episode = int(self.np_random.integers(TRAINING_SEEDS)) if named is None else int(named)
+            try:
+                instructions, seen = self.task.reset(seed=episode, variation=-1)
+                break
+            except ResetError:
+                if last or named is not None:
+                    raise
+        return self._begun(seen), {"instructions": instructions}
+
+    def reset_to(self, demo: Demo) -> Observation:
+        """Begin the episode of a demonstration and return what is observed."""
+        _, seen = self.task.reset_to_demo(demo)
+        self._begun(seen)
+        return seen
+
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Act for one decision."""
+        command = as_command(action, self._high)
+        for _ in range(TICKS):
+            seen, _, over = self.task.step(command)
+            if over:
+                break
+        self._count += 1
+        success = self.task.succeeded
+        reward = float(success) + (SHAPED * (self.task.task.reward() or 0.0) if self._shaped else 0.0)
+        info = {"is_success": success, "observation": seen}
+        return features(seen), reward, over, not over and self._count >= self._longest, info
+
+    def close(self) -> None:
+        """Free the world."""
+        self._environment.shutdown()
+
+    def _begun(self, seen: Observation) -> np.ndarray:
+        self._count = 0
+        return features(seen)

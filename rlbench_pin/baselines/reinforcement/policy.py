@@ -1,0 +1,133 @@
+"""The policy that a training leaves behind: tensors and JSON, loaded into a policy of Stable-Baselines3."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import torch
+from stable_baselines3.common.policies import ActorCriticPolicy, BasePolicy
+from stable_baselines3.sac.policies import SACPolicy
+
+from rlbench_pin.baselines.cloning.model import nearest_sentence
+from rlbench_pin.baselines.cloning.training import MODEL, SETTINGS, ModelFileError, read_tensors, trained_tasks
+from rlbench_pin.baselines.reinforcement.algorithms import NETWORK
+from rlbench_pin.baselines.reinforcement.environment import ALGORITHMS, EPSILON, as_command, features
+from rlbench_pin.baselines.reinforcement.training import KIND
+from rlbench_pin.environment import JointPositionActionMode, low_dim_config
+from rlbench_pin.evaluation.policies.policy import PolicyContext
+from rlbench_pin.evaluation.policies.policy_server import NoPolicy
+from rlbench_pin.observation import Observation
+
+CLIP = 10.0
+"""Features are cut off this many standard deviations from their mean, as in training."""
+PATIENCE = 2
+"""How many times as long as in training an episode may be."""
+_KNOWN = {"seen": int, "actions": int, "ticks": int, "episode_steps": int, "instructions": list}
+"""What settings have to say beside the kind of the model."""
+
+
+class TrainedActor:
+    """What acts in one task.
+
+    Args:
+        folder: Of the task, in the folder of the models.
+        algorithm: `ppo` or `sac`.
+        settings: What `settings.json` says.
+        device: Where torch computes.
+
+    Raises:
+        ModelFileError: The weights are missing, damaged, or do not fit.
+    """
+
+    def __init__(self, folder: Path, algorithm: str, settings: dict[str, Any], device: str = "cpu") -> None:
+        path = folder / MODEL
+        tensors, _ = read_tensors(path)
+        seen = gymnasium.spaces.Box(-np.inf, np.inf, (settings["seen"],), np.float32)
+        acts = gymnasium.spaces.Box(-1.0, 1.0, (settings["actions"],), np.float32)
+        network: list[int] = list(NETWORK)
+        if algorithm == "ppo":
+            self._policy: BasePolicy = ActorCriticPolicy(seen, acts, _no_schedule, net_arch=network)
+        else:
+            self._policy = SACPolicy(seen, acts, _no_schedule, net_arch=network).actor
+        try:
+            self._policy.load_state_dict({n.removeprefix("policy/"): t for n, t in tensors.items() if n.startswith("policy/")})
+            self._mean, variance = tensors["seen/mean"].numpy(), tensors["seen/var"].numpy()
+        except (RuntimeError, KeyError) as error:
+            raise ModelFileError(path, "does not fit the settings beside it") from error
+        self._policy.to(torch.device(device)).set_training_mode(False)
+        self._deviation = np.sqrt(variance + EPSILON)
+
+    def act(self, observation: Observation) -> np.ndarray:
+        """Return the most likely action, between -1 and 1, shape (joints + 1,)."""
+        seen = features(observation)
+        if seen.shape != self._mean.shape:
+            raise NoPolicy(f"It was trained on {self._mean.size} numbers and sees {seen.size}: another task, or another arm.")
+        scaled = np.clip((seen - self._mean) / self._deviation, -CLIP, CLIP).astype(np.float32)
+        return np.asarray(self._policy.predict(scaled, deterministic=True)[0])
+
+
+class ReinforcementPolicy:
+    """Joint differences learned by trial; which of its networks acts follows from the name of the task, or the instruction.
+
+    Args:
+        folder: What `rlbench-pin train ppo` or `sac` wrote.
+        algorithm: `ppo` or `sac`.
+        device: Where torch computes.
+
+    Raises:
+        NoPolicy: There is no such algorithm.
+        ModelFileError: The folder holds no such model.
+    """
+
+    def __init__(self, folder: str | Path, algorithm: str, device: str = "cpu") -> None:
+        if algorithm not in ALGORITHMS:
+            raise NoPolicy(f"There is no algorithm '{algorithm}' here; use ppo or sac.")
+        self.action_mode, self.obs_config = JointPositionActionMode(), low_dim_config()
+        self._settings = _models(Path(folder), algorithm)
+        self._folder, self._algorithm, self._device = Path(folder), algorithm, device
+        self.max_steps = PATIENCE * max(s["episode_steps"] * s["ticks"] for s in self._settings.values())
+        self._actors: dict[str, TrainedActor] = {}
+        self._task, self._high, self._tick, self._unit = next(iter(self._settings)), np.zeros(0), 0, np.zeros(0)
+
+    def reset(self, instruction: str, context: PolicyContext) -> None:
+        """Choose the network."""
+        self._task = context.task if context.task in self._settings else self._meant(instruction)
+        if self._task not in self._actors:
+            settings = self._settings[self._task]
+            self._actors[self._task] = TrainedActor(self._folder / self._task, self._algorithm, settings, self._device)
+        self._high, self._tick = np.asarray(context.action_high, dtype=float), 0
+
+    def act(self, observation: Observation) -> np.ndarray:
+        """Return joint differences [rad] and the position of a finger [m], shape (joints + 1,)."""
+        if self._tick % self._settings[self._task]["ticks"] == 0:
+            self._unit = self._actors[self._task].act(observation)
+        self._tick += 1
+        return as_command(self._unit, self._high)
+
+    def _meant(self, instruction: str) -> str:
+        """Return the task of which an instruction is nearest to this one."""
+        owners = [(task, said) for task, settings in self._settings.items() for said in settings["instructions"]]
+        return owners[nearest_sentence(instruction, [said for _, said in owners])][0]
+
+
+def _models(folder: Path, algorithm: str) -> dict[str, dict[str, Any]]:
+    """Return the settings of the models in a folder by task, each looked at."""
+    found = trained_tasks(folder, KIND.format(algorithm))
+    for task, settings in found.items():
+        wrong = [name for name, kind in _KNOWN.items() if not isinstance(settings.get(name), kind) or not settings[name]]
+        if wrong or not all(isinstance(said, str) for said in settings["instructions"]):
+            raise ModelFileError(folder / task / SETTINGS, f"is damaged: {wrong or ['instructions']}")
+    return found
+
+
+def policy(folder: str, algorithm: str, device: str = "cpu") -> ReinforcementPolicy:
+    """Return the policy in a folder that `rlbench-pin train ppo` or `sac` wrote."""
+    return ReinforcementPolicy(folder, algorithm, device)
+
+
+def _no_schedule(_: float) -> float:
+    """Return the learning rate of what is not trained."""
+    return 0.0

@@ -1,0 +1,501 @@
+"""Training of the reinforcement learning baselines, with checkpoints and learning curves."""
+
+from __future__ import annotations
+
+import functools
+import io
+import json
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from stable_baselines3.common.buffers import ReplayBuffer
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.logger import configure
+from stable_baselines3.common.monitor import Monitor
+from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecEnv, VecNormalize
+
+from rlbench_pin.baselines.cloning.training import (
+    CHECKPOINT,
+    MODEL,
+    SETTINGS,
+    ModelFileError,
+    read_tensors,
+    write_settings,
+    write_tensors,
+)
+from rlbench_pin.baselines.reinforcement.algorithms import (
+    DISCOUNT,
+    WARM_UP,
+    Experience,
+    ImitatingSac,
+    Model,
+    gather,
+    hold_still,
+    make_model,
+    teach,
+)
+from rlbench_pin.baselines.reinforcement.environment import EPSILON, TICKS, VALIDATION_SEED, LearningEnv, ReinforcementConfig
+from rlbench_pin.datasets import write_whole
+from rlbench_pin.errors import InvalidValue
+from rlbench_pin.evaluation.results.plots import COLORS, check_plot
+from rlbench_pin.rates import wilson
+
+CURVE = "curve.json"
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """How far a leg of the training came."""
+
+    steps: int
+    """Decisions of training so far; 0 before the first leg."""
+    episodes: int
+    """Episodes that ended in this leg."""
+    reward: float | None
+    """Their reward in the mean; None without one."""
+    success: float | None
+    """The share of them that succeeded, while exploring; None without one."""
+    successes: int | None = None
+    """Validation episodes that the most likely action won; None where there were none after this leg."""
+    of: int = 0
+    """Validation episodes, on seeds that training does not meet."""
+
+    @property
+    def validation(self) -> float | None:
+        """The share of successes of the most likely action."""
+        return None if self.successes is None else self.successes / self.of
+
+    @property
+    def interval(self) -> tuple[float, float] | None:
+        """Wilson's interval of 95 % around it."""
+        return None if self.successes is None else wilson(self.successes, self.of)
+
+
+def write_curve(folder: Path, points: Sequence[CurvePoint]) -> None:
+    """Write a curve, with intervals."""
+    rows = [{**asdict(point), "wilson_95": _rounded(point.interval)} for point in points]
+    write_whole(folder / CURVE, (json.dumps(rows, indent=1) + "\n").encode())
+
+
+def read_curve(folder: Path | str) -> list[CurvePoint]:
+    """Return the curve of a training so far, a point for each leg and one before the first.
+
+    Args:
+        folder: Of the task, in the folder of the models.
+
+    Raises:
+        ModelFileError: The file is damaged.
+    """
+    path = Path(folder) / CURVE
+    if not path.exists():
+        return []
+    try:
+        rows: list[dict[str, Any]] = json.loads(path.read_text(encoding="utf-8"))
+        return [CurvePoint(**{name: value for name, value in row.items() if name != "wilson_95"}) for row in rows]
+    except (ValueError, TypeError, AttributeError, OSError) as error:
+        raise ModelFileError(path, f"is damaged ({error})") from error
+
+
+def _rounded(interval: tuple[float, float] | None) -> list[float] | None:
+    return None if interval is None else [round(end, 4) for end in interval]
+
+
+_FIXED = {"svg.hashsalt": "rlbench_pin", "svg.fonttype": "none", "font.family": "DejaVu Sans", "font.size": 9.0}
+_WIDTH, _HEIGHT = 6.4, 3.2
+"""Size of the picture [inch]."""
+WINDOW = 5
+"""Legs over which successes while exploring are averaged."""
+
+
+def draw_curves(path: Path | str, curves: Mapping[str, Sequence[CurvePoint]]) -> Path:
+    """Draw learning curves: lines for success while exploring, dots for the most likely action on seeds of its own.
+
+    Args:
+        path: A PNG or SVG file.
+        curves: What each is called -> its points, 1 to 8.
+
+    Raises:
+        InvalidValue: The file has another ending, there are too many curves, or one has no points.
+        StorageError: It cannot be written.
+    """
+    path = check_plot(path, len(curves))
+    empty = next((name for name, points in curves.items() if not points), None)
+    if empty is not None:
+        raise InvalidValue("curve", empty, "has no points yet: a training writes one after each leg")
+    kind, written = path.suffix.lower()[1:], io.BytesIO()
+    with rc_context(_FIXED):
+        metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
+        _figure(curves).savefig(written, format=kind, dpi=150, metadata=metadata)
+    return write_whole(path, written.getvalue())
+
+
+def _figure(curves: Mapping[str, Sequence[CurvePoint]]) -> Figure:
+    figure = Figure(figsize=(_WIDTH, _HEIGHT), layout="constrained")
+    axes = figure.add_subplot()
+    for color, (name, points) in zip(COLORS, curves.items()):
+        explored = [(p.steps, p.success, p.episodes) for p in points if p.success is not None]
+        if explored:
+            steps, successes, episodes = np.array(explored, dtype=float).T
+            axes.plot(steps, _smooth(successes * episodes) / _smooth(episodes), color=color, linewidth=1.2)
+        _draw_looks(axes, color, points)
+        axes.plot([], [], "o-", color=color, markersize=4, label=name)
+    axes.set_ylim(0.0, 1.0)
+    axes.set_xlim(left=0.0)
+    axes.set_yticks(np.linspace(0.0, 1.0, 6), [f"{v} %" for v in range(0, 101, 20)])
+    axes.set(xlabel="decisions of training", ylabel="success (dots: without exploring)")
+    axes.grid(color="#cccccc", linewidth=0.6)
+    axes.set_axisbelow(True)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    figure.legend(loc="outside upper center", ncols=min(3, len(curves)), frameon=False)
+    return figure
+
+
+def _draw_looks(axes: Axes, color: str, points: Sequence[CurvePoint]) -> None:
+    """Draw validation as dots with intervals."""
+    looks = [(p.steps, p.validation, *p.interval) for p in points if p.validation is not None and p.interval is not None]
+    steps, rates, low, high = np.array(looks, dtype=float).reshape(-1, 4).T
+    axes.vlines(steps, low, high, colors=color, linewidth=0.8, clip_on=False, zorder=3)
+    axes.plot(steps, rates, "o", color=color, markersize=4, clip_on=False, zorder=3)
+
+
+def _smooth(values: np.ndarray) -> np.ndarray:
+    """Return sums over the last legs, shape (n,)."""
+    sums = np.concatenate([[0.0], np.cumsum(values)])
+    ends = np.arange(1, len(sums))
+    return np.asarray(sums[ends] - sums[np.maximum(ends - WINDOW, 0)])
+
+
+KIND = "reinforcement {}"
+_ROWS = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
+_SHOWN = ("seen", "then", "actions", "rewards", "ends")
+
+Tensors = dict[str, torch.Tensor]
+
+
+def write_checkpoint(folder: Path, config: ReinforcementConfig, model: Model, env: VecNormalize, legs: int) -> None:
+    """Write everything that the training goes on from.
+
+    Args:
+        folder: Of the task.
+        config: What is trained.
+        model: As it is now.
+        env: Its environments, with the statistics of what was seen.
+        legs: How many legs are done.
+    """
+    tensors = {**_learned(model), **_statistics(env)}
+    if isinstance(model, ImitatingSac):
+        tensors["log_ent_coef"] = model.log_ent_coef  # type: ignore[assignment]
+        tensors |= _buffer(model.replay_buffer)
+    state = {"legs": legs, "steps": model.num_timesteps, "config": config.identity()}
+    write_tensors(folder / CHECKPOINT, tensors, state=json.dumps(state, sort_keys=True))  # one note: several have no order
+
+
+def read_checkpoint(folder: Path, config: ReinforcementConfig, model: Model, env: VecNormalize) -> int:
+    """Bring a new model to where a training was, and return how many legs were done; 0 where there is no check point.
+
+    Raises:
+        ModelFileError: The file is damaged, or of other settings.
+    """
+    path = folder / CHECKPOINT
+    if not path.exists():
+        return 0
+    tensors, notes = read_tensors(path)
+    try:
+        state = json.loads(notes.get("state", "{}"))
+        if state["config"] != config.identity():
+            raise ModelFileError(path, f"was begun with {state['config']}, not {config.identity()}; name another --out")
+        model.set_parameters(_nested(model, tensors), device=config.device)
+        if isinstance(model, ImitatingSac):
+            with torch.no_grad():
+                model.log_ent_coef.copy_(tensors["log_ent_coef"])  # type: ignore[union-attr]
+            _fill(model, tensors)
+        for name, statistics in (("seen", env.obs_rms), ("returns", env.ret_rms)):
+            statistics.mean, statistics.var = (tensors[f"{name}/{key}"].numpy() for key in ("mean", "var"))  # type: ignore[union-attr]
+            statistics.count = float(tensors[f"{name}/count"])  # type: ignore[union-attr]
+        model.num_timesteps = int(state["steps"])
+        return int(state["legs"])
+    except (KeyError, TypeError, ValueError, RuntimeError) as error:
+        raise ModelFileError(path, f"does not fit this task or version ({error})") from error
+
+
+def write_model(folder: Path, config: ReinforcementConfig, model: Model, env: VecNormalize, said: list[str]) -> None:
+    """Write the policy with the statistics of what it sees, and what it was trained on.
+
+    Args:
+        folder: Of the task.
+        config: What was trained.
+        model: The model.
+        env: Its environments.
+        said: Instructions of the task, of all variations.
+    """
+    kept = model.policy if config.algorithm == "ppo" else model.policy.actor  # type: ignore[union-attr]
+    weights = {f"policy/{name}": tensor for name, tensor in kept.state_dict().items()}  # type: ignore[union-attr]
+    statistics = {name: tensor for name, tensor in _statistics(env).items() if name.startswith("seen/")}
+    write_tensors(folder / MODEL, {**weights, **statistics})
+    sizes = {"seen": int(np.prod(env.observation_space.shape)), "actions": int(np.prod(env.action_space.shape))}  # type: ignore[arg-type]
+    content: dict[str, Any] = {**config.identity(), **sizes, "ticks": TICKS, "steps": model.num_timesteps, "instructions": said}
+    write_settings(folder / SETTINGS, KIND.format(config.algorithm), content)
+
+
+def _learned(model: Model) -> Tensors:
+    """Return weights and states of optimizers: `weights/policy/...`, `optimizers/<name>/<number>/<part>`."""
+    tensors: Tensors = {}
+    for name, state in model.get_parameters().items():
+        if name.endswith("optimizer"):
+            for number, parts in state["state"].items():
+                tensors |= {f"optimizers/{name}/{number}/{part}": torch.as_tensor(value) for part, value in parts.items()}
+        else:
+            tensors |= {f"weights/{name}/{key}": tensor for key, tensor in state.items()}
+    return tensors
+
+
+def _nested(model: Model, tensors: Tensors) -> dict[str, Any]:
+    """Return what `set_parameters` takes."""
+    nested: dict[str, Any] = {}
+    for name, state in model.get_parameters().items():
+        if name.endswith("optimizer"):
+            states: dict[int, Tensors] = {}
+            for key, tensor in _below(tensors, f"optimizers/{name}/").items():
+                number, part = key.split("/")
+                states.setdefault(int(number), {})[part] = tensor
+            nested[name] = {"state": states, "param_groups": state["param_groups"]}
+        else:
+            nested[name] = _below(tensors, f"weights/{name}/")
+    return nested
+
+
+def _below(tensors: Tensors, prefix: str) -> Tensors:
+    return {name.removeprefix(prefix): tensor for name, tensor in tensors.items() if name.startswith(prefix)}
+
+
+def _statistics(env: VecNormalize) -> Tensors:
+    tensors: Tensors = {}
+    for name, statistics in (("seen", env.obs_rms), ("returns", env.ret_rms)):
+        for key in ("mean", "var", "count"):
+            tensors[f"{name}/{key}"] = torch.as_tensor(np.asarray(getattr(statistics, key), dtype=np.float64))
+    return tensors
+
+
+def _buffer(buffer: Any) -> Tensors:
+    """Return what a buffer of ours holds, and where it writes next."""
+    filled = buffer.buffer_size if buffer.full else buffer.pos
+    tensors = {f"buffer/{name}": torch.as_tensor(getattr(buffer, name)[:filled].copy()) for name in _ROWS}
+    tensors["buffer/pos"], tensors["buffer/full"] = torch.tensor(buffer.pos), torch.tensor(buffer.full)
+    shown: ReplayBuffer | None = buffer.demonstrations
+    if shown is not None:
+        names = zip(_SHOWN, ("observations", "next_observations", "actions", "rewards", "dones"))
+        tensors |= {f"shown/{name}": torch.as_tensor(getattr(shown, row)[:, 0].copy()) for name, row in names}
+    return tensors
+
+
+def _fill(model: ImitatingSac, tensors: Tensors) -> None:
+    """Fill the buffer of a new model."""
+    buffer = model.replay_buffer
+    for name in _ROWS:
+        rows = tensors[f"buffer/{name}"].numpy()
+        getattr(buffer, name)[: len(rows)] = rows
+    buffer.pos, buffer.full = int(tensors["buffer/pos"]), bool(tensors["buffer/full"])
+    if "shown/seen" in tensors:
+        buffer.hold(Experience(*(tensors[f"shown/{name}"].numpy() for name in _SHOWN)))
+
+
+PICTURE = "curve.png"
+
+
+@dataclass(frozen=True)
+class TrainingProgress:
+    """Where a training is."""
+
+    steps: int
+    """Decisions so far."""
+    total: int
+    """Decisions in all."""
+    point: CurvePoint | None
+    """The last leg; None before it ends."""
+    note: str = ""
+    """What is done beside acting and learning."""
+
+
+OnProgress = Callable[[TrainingProgress], None]
+
+
+def train_reinforcement(
+    config: ReinforcementConfig,
+    out: Path,
+    on_progress: OnProgress = lambda progress: None,
+    stop: threading.Event | None = None,
+) -> bool:
+    """Train a task into a folder of its name, and return whether it came to its end.
+
+    What was begun there goes on from its last check point, and on the CPU ends with the same weights as if it had never been
+    ended; with more steps than before, it is prolonged.
+
+    Args:
+        config: What is trained.
+        out: Folder of the models; the task's is in it.
+        on_progress: Called after every step, and after each leg.
+        stop: Ends the training within a step; the leg is begun again when it goes on.
+
+    Raises:
+        ModelFileError: The check point is damaged, or of other settings.
+        DemoError: Too few demonstrations succeed.
+        TaskEnvironmentError: The task has no shaped reward.
+    """
+    with _one_thread(), closing(LearningEnv(config.task, config.shaped, config.longest)) as judge, closing(_envs(config)) as env:
+        training = _Training(config, Path(out) / config.task, env, judge, on_progress)
+        return all(training.do(leg, stop) for leg in range(training.begin(), config.legs))
+
+
+class _Training:
+    """A model, its environments and its curve."""
+
+    def __init__(
+        self, config: ReinforcementConfig, folder: Path, env: VecNormalize, judge: LearningEnv, on_progress: OnProgress
+    ) -> None:
+        self._config, self._folder, self._env, self._judge, self._tell = config, folder, env, judge, on_progress
+        self._model = make_model(config, env)
+        self._total = config.legs * config.leg
+        self._points: list[CurvePoint] = []
+        self._instructions = _instructions(judge)
+
+    def begin(self) -> int:
+        """Read the check point, or gather demonstrations and learn from them; return how many legs are done."""
+        config, model = self._config, self._model
+        done = read_checkpoint(self._folder, config, model, self._env)
+        self._points = read_curve(self._folder)[: done + 1] if done else []
+        if done == 0:
+            if config.demonstrations:
+                experience = gather(self._judge, config.demonstrations, self._tell_demonstrations)
+                teach(model, self._env, experience, config.imitation_steps)
+            self._keep(CurvePoint(0, 0, None, None, *self._validate()))
+        model.set_logger(configure(str(self._folder / "tensorboard"), ["tensorboard"]))
+        return done
+
+    def do(self, leg: int, stop: threading.Event | None) -> bool:
+        """Act and learn for one leg, from new episodes, with generators that follow from seed and leg; False when stopped."""
+        config, model = self._config, self._model
+        watch = _Watch(self._total, self._tell, stop)
+        model.set_env(self._env, force_reset=True)
+        model.set_random_seed(int(np.random.SeedSequence([config.seed, leg]).generate_state(1)[0] >> 1))
+        hold_still(model, config.demonstrations > 0 and leg < WARM_UP[config.algorithm])
+        model.learn(config.leg, callback=watch, reset_num_timesteps=False, log_interval=4)
+        if watch.is_stopped:
+            return False
+        looks = (leg + 1) % config.validate_every == 0 or leg + 1 == config.legs
+        point = watch.point(self._validate() if looks else (None, 0))
+        _log(model, point)
+        self._keep(point)
+        write_checkpoint(self._folder, config, model, self._env, leg + 1)
+        return True
+
+    def _keep(self, point: CurvePoint) -> None:
+        """Write a point, and the model where no look before was better."""
+        best = max((p.validation or 0.0 for p in self._points), default=0.0)
+        self._points.append(point)
+        write_curve(self._folder, self._points)
+        if point.validation is not None:
+            draw_curves(self._folder / PICTURE, {f"{self._config.algorithm} {self._config.task}": self._points})
+            if point.validation >= best:
+                write_model(self._folder, self._config, self._model, self._env, self._instructions)
+        self._tell(TrainingProgress(self._model.num_timesteps, self._total, point))
+
+    def _validate(self) -> tuple[int, int]:
+        return validate(self._model, self._env, self._judge, self._config.validation_episodes)
+
+    def _tell_demonstrations(self, found: int, wanted: int) -> None:
+        self._tell(TrainingProgress(0, self._total, None, f"demonstration {found} of {wanted}"))
+
+
+def validate(model: Model, env: VecNormalize, judge: LearningEnv, episodes: int) -> tuple[int, int]:
+    """Return in how many episodes the most likely action succeeded, and of how many; nothing is learned from it."""
+    successes = 0
+    for index in range(episodes):
+        seen, info = judge.reset(options={"episode": VALIDATION_SEED + index})
+        over = False
+        while not over:
+            action, _ = model.predict(env.normalize_obs(seen), deterministic=True)  # type: ignore[arg-type]
+            seen, _, ended, cut, info = judge.step(action)
+            over = ended or cut
+        successes += bool(info["is_success"])
+    return successes, episodes
+
+
+class _Watch(BaseCallback):
+    """Counts steps and episodes of one leg, and ends it when asked to."""
+
+    def __init__(self, total: int, on_progress: OnProgress, stop: threading.Event | None) -> None:
+        super().__init__()
+        self.is_stopped = False
+        self._total, self._tell, self._stop = total, on_progress, stop
+        self._rewards: list[float] = []
+        self._successes: list[bool] = []
+
+    def _on_step(self) -> bool:
+        for info in self.locals["infos"]:
+            if "episode" in info:
+                self._rewards.append(float(info["episode"]["r"]))
+                self._successes.append(bool(info["is_success"]))
+        self._tell(TrainingProgress(self.num_timesteps, self._total, None))
+        self.is_stopped = self._stop is not None and self._stop.is_set()
+        return not self.is_stopped
+
+    def point(self, validation: tuple[int | None, int]) -> CurvePoint:
+        """Return what the leg came to."""
+        if not self._rewards:
+            return CurvePoint(self.num_timesteps, 0, None, None, *validation)
+        reward, success = float(np.mean(self._rewards)), float(np.mean(self._successes))
+        return CurvePoint(self.num_timesteps, len(self._rewards), reward, success, *validation)
+
+
+def _log(model: Model, point: CurvePoint) -> None:
+    """Put a point on TensorBoard's curves."""
+    for name, value in (("reward", point.reward), ("success", point.success), ("validation", point.validation)):
+        if value is not None:
+            model.logger.record(f"legs/{name}", value)
+    model.logger.dump(point.steps)
+
+
+def _envs(config: ReinforcementConfig) -> VecNormalize:
+    """Return the environments, what they show brought to mean 0 and variance 1, the shaped reward of PPO to variance 1.
+
+    With demonstrations their statistics stay as they are: others would change what the imitating policy does.
+    """
+    make = functools.partial(_env, config.task, config.shaped, config.longest)
+    many = config.workers > 1
+    envs: VecEnv = SubprocVecEnv([make] * config.workers, start_method="spawn") if many else DummyVecEnv([make])
+    norm_reward, learns = config.algorithm == "ppo" and config.shaped, config.demonstrations == 0
+    return VecNormalize(envs, training=learns, norm_reward=norm_reward, gamma=DISCOUNT, epsilon=EPSILON)
+
+
+def _env(task: str, shaped: bool, longest: int) -> Monitor:
+    return Monitor(LearningEnv(task, shaped, longest), info_keywords=("is_success",))
+
+
+def _instructions(judge: LearningEnv) -> list[str]:
+    """Return the instructions of a task, of every variation, each once."""
+    found: dict[str, None] = {}
+    for variation in range(judge.task.variation_count()):
+        instructions, _ = judge.task.reset(seed=0, variation=variation)
+        found |= dict.fromkeys(instructions)
+    return list(found)
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Let torch compute in one thread: networks this small are slower in several."""
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)

@@ -1,1 +1,0 @@
-"""Joints, cameras, paths and remembered places of the things of a world."""

@@ -1,0 +1,106 @@
+"""Elements of a scene, and the names that users of such scenes know for them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from rlbench_pin.errors import RlbenchPinError, UnknownName
+from rlbench_pin.robot.description import RobotDescription
+from rlbench_pin.sim import Frame, Region, Sensor
+
+Kind = Literal[
+    "body", "link", "room", "joint", "root", "frame", "robot", "tip", "gripper", "robot_link", "robot_joint", "camera", "placed"
+]
+"""Which part of the world answers for an object."""
+ObjectType = Literal["shape", "joint", "dummy", "proximity_sensor", "force_sensor", "vision_sensor", "path"]
+"""What users call an object."""
+
+
+@dataclass(frozen=True, order=True)
+class Element:
+    """One object of a scene: never changes, whatever the object is called or wherever it stands."""
+
+    kind: Kind
+    name: str
+    """Name in the world: `<body>`, `<body>/<link>`, `<body>/<joint>`, ..."""
+
+
+class UnknownObject(UnknownName, RuntimeError):
+    """No object of the scene has that name, or it does not exist any more."""
+
+
+class UnsupportedCall(RlbenchPinError, NotImplementedError):
+    """A call that cannot be served here; says what to use instead."""
+
+    def __init__(self, call: str, why: str, instead: str) -> None:
+        self.call = call
+        super().__init__(f"`{call}` is not available: {why} {instead}")
+
+
+ROOM_NAMES = {
+    "table": "diningTable_visible",
+    "floor": "Floor",
+    "ceiling": "Roof",
+    "wall_front": "Wall1",
+    "wall_back": "Wall2",
+    "wall_left": "Wall3",
+    "wall_right": "Wall4",
+}
+"""Name here -> known name."""
+CAMERA_NAMES = {
+    "cam_over_shoulder_left": "left_shoulder",
+    "cam_over_shoulder_right": "right_shoulder",
+    "cam_overhead": "overhead",
+    "cam_wrist": "wrist",
+    "cam_front": "front",
+}
+"""Known name of a camera of observations -> its name here."""
+GRIP_SENSOR = "_gripper_attachProxSensor"
+"""Ends the name of the sensor between the fingers."""
+MASK_SUFFIX = "_mask"
+"""Ends the name of the twin of a camera that delivers masks."""
+
+
+def robot_prefix(robot: RobotDescription) -> str:
+    """Return how names of the arm begin, such as `Panda`."""
+    return robot.name[:1].upper() + robot.name[1:]
+
+
+def robot_elements(robot: RobotDescription, links: tuple[str, ...]) -> list[Element]:
+    """Return arm, tip, gripper, joints and links of a robot.
+
+    Args:
+        robot: The arm.
+        links: Names of its links.
+    """
+    prefix = robot_prefix(robot)
+    joints = [f"{prefix}_joint{k + 1}" for k in range(len(robot.arm_joints))]
+    fingers = [f"{prefix}_gripper_joint{k + 1}" for k in range(len(robot.gripper_joints))]
+    return [
+        Element("robot", prefix),
+        Element("tip", f"{prefix}_tip"),
+        Element("gripper", f"{prefix}_gripper"),
+        *(Element("robot_joint", name) for name in (*joints, *fingers)),
+        *(Element("robot_link", link) for link in links),
+    ]
+
+
+def camera_of(name: str) -> tuple[str, bool]:
+    """Return the name here of a known camera, and whether it is the twin that delivers masks."""
+    is_mask = name.endswith(MASK_SUFFIX)
+    return CAMERA_NAMES[name.removesuffix(MASK_SUFFIX)], is_mask
+
+
+def usual_name(frame: str, frames: Mapping[str, Frame]) -> tuple[str, ...]:
+    """Return what programs call the only sensor of a task, `success`, and its only region, `boundary`; nothing for others.
+
+    Args:
+        frame: Name of a frame.
+        frames: All frames of the scene.
+    """
+    for kind, usual in ((Sensor, "success"), (Region, "boundary")):
+        if [name for name, found in frames.items() if isinstance(found, kind)] == [frame]:
+            return (usual,)
+    return ()

@@ -1,0 +1,20 @@
+"""The C functions of another simulator, which programs import as `pyrep.backend.sim`: not available here."""
+
+from __future__ import annotations
+
+import sys
+
+from pyrep.errors import UnsupportedCall
+
+sim = sys.modules[f"{__name__}.sim"] = sys.modules[__name__]
+
+
+def __getattr__(name: str) -> object:
+    """Refuse every function: there is no such simulator behind the objects."""
+    if name.startswith("__"):
+        raise AttributeError(name)
+    raise UnsupportedCall(
+        f"pyrep.backend.sim.{name}",
+        "there is no such simulator here.",
+        "Use the classes of `pyrep.objects`, or the world at `rlbench_pin.compat.simulator.Simulator.current().world`.",
+    )

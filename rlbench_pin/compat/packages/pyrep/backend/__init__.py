@@ -1,1 +1,0 @@
-"""What the classes of this package share."""

@@ -1,1 +1,0 @@
-"""Paths of configurations, played step by step."""

@@ -1,0 +1,167 @@
+"""Grippers: fingers that go to an opening at a speed, and what they hold.
+
+There is one gripper, the Panda's; making one of the others raises an error. Programs import a module per gripper; all these
+names stand for this module.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from pyrep.objects import Object, ProximitySensor, Shape
+from pyrep.robots import RobotComponent
+from rlbench_pin.compat.joints import FingerMotors
+from rlbench_pin.compat.objects import Element
+from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.environment.runtime import Runtime
+
+NEAR = 5e-4
+"""Distance of a finger from where it should be that counts as none [m]."""
+
+
+@dataclass(frozen=True)
+class Actuation:
+    """A motion of the fingers that goes on over several steps."""
+
+    amount: float
+    """0 shut to 1 open."""
+    velocity: float
+    """[m/s]."""
+    ticks: int
+    """Ticks of the world when it began."""
+
+
+class Gripper(RobotComponent):
+    """The gripper of the running world.
+
+    Args:
+        count: Which gripper of this kind; a world has one.
+        name: Name of the gripper.
+        joint_names: Names of its joints.
+    """
+
+    def __init__(self, count: int, name: str, joint_names: Sequence[str]) -> None:
+        super().__init__(count, name, joint_names)
+        self._actuation: Actuation | None = None
+
+    @property
+    def motors(self) -> FingerMotors:
+        """What drives the fingers."""
+        return FingerMotors()
+
+    @property
+    def _proximity_sensor(self) -> ProximitySensor:
+        """What sees objects between the fingertips, by the name that programs know."""
+        return ProximitySensor(f"{self.get_name()}_attachProxSensor")
+
+    # Holding ---------------------------------------------------------------------------------------------------------
+
+    def grasp(self, obj: Object) -> bool:
+        """Fix an object to the gripper where it is, if it reaches between the fingers.
+
+        Returns:
+            Whether it is fixed now by this call: not when it is elsewhere, held already, or cannot move.
+        """
+        element = obj.element
+        if element.kind != "body" or element.name in self._runtime.gripper.grasped:
+            return False
+        return self._runtime.gripper.reaches_between_fingers(element.name) and self._runtime.gripper.grasp(element.name)
+
+    def release(self) -> None:
+        """Let everything go; the fingers stay where they are."""
+        self._runtime.gripper.release()
+
+    def get_grasped_objects(self) -> list[Object]:
+        """Return what is fixed to the gripper, in the order in which it was grasped."""
+        return [Shape(self.table.handle(Element("body", name))) for name in self._runtime.gripper.grasped]
+
+    # Fingers ---------------------------------------------------------------------------------------------------------
+
+    def actuate(self, amount: float, velocity: float) -> bool:
+        """Drive the fingers towards an opening; call it again before every step of the simulation until it returns True.
+
+        Args:
+            amount: 0 shut to 1 open.
+            velocity: Speed of a finger [m/s].
+
+        Returns:
+            Whether the fingers are there, or can go no further.
+
+        Raises:
+            ValueError: `amount` is not between 0 and 1, or `velocity` is not positive and finite.
+        """
+        if not 0.0 <= amount <= 1.0 or not 0.0 < velocity < float("inf"):
+            raise ValueError(
+                f"The opening is {amount} and the speed {velocity} m/s; they must be from 0 to 1, and positive and finite."
+            )
+        runtime, goes_on = self._runtime, self._goes_on(amount, velocity)
+        if self._is_at(amount) and not (goes_on and runtime.gripper.moving):
+            self._actuation = None
+            return True
+        if self._actuation is None or not goes_on:
+            self.motors.open_to(float(amount), float(velocity))
+            self._actuation = Actuation(float(amount), float(velocity), runtime.world.ticks)
+            return False
+        if runtime.world.ticks > self._actuation.ticks + 1 and not runtime.gripper.moving:
+            self._actuation = None
+        return self._actuation is None
+
+    def get_open_amount(self) -> list[float]:
+        """Return how far each finger is open, 0 shut to 1 open."""
+        return np.clip(self._runtime.gripper.opening, 0.0, 1.0).tolist()
+
+    # Touch -----------------------------------------------------------------------------------------------------------
+
+    def get_touch_sensor_forces(self) -> list[list[float]]:
+        """Return the contact force (3,) on each finger in the finger's own frame [N]."""
+        return self._runtime.robot.touch_forces().reshape(-1, 3).tolist()
+
+    @property
+    def _runtime(self) -> Runtime:
+        return Simulator.current().runtime
+
+    def _goes_on(self, amount: float, velocity: float) -> bool:
+        """Whether the fingers are still on the way that an earlier `actuate` sent them on."""
+        going, control = self._actuation, self._runtime.gripper.control
+        if going is None or (going.amount, going.velocity) != (amount, velocity) or going.ticks > self._runtime.world.ticks:
+            return False
+        return control.speed == velocity and bool(np.allclose(control.target, amount * self._runtime.description.gripper_open))
+
+    def _is_at(self, amount: float) -> bool:
+        goal = amount * self._runtime.description.gripper_open
+        return bool((np.abs(self._runtime.robot.fingers - goal) < NEAR).all())
+
+
+class KnownGripper(Gripper):
+    """A gripper of a known name.
+
+    Args:
+        count: Which one, counted from 0; a world has one.
+    """
+
+    known_name: ClassVar[str]
+    known_joints: ClassVar[tuple[str, ...]]
+
+    def __init__(self, count: int = 0) -> None:
+        super().__init__(count, self.known_name, self.known_joints)
+
+
+def _known_gripper(title: str, name: str, joints: tuple[str, ...] = ()) -> type[KnownGripper]:
+    return type(title, (KnownGripper,), {"__module__": __name__, "known_name": name, "known_joints": joints})
+
+
+PandaGripper = _known_gripper("PandaGripper", "Panda_gripper", ("Panda_gripper_joint1", "Panda_gripper_joint2"))
+BarrettHand = _known_gripper("BarrettHand", "BarrettHand")
+BaxterGripper = _known_gripper("BaxterGripper", "BaxterGripper")
+JacoGripper = _known_gripper("JacoGripper", "JacoGripper")
+MicoGripper = _known_gripper("MicoGripper", "MicoGripper")
+Robotiq85Gripper = _known_gripper("Robotiq85Gripper", "Robotiq85Gripper")
+
+_MODULES = ("barrett_hand", "baxter_gripper", "gripper", "jaco_gripper", "mico_gripper", "panda_gripper", "robotiq85_gripper")
+globals().update(dict.fromkeys(_MODULES, sys.modules[__name__]))
+sys.modules.update({f"{__name__}.{name}": sys.modules[__name__] for name in _MODULES})

@@ -1,0 +1,28 @@
+"""Textures for shapes; programs import this module as `pyrep.textures.texture`."""
+
+from __future__ import annotations
+
+import sys
+import zlib
+from dataclasses import dataclass
+
+texture = sys.modules[f"{__name__}.texture"] = sys.modules[__name__]
+
+
+@dataclass(frozen=True)
+class Texture:
+    """An image file that shapes can be covered with."""
+
+    filename: str
+    """Its file."""
+
+    def get_texture_id(self) -> int:
+        """Return a number that is the same for the same file."""
+        return zlib.crc32(self.filename.encode())
+
+
+class TextureHolder:
+    """Stands for the shape that other simulators keep a texture on; there is none here."""
+
+    def remove(self) -> None:
+        """Nothing: a texture needs no shape."""

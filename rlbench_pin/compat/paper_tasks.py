@@ -1,0 +1,250 @@
+"""Tasks written in the paper's style, run as tasks of ours.
+
+A user's class becomes a native class by `adapter_of`. The native task asks the user's object for everything that a task
+file may override; what the user did not override comes back to the native task.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, cast
+
+import numpy as np
+
+from rlbench_pin.compat.task_memory import GlobalDraws, Remembered
+from rlbench_pin.errors import TaskError
+from rlbench_pin.observation import Observation
+from rlbench_pin.scene.spec import ROOT, WORLD
+from rlbench_pin.sim import World
+from rlbench_pin.spatial import FloatArray
+from rlbench_pin.tasks import LIBRARY, Task, Waypoint
+from rlbench_pin.tasks.task import RotationBounds, snake_case
+from rlbench_pin.tasks.waypoints import WaypointHook
+
+if TYPE_CHECKING:
+    from rlbench.backend.task import Task as UserTask
+
+FIXED_ATTRIBUTES = ("pyrep", "robot", "name", "_native")
+"""Attributes of a user's task that are the same throughout its life."""
+
+
+class PaperTask(Task):
+    """A native task that asks an object of a user's class; classes of `adapter_of` come from it.
+
+    Args:
+        world: The world that was built from the scene file of the user's task.
+    """
+
+    user_class: ClassVar[type[UserTask]]
+    """Class of the user's task."""
+    has_step: ClassVar[bool] = True
+    """Whether that class has a `step` of its own."""
+
+    def __init__(self, world: World) -> None:
+        super().__init__(world)
+        self._user: Remembered | None = None
+        self._draws = GlobalDraws()
+        self._placement: np.random.Generator | None = None
+        self._made: tuple[str, ...] = ()
+
+    @property
+    def user(self) -> UserTask:
+        """The user's task.
+
+        Raises:
+            TaskError: There is none yet.
+        """
+        if self._user is None:
+            raise TaskError(
+                f"Task '{self.get_name()}' has a world but no object of {self.user_class.__name__}. "
+                "Load it with `Environment.get_task(...)` or `Scene.load(...)` of the package `rlbench`."
+            )
+        return cast("UserTask", self._user.owner)
+
+    def tie(self, user: UserTask) -> None:
+        """Take the user's task, whose views see this world from now on, and let it look objects up."""
+        self._user = Remembered(user, FIXED_ATTRIBUTES)
+        with self._draws.lent():
+            user.load()
+            user.set_initial_objects_in_scene()
+            user.init_task()
+        self._made = tuple(sorted(name for name in self.world.spawned if self._hangs_in_task(name)))
+
+    def _hangs_in_task(self, name: str | None) -> bool:
+        while name not in (None, ROOT, WORLD):
+            name = self.world.places.parent(str(name).partition("/")[0])
+        return name == ROOT
+
+    # Where objects are -------------------------------------------------------------------------------------------------
+
+    def get_name(self) -> str:  # type: ignore[override]  # a user may name each object
+        """Return the name that the user's task gives itself; before it is there, that of its class in snake case."""
+        return snake_case(self.user_class.__name__) if self._user is None else str(self.user.get_name())
+
+    @classmethod
+    def scene_file(cls) -> Path:
+        """Return the scene file: beside the user's module, called after the task or after the module.
+
+        A class made from one of the library's, or called like one, has the scene of the library where it brings none.
+
+        Raises:
+            SceneNotFound: There is none.
+        """
+        name, module = snake_case(cls.user_class.__name__), module_file(cls.user_class)
+        wanted = [module.with_name(f"{name}.toml")]
+        if cls.user_class.library_name:
+            wanted.append(cls.user_class.native_origin().scene_file())
+        else:
+            wanted += [module.with_suffix(".toml"), LIBRARY / f"{name}.toml"]
+        found = [file for file in wanted if file.is_file()]
+        if not found:
+            raise SceneNotFound(cls.user_class.__name__, list(dict.fromkeys(wanted[:2])))
+        return found[0]
+
+    # What a task file overrides ---------------------------------------------------------------------------------------
+
+    def init_task(self) -> None:
+        """Nothing yet: the user's task looks objects up when it is tied to this one."""
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Let the user's task lay out an episode; its draws from the global generators come from `rng`."""
+        self._draws.seed(int(rng.integers(2**32)))
+        self._placement = rng
+        try:
+            with self._draws.lent():
+                sentences = self.user.init_episode(variation)
+        finally:
+            self._placement = None
+        return list(dict.fromkeys(sentences)) if isinstance(sentences, list | tuple) else sentences
+
+    def origin_episode(self, variation: int) -> list[str]:
+        """Lay out an episode as the library's task does that the user's class was made from."""
+        rng = self._placement
+        if rng is None:
+            rng = np.random.default_rng(np.random.randint(2**31 - 1))  # noqa: NPY002
+        return self.user_class.native_origin().init_episode(self, variation, rng)
+
+    def variation_count(self) -> int:
+        """Return how many variations the user's task has."""
+        return int(self.user.variation_count())
+
+    def step(self) -> None:
+        """Run the user's step, if there is one."""
+        if not self.has_step:
+            super().step()
+            return
+        with self._draws.lent():
+            self.user.step()
+
+    def cleanup(self) -> None:
+        """Run the user's clean-up."""
+        with self._draws.lent():
+            self.user.cleanup()
+
+    def reward(self) -> float | None:
+        """Return the user's shaped reward."""
+        return self.user.reward()
+
+    def get_low_dim_state(self) -> FloatArray:
+        """Return the user's state of the objects, shape (n,)."""
+        return np.asarray(self.user.get_low_dim_state(), dtype=float)
+
+    def poses_of_made(self) -> FloatArray:
+        """Return the poses of the shapes that the user's `init_task` hung in the task, by name; zeros for removed ones."""
+        bodies = self.world.bodies
+        return np.concatenate([np.zeros(0), *(bodies[name].pose if name in bodies else np.zeros(7) for name in self._made)])
+
+    def decorate_observation(self, observation: Observation) -> Observation:
+        """Return the observation as the user's task wants it."""
+        return self.user.decorate_observation(observation)
+
+    def is_static_workspace(self) -> bool:
+        """Return whether the user's task stays where it is."""
+        return bool(self.user.is_static_workspace())
+
+    def base_rotation_bounds(self) -> RotationBounds:
+        """Return the user's bounds of the random rotation of the task root [rad]."""
+        low, high = self.user.base_rotation_bounds()
+        return (float(low[0]), float(low[1]), float(low[2])), (float(high[0]), float(high[1]), float(high[2]))
+
+    def success(self) -> tuple[bool, bool]:
+        """Return whether the user's goal is reached, and whether the episode is over."""
+        success, terminate = self.user.success()
+        return bool(success), bool(terminate)
+
+    def should_repeat_waypoints(self) -> bool:
+        """Return whether the user's task asks for its waypoints again."""
+        with self._draws.lent():
+            return super().should_repeat_waypoints()
+
+    # Registrations ----------------------------------------------------------------------------------------------------
+
+    def register_graspable_objects(self, names: Iterable[str]) -> None:
+        """Allow the gripper to hold these bodies; those of before may have been removed since."""
+        self._graspable = tuple(name for name in self._graspable if name in self.world.bodies)
+        super().register_graspable_objects(names)
+
+    def register_waypoint_ability_start(self, index: int, hook: WaypointHook) -> None:
+        """Call `hook(waypoint)` before the leg to a waypoint is planned, with draws of this task."""
+        super().register_waypoint_ability_start(index, self._drawing(hook))
+
+    def register_waypoint_ability_end(self, index: int, hook: WaypointHook) -> None:
+        """Call `hook(waypoint)` after the leg to a waypoint was run, with draws of this task."""
+        super().register_waypoint_ability_end(index, self._drawing(hook))
+
+    def _drawing(self, hook: WaypointHook) -> WaypointHook:
+        def run(waypoint: Waypoint) -> None:
+            with self._draws.lent():
+                hook(waypoint)
+
+        return run
+
+    def forget_registrations(self) -> None:
+        """Forget everything that was registered."""
+        self.register_success_conditions([])
+        self.register_fail_conditions([])
+        self.register_graspable_objects([])
+        self._start_hooks, self._end_hooks, self._repeat, self._stop_at = {}, {}, None, None
+        for waypoint in self.get_waypoints():
+            waypoint.set_hooks(None, None)
+
+
+class SceneNotFound(TaskError, FileNotFoundError):
+    """A user's task has no scene file; it would be written in TOML."""
+
+    def __init__(self, task: str, wanted: list[Path]) -> None:
+        self.wanted = tuple(wanted)
+        model = wanted[-1].with_suffix(".ttm")
+        ttm = f" The model file '{model.name}' cannot be read: it belongs to another simulator." if model.is_file() else ""
+        super().__init__(
+            f"The task {task} has no scene file. Looked for {' and '.join(str(file) for file in wanted)}.{ttm} Write the scene "
+            "as TOML beside the task file; `rlbench-pin new` makes an example, CONTRIBUTING.md explains it."
+        )
+
+
+def module_file(user: type) -> Path:
+    """Return the file that a class was written in.
+
+    Raises:
+        TaskError: It was typed in, so that there is no file.
+    """
+    try:
+        return Path(inspect.getfile(user)).resolve()
+    except (OSError, TypeError):
+        pass
+    for member in vars(user).values():
+        if inspect.isfunction(member) and Path(member.__code__.co_filename).is_file():
+            return Path(member.__code__.co_filename).resolve()
+    raise TaskError(f"The task {user.__name__} was not read from a file. Write it to a .py file with its .toml scene beside it.")
+
+
+@cache
+def adapter_of(user: type[UserTask], has_step: bool) -> type[PaperTask]:
+    """Return the native class that asks objects of a user's class; `has_step` says whether also after every tick."""
+    origin = user.native_origin()
+    bases = (PaperTask,) if origin is Task else (PaperTask, origin)
+    namespace = {"user_class": user, "has_step": has_step, "__doc__": user.__doc__, "__module__": user.__module__}
+    return cast("type[PaperTask]", type(user.__name__, bases, namespace))

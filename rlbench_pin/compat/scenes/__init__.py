@@ -1,1 +1,0 @@
-"""What environments and scenes under their known names are made of."""

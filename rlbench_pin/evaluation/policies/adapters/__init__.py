@@ -1,1 +1,0 @@
-"""Policies of other forms: functions, key frames, Stable-Baselines3, LeRobot; and the two that need no thought."""

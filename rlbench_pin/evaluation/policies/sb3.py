@@ -1,0 +1,165 @@
+"""Files of Stable-Baselines3 as policies, for models that were trained on `rlbench_pin.gym`.
+
+Such a file holds pickles: to load one runs the code in it. It says what is observed and how large actions are, but not what
+they mean.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import zipfile
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+import numpy as np
+
+from rlbench_pin.environment.actions import ActionMode
+from rlbench_pin.environment.observations import ObservationConfig
+from rlbench_pin.environment.observations.observe import boxed, boxed_settings
+from rlbench_pin.evaluation.policies.policy import PolicyContext
+from rlbench_pin.evaluation.policies.policy_server import NoPolicy
+from rlbench_pin.evaluation.policies.settings import make_action_mode
+from rlbench_pin.observation import LOW_DIM, Observation
+
+_SIGNS = (("clip_range", "PPO"), ("target_policy_noise", "TD3"), ("target_entropy", "SAC"), ("gae_lambda", "A2C"))
+"""Setting that only one algorithm has -> its name; the first that is found."""
+TOLERANCE = 1e-5
+"""By which bounds of actions may differ, relatively: files hold them as float32."""
+
+
+class Model(Protocol):
+    """What we use of a model of Stable-Baselines3."""
+
+    observation_space: Any
+    action_space: Any
+
+    def predict(self, observation: Any, *, deterministic: bool) -> tuple[np.ndarray, Any]:
+        """Return an action, and a state."""
+        ...
+
+
+def load(
+    file: str, arm: str = "", gripper: str = "Discrete", algorithm: str = "", deterministic: bool = True, device: str = "cpu"
+) -> Sb3Policy:
+    """Load a model.
+
+    Args:
+        file: The file that `model.save` wrote.
+        arm: Arm mode that it was trained with, such as `EndEffectorVelocity`, with its default settings; nothing is the action
+            mode that environments of `rlbench_pin.gym` have by default.
+        gripper: Gripper mode beside the arm mode.
+        algorithm: `PPO`, `A2C`, `SAC`, `TD3` or `DDPG`; nothing looks it up in the file.
+        deterministic: Whether the most likely action is taken instead of a drawn one.
+        device: Where it computes.
+
+    Raises:
+        NoPolicy: It is no such file, or was trained on other observations.
+    """
+    library = importlib.import_module("stable_baselines3")
+    name = algorithm or _algorithm_of(file)
+    if name not in ("PPO", "A2C", "SAC", "TD3", "DDPG"):
+        raise NoPolicy(f"There is no algorithm '{name}' with actions like ours; use PPO, A2C, SAC, TD3 or DDPG.")
+    model: Model = getattr(library, name).load(file, device=device)
+    parts = {"mode": "MoveArmThenGripper", "arm": arm, "gripper": gripper}
+    return Sb3Policy(model, make_action_mode(parts if arm else {"mode": "JointPositionActionMode"}), deterministic)
+
+
+def _algorithm_of(file: str) -> str:
+    """Return the algorithm of a file from the names of its settings."""
+    try:
+        with zipfile.ZipFile(file) as archive:
+            settings = json.loads(archive.read("data"))
+        return next(name for sign, name in _SIGNS if sign in settings)
+    except (zipfile.BadZipFile, KeyError, ValueError, StopIteration) as error:
+        raise NoPolicy(f"'{file}' is no model of Stable-Baselines3 that is known here; `algorithm=` names another.") from error
+
+
+class Sb3Policy:
+    """A model of Stable-Baselines3, given what `rlbench_pin.gym` gave it.
+
+    Actions between -1 and 1, as `gymnasium.wrappers.RescaleAction` makes them, are brought to the bounds of the action mode.
+
+    Args:
+        model: The model; its observation space is that of an environment of `rlbench_pin.gym`, or that flattened.
+        action_mode: What its actions mean.
+        deterministic: Whether the most likely action is taken.
+
+    Raises:
+        NoPolicy: It was trained on other observations.
+    """
+
+    def __init__(self, model: Model, action_mode: ActionMode, deterministic: bool = True) -> None:
+        self.action_mode, self._deterministic, self._model = action_mode, deterministic, model
+        spaces = getattr(model.observation_space, "spaces", None)
+        self._boxes: Mapping[str, Any] | None = spaces if isinstance(spaces, Mapping) else None
+        self.obs_config = self._settings(spaces)
+        self._scale: tuple[np.ndarray, np.ndarray] | None = None
+
+    def _settings(self, spaces: object) -> ObservationConfig:
+        if not isinstance(spaces, Mapping):
+            if len(self._model.observation_space.shape or ()) != 1:
+                raise NoPolicy(f"It observes {self._model.observation_space}, which is not what `rlbench_pin.gym` gives.{_HINT}")
+            return boxed_settings((), (1, 1))
+        images = {name: _image_size(box.shape) for name, box in spaces.items() if name.endswith("_rgb")}
+        unknown = [name for name in spaces if name not in LOW_DIM and name not in images]
+        if unknown or len(set(images.values())) > 1:
+            raise NoPolicy(f"It observes '{(unknown or list(images))[0]}' in a way that `rlbench_pin.gym` does not.{_HINT}")
+        return boxed_settings([name.removesuffix("_rgb") for name in images], next(iter(images.values()), (1, 1)))
+
+    def reset(self, instruction: str, context: PolicyContext) -> None:
+        """Compare the bounds of actions.
+
+        Raises:
+            NoPolicy: They are others than in training.
+        """
+        low, high = (np.asarray(ends, dtype=float) for ends in (context.action_low, context.action_high))
+        own_low, own_high = (np.asarray(ends, dtype=float) for ends in _bounds(self._model.action_space))
+        mode = type(self.action_mode.arm_action_mode).__name__
+        if own_low.shape != low.shape:
+            raise NoPolicy(f"Its actions have {own_low.size} numbers, those of {mode} on this arm have {low.size}.{_MODE}")
+        unit = bool((own_low == -1.0).all() and (own_high == 1.0).all())
+        if not unit and not (_same(own_low, low) and _same(own_high, high)):
+            raise NoPolicy(f"Its actions have other bounds than those of {mode} on this arm.{_MODE}")
+        self._scale = ((high + low) / 2.0, (high - low) / 2.0) if unit else None
+
+    def act(self, observation: Observation) -> np.ndarray:
+        """Return what the model predicts, shape (n,)."""
+        action = np.asarray(self._model.predict(self._seen(observation), deterministic=self._deterministic)[0], dtype=float)
+        if self._scale is not None:
+            action = self._scale[0] + self._scale[1] * action
+        if hasattr(self.action_mode.arm_action_mode, "is_relative"):  # a pose: a box cannot say that four numbers are a rotation
+            action[3:7] /= max(np.linalg.norm(action[3:7]), 1e-6)
+        return action
+
+    def _seen(self, observation: Observation) -> Any:
+        if self._boxes is not None:
+            return {name: _fitted(name, getattr(observation, name), box) for name, box in self._boxes.items()}
+        numbers = np.concatenate([np.atleast_1d(np.asarray(getattr(observation, name), dtype=float)) for name in sorted(LOW_DIM)])
+        space = self._model.observation_space
+        return boxed("the observation", numbers, space.low, space.high)
+
+
+_HINT = " Write a factory that translates, and name it `module:factory`."
+_MODE = " Say what it was trained with: `sb3:FILE?arm=EndEffectorVelocity&gripper=Discrete`."
+
+
+def _image_size(shape: tuple[int, ...]) -> tuple[int, int]:
+    """Return width and height of images (h, w, 3), or (3, h, w) as Stable-Baselines3 turns them."""
+    height, width = shape[1:] if shape[0] == 3 and shape[-1] != 3 else shape[:2]
+    return int(width), int(height)
+
+
+def _fitted(name: str, value: object, box: Any) -> np.ndarray:
+    return np.asarray(value) if box.dtype == np.uint8 else boxed(name, value, box.low, box.high)
+
+
+def _bounds(space: Any) -> tuple[np.ndarray, np.ndarray]:
+    low, high = getattr(space, "low", None), getattr(space, "high", None)
+    if low is None or high is None:
+        raise NoPolicy(f"Its actions are {space}, not numbers between bounds.{_HINT}")
+    return low, high
+
+
+def _same(a: np.ndarray, b: np.ndarray) -> bool:
+    return bool(np.allclose(a, b, rtol=TOLERANCE, atol=TOLERANCE))

@@ -1,0 +1,196 @@
+"""Sets of tasks by name (few-shot and multi-task sets, PerAct's 18, tiers), and the tasks that some words select.
+
+`sets.json` lists the sets; they include tasks that are not built yet.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from rlbench_pin.errors import MissingTasks, UnknownName
+from rlbench_pin.tasks import find_task, task_class, task_names, usable_task_names
+from rlbench_pin.tasks.task import snake_case
+from rlbench_pin.values import as_flag, as_names, as_text
+
+__all__ = [
+    "TaskSelection",
+    "TaskSet",
+    "public_tasks",
+    "resolve_tasks",
+    "select_tasks",
+    "task_set",
+    "task_sets",
+    "task_tier",
+    "variant_tasks",
+]
+
+DATA = Path(__file__).with_name("sets.json")
+SETS_COMMAND = "rlbench-pin list --sets"
+_COMMAND = "rlbench-pin list [--sets]"
+ALL = "all"
+"""Selects all tasks that are built."""
+WHOLE = "tasks"
+"""The part of a set that has no parts."""
+
+
+@dataclass(frozen=True)
+class TaskSet:
+    """A named set of tasks."""
+
+    name: str
+    """`FS10_V1`, or `FS10_V1:train` for a part of it."""
+    about: str
+    """What it is, one sentence."""
+    tasks: tuple[str, ...]
+    """All its tasks, in the order of the public lists; those to train on come first."""
+    parts: Mapping[str, tuple[str, ...]]
+    """Part -> its tasks: `train` and `test` where there are both, otherwise nothing."""
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Names of the tasks that are not built yet."""
+        built = set(task_names())
+        return tuple(name for name in self.tasks if name not in built)
+
+    @property
+    def available(self) -> tuple[str, ...]:
+        """Names of the tasks that are built."""
+        built = set(task_names())
+        return tuple(name for name in self.tasks if name in built)
+
+
+def task_sets() -> tuple[str, ...]:
+    """Return the names of all sets; `:train` and `:test` behind those with two parts stand for these."""
+    return tuple(set_contents())
+
+
+def task_set(name: str) -> TaskSet:
+    """Return a set, or a part of one.
+
+    Args:
+        name: `FS10_V1`, `FS10_V1:train`, `FS10_V1:test`, `MT15_V1`, `PERACT18`, `tier1`, ...
+
+    Raises:
+        UnknownName: No set is called so, or it has no such part; proposes the nearest name.
+    """
+    contents = set_contents()
+    known = (*contents, *(f"{s}:{part}" for s, held in contents.items() if len(held.parts) > 1 for part in held.parts))
+    if not isinstance(name, str) or name not in known:
+        raise UnknownName("set of tasks", name, known, SETS_COMMAND)
+    whole, _, part = name.partition(":")
+    if not part:
+        return contents[whole]
+    return TaskSet(name, f"{contents[whole].about} The part `{part}`.", contents[whole].parts[part], {})
+
+
+def public_tasks() -> tuple[str, ...]:
+    """Return the names of the 106 tasks of the public task set, in alphabetical order, built or not."""
+    return tuple(_data()["public"])
+
+
+def variant_tasks() -> tuple[str, ...]:
+    """Return the names of the tasks that the PerAct dialect adds to them."""
+    return tuple(_data()["variants"])
+
+
+def task_tier(task: str) -> int:
+    """Return how hard a public task is: 1 one motion, 2 one object or joint, 3 several stages, 4 long, precise or with tools.
+
+    Raises:
+        UnknownName: It is none of the 106 public tasks, which alone have a tier.
+    """
+    as_text(task, "task")
+    for tier in range(1, 5):
+        if task in set_contents()[f"tier{tier}"].tasks:
+            return tier
+    raise UnknownName("task with a tier", task, public_tasks(), SETS_COMMAND)
+
+
+@lru_cache(maxsize=1)
+def set_contents() -> dict[str, TaskSet]:
+    """Return name -> set, as the file has them."""
+    found = {}
+    for name, content in _data()["sets"].items():
+        parts = {part: tuple(names) for part, names in content.items() if part != "about"}
+        tasks = tuple(task for names in parts.values() for task in names)
+        found[name] = TaskSet(name, content["about"], tasks, {} if WHOLE in parts else parts)
+    return found
+
+
+@lru_cache(maxsize=1)
+def _data() -> dict[str, Any]:
+    content: dict[str, Any] = json.loads(DATA.read_text(encoding="utf-8"))
+    return content
+
+
+@dataclass(frozen=True)
+class TaskSelection:
+    """Tasks that were asked for."""
+
+    asked: str
+    """The words, with blanks between them."""
+    tasks: tuple[str, ...]
+    """Names of those that are built, and files, each once, in order."""
+    missing: tuple[str, ...]
+    """Names of those that are not."""
+
+
+def resolve_tasks(words: Sequence[str], available_only: bool = False) -> tuple[str, ...]:
+    """Return the tasks that words stand for, each once, in order.
+
+    Args:
+        words: Names of tasks (`reach_target`, `ReachTarget`), files (`mine/slide_bolt.py`), sets (`FS10_V1`, `MT15_V1`, `tier1`),
+            parts of sets (`FS10_V1:test`), and `all`.
+        available_only: Leave out those that are known by name but not built yet.
+
+    Raises:
+        MissingTasks: Some are not built yet, and they are not to be left out, or nothing would be left.
+        UnknownName: A word is neither a task nor a set; proposes the nearest name.
+        TaskError: A file holds no task.
+    """
+    available_only, selection = as_flag(available_only, "available_only"), select_tasks(words)
+    if selection.missing and not (available_only and selection.tasks):
+        raise MissingTasks(selection.asked, selection.missing, selection.tasks)
+    return selection.tasks
+
+
+def select_tasks(words: Sequence[str]) -> TaskSelection:
+    """Return the tasks that words stand for, those that are not built yet apart from the others.
+
+    Raises:
+        UnknownName: A word is neither a task nor a set; proposes the nearest name.
+        TaskError: A file holds no task.
+    """
+    asked = as_names(words, "words")
+    built = set(task_names())
+    found = tuple(dict.fromkeys(name for word in asked for name in _named(word)))
+    missing = tuple(name for name in found if name in _known() and name not in built)
+    return TaskSelection(" ".join(asked), tuple(name for name in found if name not in missing), missing)
+
+
+def _named(word: str) -> Iterator[str]:
+    """Yield what one word stands for."""
+    if word == ALL:
+        yield from usable_task_names()
+    elif word.partition(":")[0] in set_contents():
+        yield from task_set(word).tasks
+    elif word.endswith(".py") or "/" in word:
+        find_task(word)
+        yield word
+    elif (name := snake_case(word)) in _known():
+        yield name
+    else:
+        try:
+            yield task_class(word).get_name()  # a task that is built, but in no public list
+        except UnknownName as error:
+            known = (*_known(), *task_names(), *set_contents(), ALL)
+            raise UnknownName("task or set of tasks", word, known, _COMMAND) from error
+
+
+def _known() -> tuple[str, ...]:
+    return (*public_tasks(), *variant_tasks())
