@@ -164,7 +164,7 @@ def builder_page() -> Iterator[tuple[Desk, Window]]:
                 gizmo = server.viser.scene.get_handle_by_name("/gizmo")
                 assert isinstance(gizmo, TransformControlsHandle)
                 gizmo.on_update(desk.heard)
-                assert window.watch.wait(60.0) and window.session.edits.wait(60.0)
+                assert window.world.wait(60.0) and window.session.edits.wait(60.0)
                 yield desk, window
         finally:
             window.close()

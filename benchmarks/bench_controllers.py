@@ -13,8 +13,7 @@ from pathlib import Path
 
 from harness import Result, summary
 
-from rlbench_pin.cli.arguments.evaluation.evaluate import TASKS
-from rlbench_pin.cli.evaluation.controllers import ControllerComparison, report
+from rlbench_pin.cli.evaluate import TASKS, ControllerComparison, report
 from rlbench_pin.evaluation.controllers.summary import ControllerSummary, summarise_legs
 from rlbench_pin.evaluation.controllers.trials import PLAN, LegTrial
 

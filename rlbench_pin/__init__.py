@@ -11,7 +11,7 @@ from __future__ import annotations
 import sys
 
 if sys.argv[:1] == ["-m"] and "rlbench_pin.cli.main" in sys.orig_argv:  # the command line: Ctrl-C is quiet from here on
-    from rlbench_pin.cli.process.interrupts import end_quietly
+    from rlbench_pin.cli.interrupts import end_quietly
 
     end_quietly()
 

@@ -6,7 +6,7 @@ import pytest
 from baselines_lib import tables
 from baselines_lib.rows import Row, commands, rows
 
-from rlbench_pin.cli.process.running import parse
+from rlbench_pin.cli.running import parse
 
 
 def test_the_tables_are_those_of_the_results() -> None:

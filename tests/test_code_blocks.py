@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from rlbench_pin.cli.process.running import parse
+from rlbench_pin.cli.running import parse
 from tests.code_blocks import PAGES, ROOT, Block, blocks, command_lines, why_not_played
 
 ALL = [block for page in PAGES for block in blocks(page)]

@@ -48,6 +48,6 @@ def test_the_wheel_holds_the_whole_package(tmp_path: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         names = {name for name in archive.namelist() if ".dist-info/" not in name}
     # These lie at the top of the wheel: Python reads the first at its start, the program `rlbench-pin` is the second.
-    top = {"rlbench_pin/compat/rlbench_pin_compat.pth", "rlbench_pin/cli/process/rlbench_pin_command.py"}
+    top = {"rlbench_pin/compat/rlbench_pin_compat.pth", "rlbench_pin/cli/rlbench_pin_command.py"}
     files = {file.relative_to(ROOT).as_posix() for file in _files()}
     assert names == files - top | {Path(name).name for name in top}

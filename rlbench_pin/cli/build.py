@@ -2,39 +2,58 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-from rlbench_pin.cli.arguments import build as arguments
-from rlbench_pin.cli.process.files import check_folder
-from rlbench_pin.cli.process.pages import announce, check_port, wait_for_end
+import tyro
+
+from rlbench_pin.cli.options import MaybePath, check_folder
+from rlbench_pin.cli.pages import announce, check_port, wait_for_end
 from rlbench_pin.errors import MissingExtra, TaskEnvironmentError
-from rlbench_pin.tasks import library_names
-from rlbench_pin.tasks.registry import LIBRARY
 
-try:
+if TYPE_CHECKING:
     from rlbench_pin.builder.document import TaskDocument
-    from rlbench_pin.builder.server import LocalServer
-    from rlbench_pin.builder.stage import StageClient
-    from rlbench_pin.builder.view import Window
-except ModuleNotFoundError as _error:
-    raise MissingExtra("The task builder", _error.name or "viser", "builder") from _error
 
+MaybeName = Annotated[str, tyro.conf.arg(metavar="[NAME]", help_behavior_hint="")]
+"""A task that may be left out."""
 UNNAMED = "my_task"
 """What a new task is called that nobody has named."""
 _ENDS = (".toml", ".py")
 
 
-class Build(arguments.Build):
-    """The work of `rlbench-pin build`."""
+@dataclass(frozen=True)
+class Build:
+    """Make or change a task in the browser: its scene, its behaviour, demonstration and check. Writes NAME.toml and NAME.py."""
+
+    name: tyro.conf.Positional[MaybeName] = ""
+    """A task of `--out` or of the library, to change it, or the name of a new one in snake case; a new task when left out."""
+    task_file: MaybePath = None
+    """Instead of a name: one of the two files of a task."""
+    out: Path = Path()
+    """Folder of the task; one of the library stays in its own. Nothing outside of it is written."""
+    port: int = 0
+    """Port of 127.0.0.1 to serve the page at; 0 takes one that is free."""
+    browser: bool = True
+    """Open the page where there is a browser on a screen; its address is printed in any case."""
+    trust: bool = False
+    """Run the Python of the task from the start. Otherwise the page asks first."""
 
     def run(self) -> int:
         """Serve until Ctrl-C."""
+        try:
+            from rlbench_pin.builder.server import LocalServer
+            from rlbench_pin.builder.stage import StageClient
+            from rlbench_pin.builder.view import Window
+        except ModuleNotFoundError as error:
+            raise MissingExtra("The task builder", error.name or "viser", "builder") from error
+
         check_port(self)
         document = self._document()
         with LocalServer(self.port, title=f"{document.name} - task builder") as server, StageClient() as stage:
             window = Window(server.viser, document, stage)
             if self.trust:
-                window.session.post(window.watch.allow)
+                window.session.post(window.world.allow_code)
             try:
                 print(f"'{document.name}' in {document.folder}")
                 announce(server.address, self.browser)
@@ -49,6 +68,10 @@ class Build(arguments.Build):
 
     def _document(self) -> TaskDocument:
         """Return the task that is to be edited."""
+        from rlbench_pin.builder.document import TaskDocument
+        from rlbench_pin.tasks import library_names
+        from rlbench_pin.tasks.registry import LIBRARY
+
         if self.task_file is not None:
             if self.name:
                 raise TaskEnvironmentError("Give a name or --task-file, not both.")

@@ -4,32 +4,82 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rlbench_pin.checking import Item, TaskReport, Trial, TrialJournal, explain_failure, run_trials, summarise
-from rlbench_pin.checking.pages.page import page
-from rlbench_pin.checking.pages.pictures import draw_pictures
-from rlbench_pin.checking.pages.table import table
-from rlbench_pin.checking.plan import CheckPlan
-from rlbench_pin.cli.arguments import check as arguments
+import tyro
+
 from rlbench_pin.cli.list_tasks import ALL, named_tasks
-from rlbench_pin.cli.process.files import check_file, check_folder, storing, write_json, write_whole
-from rlbench_pin.cli.process.words import check_at_least, checked_names
-from rlbench_pin.cli.progress import CheckBar
-from rlbench_pin.environment.demos import library_versions
+from rlbench_pin.cli.options import (
+    AnyTasks,
+    Files,
+    MaybePath,
+    check_at_least,
+    check_file,
+    check_folder,
+    checked_names,
+    storing,
+    write_json,
+    write_whole,
+)
 from rlbench_pin.errors import TaskEnvironmentError
-from rlbench_pin.tasks import find_task, task_reference
+
+if TYPE_CHECKING:
+    from rlbench_pin.checking import Item, TaskReport, Trial, TrialJournal
 
 FORMAT = 2
 
 
-class Check(arguments.Check):
-    """The work of `rlbench-pin check`."""
+@dataclass(frozen=True)
+class Check:
+    """Judge tasks: demonstrations succeed and replay, resets repeat and rest, doing nothing and random actions solve nothing."""
+
+    tasks: tyro.conf.Positional[AnyTasks] = ()
+    """Task names, as `rlbench-pin list` prints them, or task files, with spaces or commas between; all when none is given."""
+    task_file: Files = ()
+    """Task files outside the package, each with its scene file beside it."""
+    episodes: int = 30
+    """Demonstrations of each task, spread over its variations."""
+    variations: int = 20
+    """Number of variations of a task to test, at most."""
+    replays: int = 50
+    """Demonstrations whose recorded actions are played again, the first ones of a task."""
+    key_frames: int = 10
+    """Demonstrations whose key frames alone (where the arm rests or the fingers move) are executed through planning."""
+    seed: int = 0
+    """Seed of the first episode; episode i uses seed + i."""
+    unseen: int = 0
+    """Further demonstrations of each task on other seeds, which count apart."""
+    unseen_seed: int = 5000
+    """First of those seeds."""
+    contract: bool = True
+    """Also judge instructions, resets, doing nothing, random actions, and what the arm reaches."""
+    contract_seeds: int = 5
+    """Seeds of the episodes that do nothing, and of those with random actions."""
+    placements: int = 100
+    """Places of the task from which to try every waypoint."""
+    max_attempts: int = 10
+    """Tries for each demonstration."""
+    workers: int = 1
+    """Processes; the result does not depend on their number."""
+    explain: bool = False
+    """Play the first try of each cause of failure again: print its evidence and draw the world into `explain` below `--out`
+    (`out/explain` without it)."""
+    json: MaybePath = None
+    """File to write the whole report to."""
+    out: MaybePath = None
+    """Folder for the whole report: report.md with its pictures, report.json, and trials.jsonl, with which the same command
+    continues where it was stopped."""
+    pictures: bool = True
+    """With `--out`: draw a contact sheet and a reach map of each task into it."""
 
     def run(self) -> int:
         """Judge, print a table and the causes of failures; 1 when a task fails."""
+        from rlbench_pin.checking import run_trials
+        from rlbench_pin.checking.pages.table import table
+        from rlbench_pin.cli.progress import CheckBar
+
         wanted = self._wanted()
         if self.json is not None:
             check_file(self.json)
@@ -53,6 +103,8 @@ class Check(arguments.Check):
 
     def _wanted(self) -> dict[str, str]:
         """Return task name -> name or file, in the order of the report."""
+        from rlbench_pin.tasks import find_task, task_reference
+
         check_at_least(
             self, episodes=1, variations=1, max_attempts=1, workers=1, replays=0, seed=0, unseen=0, unseen_seed=0, key_frames=0
         )
@@ -74,14 +126,20 @@ class Check(arguments.Check):
         return named | {find_task(str(path)).get_name(): str(path.resolve()) for path in self.task_file}
 
     def _journal(self, wanted: Mapping[str, str]) -> TrialJournal:
+        from rlbench_pin.checking import TrialJournal
+
         return TrialJournal(None if self.out is None else self.out / "trials.jsonl", list(wanted.values()))
 
     def _items(self, tasks: Iterable[str]) -> Iterator[Item]:
+        from rlbench_pin.checking.plan import CheckPlan
+
         plan = CheckPlan(**{field.name: getattr(self, field.name) for field in fields(CheckPlan)})
         for task in tasks:
             yield from plan.items(task)
 
     def _content(self, reports: Sequence[TaskReport]) -> dict[str, Any]:
+        from rlbench_pin.environment.demos import library_versions
+
         settings = (
             "episodes", "replays", "seed", "unseen", "unseen_seed", "key_frames", "max_attempts", "contract_seeds", "placements",
         )  # fmt: skip
@@ -94,6 +152,9 @@ class Check(arguments.Check):
         }
 
     def _write(self, out: Path, content: dict[str, Any], wanted: Mapping[str, str], trials: Mapping[str, list[Trial]]) -> None:
+        from rlbench_pin.checking.pages.page import page
+        from rlbench_pin.checking.pages.pictures import draw_pictures
+
         write_json(out / "report.json", content)
         with storing(out):
             pictures = {name: draw_pictures(task, trials[name], out) for name, task in wanted.items()} if self.pictures else {}
@@ -101,6 +162,8 @@ class Check(arguments.Check):
 
     def _explain(self, report: TaskReport, task: str) -> None:
         """Play failed tries again, one of each cause, and print what is known of them."""
+        from rlbench_pin.checking import explain_failure
+
         for f in report.failures:
             if f.part in ("demos", "unseen"):
                 picture = (self.out or Path("out")) / "explain" / f"{report.task}_{f.seed}_{f.attempt}.png"
@@ -108,6 +171,9 @@ class Check(arguments.Check):
 
 
 def _report(name: str, task: str, trials: Sequence[Trial]) -> TaskReport:
+    from rlbench_pin.checking import summarise
+    from rlbench_pin.tasks import find_task
+
     chosen = find_task(task)
     return summarise(name, trials, chosen.solved_by_chance, chosen.variations_share_goals)
 

@@ -4,42 +4,71 @@ from __future__ import annotations
 
 import json
 from contextlib import closing
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-from tqdm import tqdm
+import tyro
 
-from rlbench_pin.cli.arguments import dataset as arguments
+from rlbench_pin.cli.interrupts import INTERRUPTED
 from rlbench_pin.cli.list_tasks import split_names
-from rlbench_pin.cli.process.commands import Subcommand
-from rlbench_pin.cli.process.interrupts import INTERRUPTED
-from rlbench_pin.cli.process.words import check_at_least, checked_names
-from rlbench_pin.cli.progress import RecordBar, stopping_gently
+from rlbench_pin.cli.options import (
+    Cameras,
+    EngineName,
+    ExportFormat,
+    Files,
+    OnlyCameras,
+    OnlyTasks,
+    Products,
+    Size,
+    SomeFolders,
+    check_at_least,
+    checked_names,
+)
 from rlbench_pin.cli.record import make_engine, print_report
-from rlbench_pin.datasets import TaskInfo, merge_datasets, plan_merge, read_manifest, stored_tasks, task_faults, task_info
-from rlbench_pin.datasets.formats import stored_episodes
 from rlbench_pin.errors import DatasetError, TaskEnvironmentError
-from rlbench_pin.recording.config import PictureConfig
-from rlbench_pin.recording.export import export_dataset
-from rlbench_pin.recording.rerender import rerender, seeds_of, write_seeds
-from rlbench_pin.tasks import own_tasks
+from rlbench_pin.observation import CAMERAS
+
+if TYPE_CHECKING:
+    from rlbench_pin.datasets import TaskInfo
+
+Root = tyro.conf.Positional[Annotated[Path, tyro.conf.arg(metavar="FOLDER")]]
+HEADER = ("task", "episodes", "variations", "frames", "lengths", "MB", "kB a frame", "retried", "pictures")
 
 
-class Info(arguments.Info):
-    """The work of `rlbench-pin dataset info`."""
+@dataclass(frozen=True)
+class Info:
+    """Count episodes, frames, bytes, retries and versions."""
+
+    root: Root
+    """Folder of the dataset."""
+    json: bool = False
+    """Print JSON for programs."""
 
     def run(self) -> int:
         """Print one line per task."""
+        from rlbench_pin.datasets import stored_tasks, task_info
+
         infos = [task_info(self.root, task) for task in stored_tasks(self.root, at_least_one=True)]
         print(json.dumps([asdict(info) for info in infos], indent=1) if self.json else _table(infos))
         return 0
 
 
-class Verify(arguments.Verify):
-    """The work of `rlbench-pin dataset verify`."""
+@dataclass(frozen=True)
+class Verify:
+    """Check every file against its SHA-256, and read every value; names the bad ones."""
+
+    root: Root
+    """Folder of the dataset."""
+    quick: bool = False
+    """Compare checksums only."""
 
     def run(self) -> int:
         """Print what is wrong; 1 when something is."""
+        from tqdm import tqdm
+
+        from rlbench_pin.datasets import read_manifest, stored_tasks, task_faults
+
         bad = 0
         tasks = stored_tasks(self.root, at_least_one=True)
         for task in tqdm(tasks, unit="task", desc="verify"):
@@ -53,11 +82,21 @@ class Verify(arguments.Verify):
         return 1 if bad else 0
 
 
-class Merge(arguments.Merge):
-    """The work of `rlbench-pin dataset merge`."""
+@dataclass(frozen=True)
+class Merge:
+    """Copy the episodes of several datasets into one; refuses what does not go together before it writes anything."""
+
+    out: Path
+    """Folder of the result; may hold episodes already."""
+    roots: tyro.conf.Positional[SomeFolders] = ()
+    """Folders of the datasets."""
 
     def run(self) -> int:
         """Merge and print how many episodes were copied."""
+        from tqdm import tqdm
+
+        from rlbench_pin.datasets import merge_datasets, plan_merge, read_manifest, stored_tasks
+
         if not self.roots:
             raise TaskEnvironmentError("No dataset was named. Use `rlbench-pin dataset merge FOLDER... --out FOLDER`.")
         for root in self.roots:
@@ -69,11 +108,38 @@ class Merge(arguments.Merge):
         return 0
 
 
-class Rerender(arguments.Rerender):
-    """The work of `rlbench-pin dataset rerender`."""
+@dataclass(frozen=True)
+class Rerender:
+    """Record demonstrations again from their seeds or their states, with other cameras, sizes and products."""
+
+    source: Root
+    """Folder of the dataset (its manifests are enough), or a file with a list of seeds."""
+    out: Path
+    """Folder of the result; an interrupted run is resumed."""
+    tasks: OnlyTasks = ()
+    """Only these tasks, with spaces or commas between them."""
+    image_size: Size = (128, 128)
+    """Width and height of the pictures [px]."""
+    cameras: Cameras = CAMERAS
+    """Cameras whose pictures are stored."""
+    products: Products = ("rgb", "depth", "mask")
+    """What each camera delivers, of rgb, depth, mask and point_cloud."""
+    workers: int = 1
+    """Worker processes; with 0 this process does the work."""
+    engine: EngineName = "processes"
+    """What does the work: processes of this machine, or a Ray cluster."""
+    task_file: Files = ()
+    """Your own files of tasks that are not installed; they are used instead of those that the dataset keeps."""
+    trust_task_files: bool = False
+    """Run the task files that the dataset keeps, where tasks are not installed. Read them first."""
 
     def run(self) -> int:
         """Rerender; 1 when episodes are missing at the end."""
+        from rlbench_pin.cli.progress import RecordBar, stopping_gently
+        from rlbench_pin.recording.config import PictureConfig
+        from rlbench_pin.recording.rerender import rerender
+        from rlbench_pin.tasks import own_tasks
+
         check_at_least(self, workers=0, image_size=1)
         pictures = PictureConfig(cameras=self.cameras, products=self.products, image_size=self.image_size)
         engine = make_engine(self.engine, self.workers)
@@ -93,11 +159,19 @@ class Rerender(arguments.Rerender):
         return INTERRUPTED if code and stop.is_set() else code
 
 
-class Seeds(arguments.Seeds):
-    """The work of `rlbench-pin dataset seeds`."""
+@dataclass(frozen=True)
+class Seeds:
+    """Write the seeds of a dataset to a small file, from which `rerender` makes it again."""
+
+    root: Root
+    """Folder of the dataset."""
+    file: tyro.conf.Positional[Path]
+    """The file to write."""
 
     def run(self) -> int:
         """Write and print how many."""
+        from rlbench_pin.recording.rerender import seeds_of, write_seeds
+
         seeds = seeds_of(self.root)
         if not seeds:
             raise _nothing_listed(self.root)
@@ -105,11 +179,28 @@ class Seeds(arguments.Seeds):
         return 0
 
 
-class Export(arguments.Export):
-    """The work of `rlbench-pin dataset export`."""
+@dataclass(frozen=True)
+class Export:
+    """Write a dataset in the format of another library."""
+
+    format: tyro.conf.Positional[ExportFormat]
+    """`lerobot` (LeRobotDataset v3), `robomimic` (one HDF5 file), `rlbench` or `peract` (folders of PNG files), `zarr`."""
+    root: Root
+    """Folder of the dataset."""
+    out: tyro.conf.Positional[Path]
+    """The new folder or file."""
+    tasks: OnlyTasks = ()
+    """Only these tasks, with spaces or commas between them."""
+    cameras: OnlyCameras = ()
+    """Cameras whose pictures go along; all stored ones when none is named. Folders always get all."""
 
     def run(self) -> int:
         """Export and say where it is."""
+        from tqdm import tqdm
+
+        from rlbench_pin.datasets.formats import stored_episodes
+        from rlbench_pin.recording.export import export_dataset
+
         tasks = _tasks(self.tasks)
         total = len(stored_episodes(self.root, tasks))
         with tqdm(total=total, unit="episode", desc=f"export {self.format}") as bar:
@@ -125,12 +216,22 @@ class Export(arguments.Export):
         return 0
 
 
-class Dataset(arguments.Dataset):
-    """The work of `rlbench-pin dataset`."""
+@dataclass(frozen=True)
+class Dataset:
+    """Inspect, verify, merge, rerender and export stored demonstrations."""
+
+    action: tyro.conf.OmitSubcommandPrefixes[
+        Annotated[Info, tyro.conf.subcommand("info")]
+        | Annotated[Verify, tyro.conf.subcommand("verify")]
+        | Annotated[Merge, tyro.conf.subcommand("merge")]
+        | Annotated[Rerender, tyro.conf.subcommand("rerender")]
+        | Annotated[Seeds, tyro.conf.subcommand("seeds")]
+        | Annotated[Export, tyro.conf.subcommand("export")]
+    ] = field()
+    """What to do."""
 
     def run(self) -> int:
         """Do it."""
-        assert isinstance(self.action, Subcommand)
         return self.action.run()
 
 
@@ -141,9 +242,6 @@ def _nothing_listed(root: Path) -> DatasetError:
 def _tasks(words: tuple[str, ...]) -> tuple[str, ...]:
     """Return the names in `words`, none when there are no words."""
     return checked_names(words, split_names, "--tasks TASK...") if words else ()
-
-
-HEADER = ("task", "episodes", "variations", "frames", "lengths", "MB", "kB a frame", "retried", "pictures")
 
 
 def _table(infos: list[TaskInfo]) -> str:

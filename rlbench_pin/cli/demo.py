@@ -7,19 +7,107 @@ import json
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-from tqdm import tqdm
+import tyro
 
-from rlbench_pin.cli.arguments import demo as arguments
-from rlbench_pin.cli.process.files import check_folder, storing
-from rlbench_pin.cli.process.words import check_at_least
-from rlbench_pin.datasets import DatasetWriter
-from rlbench_pin.environment import TaskEnvironment
-from rlbench_pin.environment.presets import make_environment, picture_config
+from rlbench_pin.cli.options import Cameras, Size, TaskName, check_at_least, check_folder, storing
 from rlbench_pin.errors import DemoError
-from rlbench_pin.observation import Demo, Observation
-from rlbench_pin.recording.film import Film
-from rlbench_pin.tasks import find_task, keep_task
+from rlbench_pin.observation import CAMERAS, Demo, Observation
+
+if TYPE_CHECKING:
+    from tqdm import tqdm
+
+    from rlbench_pin.environment import TaskEnvironment
+    from rlbench_pin.recording.film import Film
+
+
+@dataclass(frozen=True)
+class RecordDemos:
+    """Plan demonstrations of one task, write each to an HDF5 episode, and film it."""
+
+    task: tyro.conf.Positional[TaskName]
+    """Task name, as `rlbench-pin list` prints it, or a task file."""
+    variation: int = 0
+    """Variation of the task; -1 draws one for each episode."""
+    seed: int = 0
+    """Seed of the first episode; episode i uses seed + i."""
+    episodes: int = 1
+    """Successful episodes to write."""
+    out: Path = Path("out/demo")
+    """Folder of the dataset."""
+    video: bool = True
+    """Film each episode from the side as an MP4 beside it."""
+    image_size: Size = (128, 128)
+    """Width and height of the cameras' pictures [px]."""
+    cameras: Cameras = CAMERAS
+    """Cameras whose pictures are stored."""
+    max_attempts: int = 10
+    """Tries for each episode."""
+    json: bool = False
+    """Print JSON for programs."""
+
+    def run(self) -> int:
+        """Record, and print where everything is."""
+        from rlbench_pin.environment.presets import make_environment, picture_config
+        from rlbench_pin.tasks import find_task
+
+        check_at_least(self, variation=-1, seed=0, episodes=1, image_size=1, max_attempts=1)
+        config, chosen = picture_config(self.image_size, self.cameras), find_task(self.task)
+        check_folder(self.out)
+        with make_environment(config) as environment:
+            task = environment.get_task(chosen)
+            task.set_variation(self.variation)
+            recorded = list(self._record_all(task))
+        if self.json:
+            print(json.dumps([asdict(r) for r in recorded], indent=1))
+        return 0
+
+    def _record_all(self, task: TaskEnvironment) -> Iterator[Recorded]:
+        from tqdm import tqdm
+
+        with tqdm(total=self.episodes, unit="demo", desc=self.task) as bar:
+            for seed in range(self.seed, self.seed + self.episodes):
+                recorded = self._record(task, seed, bar)
+                bar.update()
+                if not self.json:
+                    bar.write(_text(recorded))
+                yield recorded
+
+    def _record(self, task: TaskEnvironment, seed: int, bar: tqdm) -> Recorded:
+        """Try until a demonstration of this seed succeeds, then write it."""
+        from rlbench_pin.recording.film import Film
+        from rlbench_pin.tasks import keep_task
+
+        causes = []
+        for attempt in range(self.max_attempts):
+            with storing(self.out), ExitStack() as stack:
+                film = stack.enter_context(Film(task, self.out)) if self.video else None
+                outcome = task.try_demo(seed=seed, attempt=attempt, on_frame=_counter(bar, seed))
+                if outcome.demo is not None:
+                    keep_task(self.out, type(task.task))
+                    return self._keep(outcome.demo, outcome.duration, film)
+                causes.append(outcome.cause)
+        raise DemoError(f"Seed {seed} of '{self.task}' failed {self.max_attempts} times: {'; '.join(causes)}. Try another seed.")
+
+    def _keep(self, demo: Demo, seconds: float, film: Film | None) -> Recorded:
+        from rlbench_pin.datasets import DatasetWriter
+
+        episode = DatasetWriter(self.out).add(demo)
+        video = None if film is None else film.keep(episode.parent.with_name("videos") / f"{episode.stem}.mp4")
+        assert demo.seed is not None
+        return Recorded(
+            task=demo.task_name,
+            variation=demo.variation_number,
+            seed=demo.seed,
+            attempt=demo.attempt,
+            frames=len(demo),
+            seconds=round(seconds, 3),
+            instruction=demo.instructions[0],
+            episode=str(episode),
+            video=None if video is None else str(video),
+        )
 
 
 @dataclass(frozen=True)
@@ -36,61 +124,6 @@ class Recorded:
     instruction: str
     episode: str
     video: str | None
-
-
-class RecordDemos(arguments.RecordDemos):
-    """The work of `rlbench-pin demo`."""
-
-    def run(self) -> int:
-        """Record, and print where everything is."""
-        check_at_least(self, variation=-1, seed=0, episodes=1, image_size=1, max_attempts=1)
-        config, chosen = picture_config(self.image_size, self.cameras), find_task(self.task)
-        check_folder(self.out)
-        with make_environment(config) as environment:
-            task = environment.get_task(chosen)
-            task.set_variation(self.variation)
-            recorded = list(self._record_all(task))
-        if self.json:
-            print(json.dumps([asdict(r) for r in recorded], indent=1))
-        return 0
-
-    def _record_all(self, task: TaskEnvironment) -> Iterator[Recorded]:
-        with tqdm(total=self.episodes, unit="demo", desc=self.task) as bar:
-            for seed in range(self.seed, self.seed + self.episodes):
-                recorded = self._record(task, seed, bar)
-                bar.update()
-                if not self.json:
-                    bar.write(_text(recorded))
-                yield recorded
-
-    def _record(self, task: TaskEnvironment, seed: int, bar: tqdm) -> Recorded:
-        """Try until a demonstration of this seed succeeds, then write it."""
-        causes = []
-        for attempt in range(self.max_attempts):
-            with storing(self.out), ExitStack() as stack:
-                film = stack.enter_context(Film(task, self.out)) if self.video else None
-                outcome = task.try_demo(seed=seed, attempt=attempt, on_frame=_counter(bar, seed))
-                if outcome.demo is not None:
-                    keep_task(self.out, type(task.task))
-                    return self._keep(outcome.demo, outcome.duration, film)
-                causes.append(outcome.cause)
-        raise DemoError(f"Seed {seed} of '{self.task}' failed {self.max_attempts} times: {'; '.join(causes)}. Try another seed.")
-
-    def _keep(self, demo: Demo, seconds: float, film: Film | None) -> Recorded:
-        episode = DatasetWriter(self.out).add(demo)
-        video = None if film is None else film.keep(episode.parent.with_name("videos") / f"{episode.stem}.mp4")
-        assert demo.seed is not None
-        return Recorded(
-            task=demo.task_name,
-            variation=demo.variation_number,
-            seed=demo.seed,
-            attempt=demo.attempt,
-            frames=len(demo),
-            seconds=round(seconds, 3),
-            instruction=demo.instructions[0],
-            episode=str(episode),
-            video=None if video is None else str(video),
-        )
 
 
 def _counter(bar: tqdm, seed: int) -> Callable[[Observation], None]:

@@ -13,17 +13,35 @@ from typing import Literal
 
 import numpy as np
 
-from rlbench_pin.cli.arguments import doctor as arguments
-from rlbench_pin.datasets import VideoWriter
-from rlbench_pin.environment.demos import library_versions
-from rlbench_pin.environment.observations.cameras import camera_view
-from rlbench_pin.environment.observations.config import CameraConfig
 from rlbench_pin.errors import CameraError, RlbenchPinError
-from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
-from rlbench_pin.scene.spec import SceneSpec
-from rlbench_pin.sim import World
 
 _DARK, _FLAT = 8.0, 4.0
+
+
+@dataclass(frozen=True)
+class Doctor:
+    """Say what works here: take a picture with each renderer, write a film, name the libraries."""
+
+    json: bool = False
+    """Print JSON for programs."""
+
+    def run(self) -> int:
+        """Try everything; fails when something that is needed does not work."""
+        from rlbench_pin.environment.demos import library_versions
+
+        findings = [
+            _tried("renderer cpu", True, lambda: check_renderer("cpu")),
+            _tried("renderer egl", False, lambda: check_renderer("egl")),
+            _tried("films", True, check_films),
+        ]
+        versions = {"python": platform.python_version(), **library_versions()}
+        if self.json:
+            print(json.dumps({"findings": [asdict(finding) for finding in findings], "versions": versions}, indent=1))
+        else:
+            for finding in findings:
+                print(finding.line())
+            print("versions " + ", ".join(f"{name} {version}" for name, version in versions.items()))
+        return int(any(finding.needed and not finding.works for finding in findings))
 
 
 @dataclass(frozen=True)
@@ -41,26 +59,6 @@ class Finding:
         return f"{mark} {self.what:<16} {self.detail}"
 
 
-class Doctor(arguments.Doctor):
-    """The work of `rlbench-pin doctor`."""
-
-    def run(self) -> int:
-        """Try everything; fails when something that is needed does not work."""
-        findings = [
-            _tried("renderer cpu", True, lambda: check_renderer("cpu")),
-            _tried("renderer egl", False, lambda: check_renderer("egl")),
-            _tried("films", True, check_films),
-        ]
-        versions = {"python": platform.python_version(), **library_versions()}
-        if self.json:
-            print(json.dumps({"findings": [asdict(finding) for finding in findings], "versions": versions}, indent=1))
-        else:
-            for finding in findings:
-                print(finding.line())
-            print("versions " + ", ".join(f"{name} {version}" for name, version in versions.items()))
-        return int(any(finding.needed and not finding.works for finding in findings))
-
-
 def _tried(what: str, needed: bool, attempt: Callable[[], str]) -> Finding:
     try:
         return Finding(what, True, needed, attempt())
@@ -74,6 +72,12 @@ def check_renderer(renderer: Literal["cpu", "egl"]) -> str:
     Raises:
         CameraError: There is no such renderer here, or its pictures are black or flat.
     """
+    from rlbench_pin.environment.observations.cameras import camera_view
+    from rlbench_pin.environment.observations.config import CameraConfig
+    from rlbench_pin.robot.catalogue import DEFAULT_ROBOT, robot_description
+    from rlbench_pin.scene.spec import SceneSpec
+    from rlbench_pin.sim import World
+
     robot = robot_description(DEFAULT_ROBOT)
     with World(SceneSpec(format=1), robot, renderer=renderer) as world:
         world.robot.reset_configuration(np.array(robot.home))
@@ -103,6 +107,8 @@ def check_picture(rgb: np.ndarray, arm: np.ndarray, renderer: str) -> None:
 
 def check_films() -> str:
     """Write a short film and return how large it is."""
+    from rlbench_pin.datasets import VideoWriter
+
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "film.mp4"
         with VideoWriter(path, (64, 48)) as video:

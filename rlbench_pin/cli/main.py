@@ -6,11 +6,9 @@ import importlib
 import sys
 from collections.abc import Callable, Sequence
 
-from rlbench_pin.cli.process.commands import COMMANDS
-from rlbench_pin.cli.process.interrupts import is_whole_process, loading
-from rlbench_pin.cli.process.output import print_any_name
+from rlbench_pin.cli.interrupts import is_whole_process, loading, print_any_name
 
-__all__ = ["COMMANDS", "main", "program"]
+__all__ = ["main", "program"]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -33,7 +31,7 @@ def program() -> int:
 
 
 def _run(words: Sequence[str], on_begin: Callable[[], None]) -> int:
-    return int(importlib.import_module("rlbench_pin.cli.process.running").run(words, on_begin))
+    return int(importlib.import_module("rlbench_pin.cli.running").run(words, on_begin))
 
 
 if __name__ == "__main__":

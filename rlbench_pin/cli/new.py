@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from string import Template
+from typing import Annotated
 
-from rlbench_pin.cli.arguments import new as arguments
-from rlbench_pin.cli.process.files import storing, write_whole
+import tyro
+
+from rlbench_pin.cli.options import storing, write_whole
 from rlbench_pin.errors import StorageError, TaskEnvironmentError
-from rlbench_pin.tasks import camel_case, task_names
-from rlbench_pin.tasks.task_file import name_fault
 
 TASK = Template('''\
 """$title. (One sentence: what is to be done.)"""
@@ -45,7 +46,6 @@ class $cls(Task):
         self.place.sample(self.ball, rng)
         return [f"Touch the {name} ball.", f"Bring the hand to the {name} ball."]
 ''')
-
 SCENE = Template("""\
 # Lengths [m], angles [rad]; a pose is [x, y, z] or [x, y, z, yaw] or [x, y, z, qx, qy, qz, qw] in the frame of `parent`;
 # rpy = [roll, pitch, yaw] may turn a pose of three numbers.
@@ -84,11 +84,20 @@ symmetry = 4                                # it may arrive turned by quarter tu
 """)
 
 
-class New(arguments.New):
-    """The work of `rlbench-pin new`."""
+@dataclass(frozen=True)
+class New:
+    """Write a commented pair of files, NAME.py and NAME.toml: a reach that passes `rlbench-pin check --task-file NAME.py`."""
+
+    name: tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="NAME")]]
+    """Name of the task in snake case."""
+    out: Path = Path()
+    """Folder to write to; `rlbench_pin/tasks/library` makes it a task of the package."""
 
     def run(self) -> int:
         """Write both files, never over existing ones, and print what to do next."""
+        from rlbench_pin.tasks import camel_case, task_names
+        from rlbench_pin.tasks.task_file import name_fault
+
         if fault := name_fault(self.name):
             raise TaskEnvironmentError(f"'{self.name}': {fault}")
         if self.name in task_names():

@@ -2,17 +2,31 @@
 
 from __future__ import annotations
 
-from rlbench_pin.cli.arguments import replay as arguments
+from dataclasses import dataclass
+
+import tyro
+
+from rlbench_pin.cli.options import Files, SomeFiles
 from rlbench_pin.errors import DatasetError, TaskEnvironmentError
-from rlbench_pin.recording.replay_stored import replay_stored
-from rlbench_pin.tasks import own_tasks
 
 
-class Replay(arguments.Replay):
-    """The work of `rlbench-pin replay`."""
+@dataclass(frozen=True)
+class Replay:
+    """Restore the start of stored episodes, repeat their joint-position actions, and say whether they succeed again."""
+
+    files: tyro.conf.Positional[SomeFiles] = ()
+    """Episode files, or folders of datasets, of which the episodes in the manifests are replayed."""
+
+    task_file: Files = ()
+    """Your own files of tasks that are not installed; they are used instead of those that the dataset keeps."""
+    trust_task_files: bool = False
+    """Run the task files that the dataset keeps, where tasks are not installed. Read them first."""
 
     def run(self) -> int:
         """Print one line per episode; 1 when one does not succeed."""
+        from rlbench_pin.recording.replay_stored import replay_stored
+        from rlbench_pin.tasks import own_tasks
+
         if not self.files:
             raise TaskEnvironmentError(
                 "No episode was named. Use `rlbench-pin replay FILE...` with files or folders of datasets."

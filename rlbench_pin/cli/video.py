@@ -4,39 +4,63 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from tqdm import tqdm
+import tyro
 
-from rlbench_pin.cli.arguments import video as arguments
 from rlbench_pin.cli.list_tasks import named_tasks
-from rlbench_pin.cli.process.files import check_file, storing
-from rlbench_pin.cli.process.words import check_at_least, checked_names
-from rlbench_pin.datasets import VideoWriter
-from rlbench_pin.environment import (
-    Discrete,
-    Environment,
-    JointPosition,
-    MoveArmThenGripper,
-    RandomizeEvery,
-    TaskEnvironment,
-    VisualRandomizationConfig,
-)
-from rlbench_pin.environment.presets import low_dim_config
+from rlbench_pin.cli.options import MaybePath, Size, SomeTasks, check_at_least, check_file, checked_names, storing
 from rlbench_pin.errors import DemoError, TaskEnvironmentError
-from rlbench_pin.recording.films.grid import Reel, grid_frames, grid_size
-from rlbench_pin.recording.films.orbit import Orbit
-from rlbench_pin.tasks import Task, find_task
+
+if TYPE_CHECKING:
+    from tqdm import tqdm
+
+    from rlbench_pin.environment import Environment, TaskEnvironment
+    from rlbench_pin.recording.films.orbit import Orbit
+    from rlbench_pin.tasks import Task
 
 _CELL = (320, 240)
 
 
-class Video(arguments.Video):
-    """The work of `rlbench-pin video`."""
+@dataclass(frozen=True)
+class Video:
+    """Film demonstrations of one or more tasks: one film per task, or one film of all of them in a grid."""
+
+    tasks: tyro.conf.Positional[SomeTasks] = ()
+    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, `all`, or task files."""
+    grid: bool = False
+    """All tasks side by side in one film instead of a film each."""
+    variation: int = 0
+    """Variation of the tasks."""
+    seed: int = 0
+    """Seed of the episodes."""
+    size: Size = (1280, 720)
+    """Width and height of a film of one task [px], even numbers."""
+    speed: float = 0.005
+    """Angle that the camera moves in a tick [rad]."""
+    fps: int = 20
+    """Control ticks per second; 20 is real time."""
+    smooth: Literal[1, 2, 3] = 1
+    """Pictures of each tick, taken between its physics steps: 3 makes a film with 60 pictures per second."""
+    domain_randomization: bool = False
+    """Change textures and lights every ten ticks."""
+    textures_path: MaybePath = None
+    """Folder of textures for `--domain-randomization`; None is the set that comes with the package."""
+    renderer: Literal["cpu", "egl", "auto"] = "cpu"
+    """What draws the pictures: `cpu`, `egl`, or `auto` for EGL where there is one."""
+    max_attempts: int = 10
+    """Tries for each demonstration."""
+    out: Path = Path("out/video")
+    """Folder of the films."""
 
     def run(self) -> int:
         """Film, and print where the films are."""
+        from rlbench_pin.datasets import VideoWriter
+        from rlbench_pin.recording.films.orbit import Orbit
+
         tasks = self._checked_tasks()
         if self.grid:
             print(self._film_grid(tasks))
@@ -50,6 +74,8 @@ class Video(arguments.Video):
 
     def _checked_tasks(self) -> tuple[type[Task], ...]:
         """Return the tasks, when everything asked for can be filmed."""
+        from rlbench_pin.tasks import find_task
+
         check_at_least(self, variation=0, seed=0, fps=1, max_attempts=1, size=2)
         if any(side % 2 for side in self.size):
             raise TaskEnvironmentError(f"--size is {self.size[0]} {self.size[1]}; a film needs an even width and height.")
@@ -61,6 +87,10 @@ class Video(arguments.Video):
         return tasks
 
     def _film_grid(self, tasks: tuple[type[Task], ...]) -> Path:
+        from rlbench_pin.datasets import VideoWriter
+        from rlbench_pin.recording.films.grid import Reel, grid_frames, grid_size
+        from rlbench_pin.recording.films.orbit import Orbit
+
         reels = {}
         for task in tasks:
             reel = reels[task.get_name()] = Reel()
@@ -74,6 +104,16 @@ class Video(arguments.Video):
         return path
 
     def _environment(self) -> Environment:
+        from rlbench_pin.environment import (
+            Discrete,
+            Environment,
+            JointPosition,
+            MoveArmThenGripper,
+            RandomizeEvery,
+            VisualRandomizationConfig,
+        )
+        from rlbench_pin.environment.presets import low_dim_config
+
         mode = MoveArmThenGripper(JointPosition(), Discrete())
         if not self.domain_randomization:
             return Environment(mode, obs_config=low_dim_config(), seed=0, renderer=self.renderer)
@@ -89,6 +129,8 @@ class Video(arguments.Video):
 
     def _play(self, task: TaskEnvironment, orbit: Orbit, add: Callable[[np.ndarray], None]) -> None:
         """Find a try that succeeds, then play it again before a camera that has all of its end in the picture."""
+        from tqdm import tqdm
+
         task.set_variation(self.variation)
         attempt = self._successful_attempt(task)
         orbit = orbit.around(task.world)

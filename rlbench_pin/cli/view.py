@@ -3,25 +3,47 @@
 from __future__ import annotations
 
 import io
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from rlbench_pin.checking.pages.demo_sheet import demo_sheet
-from rlbench_pin.cli.arguments import view as arguments
-from rlbench_pin.cli.process.files import check_file, write_whole
-from rlbench_pin.cli.process.pages import check_port, live_module, serve
-from rlbench_pin.cli.process.words import check_at_least
+import tyro
+
+from rlbench_pin.cli.options import Files, MaybePath, Viewed, check_at_least, check_file, write_whole
+from rlbench_pin.cli.pages import PageOptions, check_port, live_module, serve
 from rlbench_pin.errors import TaskEnvironmentError
-from rlbench_pin.tasks import find_task, own_tasks
 
 FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG"}
 """End of a file name -> how the picture is written."""
 
 
-class View(arguments.View):
-    """The work of `rlbench-pin view`."""
+@dataclass(frozen=True)
+class View:
+    """Draw a contact sheet: seven cameras at the reset and at four moments of a demonstration. With `--live`, a page instead:
+    episodes of a task, or the stored demonstrations of a dataset.
+    """
+
+    task: tyro.conf.Positional[Viewed]
+    """Task name, as `rlbench-pin list` prints it, or a task file; with `--live` also the folder of a dataset."""
+    variation: int = 0
+    """Variation of the task."""
+    seed: int = 0
+    """Seed of the episode."""
+    out: MaybePath = None
+    """PNG or JPEG to write; `out/view/<task>.png` by default."""
+    size: int = 256
+    """Side of each picture [px]."""
+    page: tyro.conf.OmitArgPrefixes[PageOptions] = field(default_factory=PageOptions)
+    """A page instead of a picture."""
+    task_file: Files = ()
+    """With a dataset, your own files of tasks that are not installed; they are used instead of those that it keeps."""
+    trust_task_files: bool = False
+    """Run the task files that the dataset keeps, where tasks are not installed. Read them first."""
 
     def run(self) -> int:
         """Draw, and print where the picture is; or serve a page until Ctrl-C."""
+        from rlbench_pin.checking.pages.demo_sheet import demo_sheet
+        from rlbench_pin.tasks import find_task
+
         check_at_least(self, variation=0, seed=0, size=1)
         check_port(self.page)
         if self.page.live:
@@ -38,6 +60,8 @@ class View(arguments.View):
         return 0
 
     def _live(self) -> int:
+        from rlbench_pin.tasks import find_task, own_tasks
+
         if self.out is not None:
             raise TaskEnvironmentError("--out names a picture, and --live shows a page. Leave one of them out.")
         opened, port = live_module().LiveView, self.page.port

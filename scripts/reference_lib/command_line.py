@@ -11,10 +11,8 @@ from typing import Any, get_args, get_type_hints
 import tyro
 
 from reference_lib.docs import doc_of, table
-from rlbench_pin.cli.process.commands import COMMANDS
-from rlbench_pin.cli.process.interrupts import INTERRUPTED
-from rlbench_pin.cli.process.output import PIPE_CLOSED
-from rlbench_pin.cli.process.running import DONE, FAILED, MISUSED
+from rlbench_pin.cli.interrupts import INTERRUPTED, PIPE_CLOSED
+from rlbench_pin.cli.running import COMMANDS, DONE, FAILED, MISUSED
 
 _DEFAULT = re.compile(r" ?\((?:default: (.*)|required|optional)\)$", re.DOTALL)
 _NONE = re.compile(r"\{None\}\||(?<=\{)None,")
@@ -39,9 +37,9 @@ def parts() -> dict[str, str]:
 
 def commands() -> dict[str, type]:
     """Return command, or command and its action with a hyphen -> class."""
-    found: dict[str, Any] = {name: home.load() for name, home in COMMANDS.items() if name not in WITH_ACTIONS}
+    found: dict[str, Any] = {name: command for name, command in COMMANDS.items() if name not in WITH_ACTIONS}
     for name in WITH_ACTIONS:
-        for action, word in _subcommands(get_type_hints(COMMANDS[name].load(), include_extras=True)["action"]):
+        for action, word in _subcommands(get_type_hints(COMMANDS[name], include_extras=True)["action"]):
             found[f"{name}-{word}"] = action
     return found
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, fields
 
 from rlbench_pin.checking.plan import REPEATS, CheckPlan
-from rlbench_pin.cli.arguments.check import Check
+from rlbench_pin.cli.check import Check
 
 
 def _seeds(plan: CheckPlan, at_once: int = 50) -> dict[str, list[int]]:

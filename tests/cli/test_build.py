@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from rlbench_pin.cli.main import main
-from tests.builder.server.raw_page import RawPage
+from tests.builder.raw_page import RawPage
 
 SHOWN = 60.0
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rlbench_pin.cli.process.running import parse
+from rlbench_pin.cli.running import parse
 from rlbench_pin.datasets import DatasetWriter, episode_files, read_demo, read_manifest
 from tests.cli.support import RECORD, TASK, exit_code
 from tests.demos_for_tests import make_demo

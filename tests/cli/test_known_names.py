@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from rlbench_pin.cli import record as command
-from rlbench_pin.cli.arguments.record import spelled_out
+from rlbench_pin.cli.record import spelled_out
 from rlbench_pin.datasets import episode_files, read_demo
 from rlbench_pin.recording.config import PictureConfig, RecordConfig, plan_items
 from tests.cli.support import TASK, exit_code

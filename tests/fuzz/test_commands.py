@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.cli.main import main
-from rlbench_pin.cli.process.commands import COMMANDS
+from rlbench_pin.cli.running import COMMANDS
 from tests.demos_for_tests import fill
 from tests.fuzz.cases import Case, Tally
 
@@ -42,7 +42,7 @@ EXPENSIVE = frozenset({"check", "evaluate", "video", "view", "demo", "record", "
 
 def flags_of(command: str) -> list[str]:
     """Return the flags of a command."""
-    kind = COMMANDS[command].load() if command in COMMANDS else None
+    kind = COMMANDS.get(command)
     names = [f.name for f in dataclasses.fields(kind)] if dataclasses.is_dataclass(kind) else []
     return [f"--{name.replace('_', '-')}" for name in names]
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from rlbench_pin.cli.process.engines import make_engine
+from rlbench_pin.cli.options import make_engine
 from rlbench_pin.datasets import task_faults
 from rlbench_pin.processes import Engine, ProcessEngine, SerialEngine
 from rlbench_pin.recording.config import PictureConfig, RecordConfig

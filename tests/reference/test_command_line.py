@@ -7,8 +7,7 @@ import re
 import pytest
 from reference_lib import command_line
 
-from rlbench_pin.cli.main import COMMANDS
-from rlbench_pin.cli.process.running import parse
+from rlbench_pin.cli.running import COMMANDS, parse
 from tests.cli.support import exit_code
 from tests.reference.support import page, part, rows
 

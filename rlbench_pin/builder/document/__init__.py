@@ -1,22 +1,21 @@
-"""A task that is being edited: its two files as text, undone without end, saved together or not at all."""
+"""A task that is being edited: its two files as text, undone without limit, saved together or not at all."""
 
 from __future__ import annotations
 
-from rlbench_pin.builder.document.behaviour import (
+from rlbench_pin.builder.document.behaviour import Behaviour
+from rlbench_pin.builder.document.conditions import (
     Argument,
-    Behaviour,
     ConditionForm,
     ConditionKind,
     Named,
     Parameter,
-    SpawnedForm,
-    SpawnForm,
     Written,
     condition_kinds,
 )
 from rlbench_pin.builder.document.document import TaskDocument
 from rlbench_pin.builder.document.drafts import Draft, DraftKeeper
 from rlbench_pin.builder.document.errors import ChangedOnDisk, DocumentError, EditRefused, HasDependants, TaskFilesError
+from rlbench_pin.builder.document.placements import SpawnedForm, SpawnForm
 
 __all__ = [
     "Argument",

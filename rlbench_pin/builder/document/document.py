@@ -3,37 +3,120 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import cached_property
 from pathlib import Path
+from string import Template
 from typing import Any
 
 from rlbench_pin.builder.contracts import Problem, TaskText
 from rlbench_pin.builder.document import operations
 from rlbench_pin.builder.document.behaviour import Behaviour
-from rlbench_pin.builder.document.errors import TaskFilesError
-from rlbench_pin.builder.document.history import History, Texts
-from rlbench_pin.builder.document.new_task import texts_of_new_task
+from rlbench_pin.builder.document.errors import EditRefused, TaskFilesError
 from rlbench_pin.builder.document.operations import Edited
-from rlbench_pin.builder.document.reading import Reading, decoded, encoded_pair, typed
-from rlbench_pin.builder.document.scene_text.scene_text import SceneText
-from rlbench_pin.builder.document.storage import Contents, Pair, changed_files, read_pair, recover, write_pair
+from rlbench_pin.builder.document.problems import python_problems, scene_problem
+from rlbench_pin.builder.document.scene_text import SceneText
+from rlbench_pin.builder.document.storage import (
+    Contents,
+    Pair,
+    changed_files,
+    decode_pair,
+    encode_pair,
+    read_pair,
+    recover,
+    typed_text,
+    write_pair,
+)
+from rlbench_pin.builder.document.texts import History, Texts
+from rlbench_pin.errors import RlbenchPinError, SceneFileError
 from rlbench_pin.scene import SceneSpec
+from rlbench_pin.scene.reader import scene_from_raw
+from rlbench_pin.tasks import camel_case
 from rlbench_pin.tasks.task_file import name_fault
 from rlbench_pin.values import as_path, as_text
+
+_NEW_SCENE = """\
+format = 2                                  # lengths [m], angles [rad], heights from the table top
+
+[placement]
+footprint = [0.3, 0.3]                      # the patch of table that the task needs
+"""
+_NEW_PYTHON = Template('''\
+"""$title."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Task
+
+
+class $cls(Task):
+    """$title."""
+
+    def init_task(self) -> None:
+        """Look things up, and say what success is."""
+        self.register_success_conditions([])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Lay out the episode, and return the sentences."""
+        return ["$title."]
+''')
+
+
+class _Reading:
+    """The content of a pair of texts; parts that are as in the texts `before` are not read again.
+
+    Attributes:
+        error: Why the scene is invalid, None when it is valid.
+        spec: The scene of the last valid text, None when there was none.
+        parsed: The scene with the places of its parts, None when it is not valid TOML.
+    """
+
+    def __init__(self, pair: Pair, texts: Texts, before: _Reading | None = None) -> None:
+        self.texts, self._name = texts, pair.name
+        self.error: RlbenchPinError | None = None
+        self.spec: SceneSpec | None = None if before is None else before.spec
+        self.parsed: SceneText | None = None
+        if before is not None and before.texts[0] == texts[0]:
+            self.error, self.parsed = before.error, before.parsed
+            return
+        try:
+            self.parsed = SceneText(texts[0], pair.files[0])
+            self.spec = scene_from_raw(self.parsed.raw, pair.files[0])
+        except RlbenchPinError as error:
+            self.error = error
+
+    @property
+    def scene(self) -> SceneText:
+        """The scene with the places of its parts, or raise EditRefused when it is not valid TOML."""
+        if self.parsed is None:
+            problem = self.error.problem if isinstance(self.error, SceneFileError) else str(self.error)
+            raise EditRefused("edit the scene", problem, "Mend the text first.")
+        return self.parsed
+
+    @cached_property
+    def problems(self) -> tuple[Problem, ...]:
+        scene = () if self.error is None else (scene_problem(self.texts[0], self.error),)
+        return (*scene, *python_problems(self.texts[1], self._name, self.spec if self.error is None else None))
+
+    @cached_property
+    def behaviour(self) -> Behaviour:
+        return Behaviour.of(self.texts[1])
 
 
 class TaskDocument:
     """The two files of a task, edited as text. Made by `open` and `new`; not to be used by two threads at once.
 
     Args:
-        pair: Where the files lie.
-        texts: What they say.
-        saved: What they say on disk; None for a file that is not there yet.
+        pair: The paths of the files.
+        texts: Their texts.
+        saved: Their contents on disk; None for a file that does not exist yet.
         unfinished: Texts of a save that did not come to an end, which become the first edit.
     """
 
     def __init__(self, pair: Pair, texts: Texts, saved: Contents, unfinished: Texts | None = None) -> None:
         self._pair, self._history, self._saved = pair, History(texts), saved
-        self._reading = Reading(pair, texts)
+        self._reading = _Reading(pair, texts)
         self._left: tuple[str, ...] = ()
         if unfinished is not None:
             self.take("unfinished save", unfinished)
@@ -42,8 +125,8 @@ class TaskDocument:
     def open(cls, path: Path | str) -> TaskDocument:
         """Open a task, and finish a save of it that was killed.
 
-        Where a file was changed by somebody else after such a save, the files stay as they are, and what was being saved
-        is the first edit, which can be undone.
+        If a file was changed by somebody else after such a save, the files stay as they are, and the texts of that save are the
+        first edit, which can be undone.
 
         Args:
             path: Either file of the pair.
@@ -58,18 +141,18 @@ class TaskDocument:
         pair = Pair(path.parent, path.stem)
         unfinished = recover(pair)
         saved = read_pair(pair)
-        return cls(pair, decoded(pair, saved), saved, None if unfinished is None else decoded(pair, unfinished))
+        return cls(pair, decode_pair(pair, saved), saved, None if unfinished is None else decode_pair(pair, unfinished))
 
     @classmethod
     def new(cls, folder: Path | str, name: str) -> TaskDocument:
         """Begin an empty task; nothing is written before `save`.
 
         Args:
-            folder: Where its files will lie.
+            folder: Folder of its files.
             name: Small letters, digits and underscores, a letter first.
 
         Raises:
-            TaskFilesError: The name is none, or a file of that name is there, perhaps from a save that was killed.
+            TaskFilesError: The name is invalid, or a file of that name exists, perhaps from a save that was killed.
         """
         pair = Pair(as_path(folder, "folder").resolve(), as_text(name, "name"))
         if fault := name_fault(name):
@@ -78,9 +161,10 @@ class TaskDocument:
         for file in pair.files:
             if file.is_symlink() or file.exists():
                 raise TaskFilesError(file, "it is there already.", "Open it, or choose another name.")
-        return cls(pair, texts_of_new_task(name), (None, None))
+        title = name.replace("_", " ").capitalize()
+        return cls(pair, (_NEW_SCENE, _NEW_PYTHON.substitute(cls=camel_case(name), title=title)), (None, None))
 
-    # What it is -------------------------------------------------------------------------------------------------------
+    # Properties ---------------------------------------------------------------------------------------------------------
 
     @property
     def name(self) -> str:
@@ -89,37 +173,37 @@ class TaskDocument:
 
     @property
     def folder(self) -> Path:
-        """Where the files lie."""
+        """Folder of the files."""
         return self._pair.folder
 
     @property
     def texts(self) -> Texts:
-        """What `<task>.toml` and `<task>.py` say."""
+        """Texts of `<task>.toml` and `<task>.py`."""
         return self._history.texts
 
     @property
     def scene_text(self) -> str:
-        """What `<task>.toml` says."""
+        """Text of `<task>.toml`."""
         return self._history.texts[0]
 
     @property
     def python_text(self) -> str:
-        """What `<task>.py` says."""
+        """Text of `<task>.py`."""
         return self._history.texts[1]
 
     @property
     def text(self) -> TaskText:
         """Both texts, with name and folder."""
-        return TaskText(self.name, self.folder, self.scene_text, self.python_text)
+        return TaskText(self.name, self.folder, *self.texts)
 
     @property
     def spec(self) -> SceneSpec | None:
-        """The scene, as the last valid text says it; None when there was none."""
+        """The scene of the last valid text; None when there was none."""
         return self._reading.spec
 
     @property
     def problems(self) -> tuple[Problem, ...]:
-        """What is wrong with the two texts."""
+        """What is wrong with the two texts, the scene first."""
         return self._reading.problems
 
     @property
@@ -139,7 +223,7 @@ class TaskDocument:
 
     @property
     def redoable(self) -> str:
-        """Name of the edit that `redo` makes again; empty when there is none."""
+        """Name of the edit that `redo` repeats; empty when there is none."""
         return self._history.redoable
 
     @property
@@ -149,83 +233,79 @@ class TaskDocument:
 
     @property
     def saved(self) -> Contents:
-        """What both files were when they were read or saved last; None for one that is not there."""
+        """Contents of both files when they were read or saved last; None for one that did not exist."""
         return self._saved
 
     @property
     def unsaved(self) -> bool:
         """Whether the texts differ from what was read or saved last."""
-        return encoded_pair(self._history.texts, self._saved) != self._saved
+        return encode_pair(self.texts, self._saved) != self._saved
 
     # Edits --------------------------------------------------------------------------------------------------------------
 
     def add(self, table: str, values: Mapping[str, Any]) -> str:
-        """Add a thing, and return its name; without `name` in `values` it is given a free one.
+        """Add an element, and return its name; without `name` in `values` it gets a free one.
 
         Args:
             table: `body`, `joint`, `frame`, `region`, `sensor` or `waypoint` (behind the last).
             values: Keys of the record.
         """
-        return self._edit(f"add {table}", lambda scene, python: operations.added(scene, python, table, values)).name
+        return self._edit(f"add {table}", operations.added, table, values).name
 
     def set(self, name: str, key: str, value: Any, merge: str = "") -> None:
-        """Change one key of a thing; None is its default. A pose is given in the frame of the parent.
+        """Change one key of an element. A pose is given in the frame of the parent.
 
         Args:
-            name: The thing, `<body>/<joint>` for a joint.
+            name: The element, `<body>/<joint>` for a joint.
             key: Key of its record.
-            value: What it is to be; numbers are rounded.
-            merge: Edits of the same key that follow one another are one step, as while something is dragged.
+            value: The new value, None for the default; numbers are rounded.
+            merge: Consecutive edits with the same `merge` are one step, for example while something is dragged.
         """
         self.set_several(name, {key: value}, merge)
 
     def set_several(self, name: str, values: Mapping[str, Any], merge: str = "") -> None:
-        """Change several keys of a thing in one step, such as `path` and `arc`, which go together."""
-        words = f"{', '.join(values)} of {name}"
-        self._edit(f"change {words}", lambda scene, python: operations.changed(scene, python, name, values), merge)
+        """Change several keys of an element in one step, such as `path` and `arc`, which go together."""
+        self._edit(f"change {', '.join(values)} of {name}", operations.changed, name, values, merge=merge)
 
     def set_placement(self, key: str, value: Any, merge: str = "") -> None:
         """Change one key of `[placement]`; None is its default. A pose is given in the world, as in `spec`."""
-        edit = operations.placement_changed
-        self._edit(f"change {key}", lambda scene, python: edit(scene, python, {key: value}), merge)
+        self._edit(f"change {key}", operations.placement_changed, key, value, merge=merge)
 
     def duplicate(self, name: str) -> str:
-        """Add a thing like another, with the joints of a body, at the same place; return its name."""
-        return self._edit(f"duplicate {name}", lambda scene, python: operations.duplicated(scene, python, name)).name
+        """Add a copy of an element at the same place, with the joints of a body; return its name."""
+        return self._edit(f"duplicate {name}", operations.duplicated, name).name
 
     def delete(self, name: str, with_dependants: bool = False) -> None:
-        """Take a thing away; waypoints behind one that goes are renumbered.
+        """Delete an element; later waypoints are renumbered.
 
         Raises:
-            HasDependants: Something hangs on it, or the Python names it.
+            HasDependants: Another element hangs on it, or the Python names it.
         """
-        edit = operations.deleted
-        self._edit(f"delete {name}", lambda scene, python: edit(scene, python, name, with_dependants=with_dependants))
+        self._edit(f"delete {name}", operations.deleted, name, with_dependants)
 
     def insert_waypoint(self, index: int, values: Mapping[str, Any]) -> str:
-        """Add a waypoint before the one of that number; those behind are renumbered wherever they are named."""
-        edit = operations.waypoint_inserted
-        return self._edit("insert waypoint", lambda scene, python: edit(scene, python, index, values)).name
+        """Add a waypoint before the one of that number; later ones are renumbered wherever they are named."""
+        return self._edit("insert waypoint", operations.waypoint_inserted, index, values).name
 
     def move_waypoint(self, name: str, index: int) -> str:
-        """Visit a waypoint as the one of that number, and return its name then; all are renumbered wherever they are named."""
-        return self._edit(f"reorder {name}", lambda scene, python: operations.waypoint_moved(scene, python, name, index)).name
+        """Give a waypoint another number, and return its new name; all are renumbered wherever they are named."""
+        return self._edit(f"reorder {name}", operations.waypoint_moved, name, index).name
 
     def attach(self, name: str, parent: str, pose: Any, merge: str = "") -> None:
-        """Hang a thing on another, at a pose in its frame that is written without rounding what counts."""
-        self._edit(f"parent of {name}", lambda scene, python: operations.attached(scene, python, name, parent, pose), merge)
+        """Give an element another parent, and a pose in its frame that is exact to 1e-9."""
+        self._edit(f"parent of {name}", operations.attached, name, parent, pose, merge=merge)
 
     def rename(self, old: str, new: str) -> tuple[str, ...]:
-        """Call a thing otherwise wherever it is named; return the lines of Python that name it in a way that was left."""
-        return self._edit(f"rename {old}", lambda scene, python: operations.renamed(scene, python, old, new)).left
+        """Rename an element wherever it is named; return the lines of Python that name it in a way that was left."""
+        return self._edit(f"rename {old}", operations.renamed_everywhere, old, new).left
 
     def set_scene_text(self, text: str, merge: str = "") -> None:
-        """Put another text in the place of the scene, also one that is not valid."""
-        self.take("edit the scene as text", (typed(text, "scene text", self._saved[0]), self.python_text), merge)
+        """Replace the text of the scene, also by one that is not valid."""
+        self.take("edit the scene as text", (typed_text(text, "scene text", self._saved[0]), self.python_text), merge)
 
     def set_python_text(self, text: str, merge: str = "") -> None:
-        """Put another text in the place of the Python, also one that is not valid."""
-        self.take("edit the Python as text", (self.scene_text, typed(text, "Python text", self._saved[1])), merge)
+        """Replace the text of the Python, also by one that is not valid."""
+        self.take("edit the Python as text", (self.scene_text, typed_text(text, "Python text", self._saved[1])), merge)
 
     def set_behaviour(self, field: str, value: Any, merge: str = "") -> None:
         """Change what a form shows of the Python, such as `instructions`; hand-written parts stay as they are.
@@ -236,13 +316,35 @@ class TaskDocument:
         text = self.behaviour.written(field, value)
         self.take(f"change {field.replace('_', ' ')}", (self.scene_text, text), merge)
 
+    def take(self, name: str, texts: Texts, merge: str = "") -> None:
+        """Replace both texts, as one edit of that name."""
+        self._history.add(name, texts, merge)
+        self._read()
+
     def undo(self) -> str:
         """Take the last edit back, and return its name; empty when there is none."""
-        return self._went(self._history.undo())
+        name = self._history.undo()
+        self._read()
+        return name
 
     def redo(self) -> str:
-        """Make the edit again that was taken back last, and return its name; empty when there is none."""
-        return self._went(self._history.redo())
+        """Repeat the edit that was undone last, and return its name; empty when there is none."""
+        name = self._history.redo()
+        self._read()
+        return name
+
+    def _edit(self, label: str, operation: Callable[..., Edited], *arguments: Any, merge: str = "") -> Edited:
+        """Make an edit by form, which must not break a valid scene."""
+        edited = operation(self._reading.scene, self.python_text, *arguments)
+        reading = _Reading(self._pair, edited.texts, self._reading)
+        if reading.error is not None and self._reading.error is None:
+            raise reading.error
+        self._history.add(label, edited.texts, merge)
+        self._reading, self._left = reading, edited.left
+        return edited
+
+    def _read(self) -> None:
+        self._reading, self._left = _Reading(self._pair, self.texts, self._reading), ()
 
     # Files --------------------------------------------------------------------------------------------------------------
 
@@ -250,13 +352,13 @@ class TaskDocument:
         """Write both files; they appear together or not at all.
 
         Args:
-            over: Also when somebody else has changed them since they were read.
+            over: Overwrite changes that somebody else has made since the files were read.
 
         Raises:
-            ChangedOnDisk: Somebody has.
+            ChangedOnDisk: Somebody else has changed the files.
             StorageError: They cannot be written.
         """
-        contents = encoded_pair(self._history.texts, self._saved)
+        contents = encode_pair(self.texts, self._saved)
         write_pair(self._pair, contents, known=None if over else self._saved)
         self._saved = contents
 
@@ -265,30 +367,11 @@ class TaskDocument:
         return changed_files(self._pair, self._saved)
 
     def reload(self) -> None:
-        """Take over what the files say now, as an edit that can be undone.
+        """Replace both texts by those of the files, as an edit that can be undone.
 
         Raises:
             TaskFilesError: A file is missing, too large, or no text.
         """
         contents = read_pair(self._pair)
-        self.take("reload", decoded(self._pair, contents))
+        self.take("reload", decode_pair(self._pair, contents))
         self._saved = contents
-
-    def _edit(self, name: str, edit: Callable[[SceneText, str], Edited], merge: str = "") -> Edited:
-        """Make an edit by form, which may not break a valid scene."""
-        edited = edit(self._reading.scene, self.python_text)
-        reading = Reading(self._pair, edited.texts, self._reading)
-        if reading.error is not None and self._reading.error is None:
-            raise reading.error
-        self._history.add(name, edited.texts, merge)
-        self._reading, self._left = reading, edited.left
-        return edited
-
-    def take(self, name: str, texts: Texts, merge: str = "") -> None:
-        """Put other texts in the place of both, as one edit of that name."""
-        self._history.add(name, texts, merge)
-        self._went(name)
-
-    def _went(self, name: str) -> str:
-        self._reading, self._left = Reading(self._pair, self._history.texts, self._reading), ()
-        return name

@@ -1,4 +1,4 @@
-"""What was edited and not saved, in a hidden file beside the task, `.<task>.draft`: offered when the task is next opened."""
+"""Drafts: unsaved edits in a hidden file beside the task, `.<task>.draft`, offered when the task is next opened."""
 
 from __future__ import annotations
 
@@ -9,80 +9,52 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
-from rlbench_pin.builder.document.history import Texts
+from rlbench_pin.builder.document.document import TaskDocument
 from rlbench_pin.builder.document.storage import LARGEST_FILE, Pair, alone_in, write_whole
+from rlbench_pin.builder.document.texts import Texts
 
 WAIT = 1.0
-"""A draft is written so long after an edit [s]; edits meanwhile are in it."""
+"""Time from the first edit until a draft is written with all edits since then [s]."""
 MOST_DRAFTS = 3
-"""Of one task: that of now, and earlier ones about which nobody has decided."""
+"""Of one task: the current one, and earlier ones about which nobody has decided."""
 _FORMAT = 1
 _LARGEST = 8 * MOST_DRAFTS * LARGEST_FILE
 
 
 @dataclass(frozen=True)
 class Draft:
-    """Two texts that were not saved."""
+    """Two texts that were not saved.
+
+    Attributes:
+        texts: Of the scene and of the Python.
+        saved: Digests of the files at that time; empty for one that did not exist.
+        written: Date and time, as people read it.
+    """
 
     texts: Texts
-    """Of the scene and of the Python."""
     saved: tuple[str, str]
-    """What the files said then, as digests; empty for one that was not there."""
     written: str
-    """Date and time, as people read it."""
-
-
-class Draftable(Protocol):
-    """A task that is being edited."""
-
-    @property
-    def name(self) -> str:
-        """Name of the task."""
-        ...
-
-    @property
-    def folder(self) -> Path:
-        """Where its files lie."""
-        ...
-
-    @property
-    def texts(self) -> Texts:
-        """Both texts as they stand."""
-        ...
-
-    @property
-    def saved(self) -> tuple[bytes | None, bytes | None]:
-        """What both files say on disk; None for one that is not there."""
-        ...
-
-    @property
-    def unsaved(self) -> bool:
-        """Whether the texts differ from that."""
-        ...
-
-    def take(self, name: str, texts: Texts, merge: str = "") -> None:
-        """Put other texts in the place of both, as one edit."""
-        ...
 
 
 class DraftKeeper:
-    """Keeps drafts of one task; to be called by one thread. Those of another builder that has it open stay in the file.
+    """Keeps drafts of one task, in one thread. Drafts of another builder that has the task open stay in the file.
 
     Args:
         document: The task.
-        on_written: Called when a draft was written or could not be, in any thread.
-        wait: How long after an edit a draft is written [s].
+        on_written: Called when a draft was written or could not be written, in any thread.
+        wait: Time from an edit until a draft is written [s].
 
     Attributes:
-        offered: Drafts of earlier, about which somebody has to decide; the latest first.
-        news: What people should know of the file, such as that it could not be written; empty when there is nothing.
+        file: The file of the drafts.
+        offered: Earlier drafts about which somebody has to decide, the latest first.
+        news: Message for people about the file, such as that it could not be written; usually empty.
     """
 
-    def __init__(self, document: Draftable, on_written: Callable[[], None], wait: float = WAIT) -> None:
+    def __init__(self, document: TaskDocument, on_written: Callable[[], None], wait: float = WAIT) -> None:
         self._document, self._on_written, self._wait, self._first = document, on_written, wait, document.texts
-        self._file = Pair(document.folder, document.name).draft
+        self.file = Pair(document.folder, document.name).draft
         self._lock = threading.Lock()
         self._timer: threading.Timer | None = None
         self.news = ""
@@ -92,28 +64,23 @@ class DraftKeeper:
         self._closed = False
         self.keep()
 
-    @property
-    def file(self) -> Path:
-        """Where drafts are kept."""
-        return self._file
-
     def is_of_now(self, draft: Draft) -> bool:
-        """Whether the files say what they said when a draft was written."""
+        """Whether the files have not changed since a draft was written."""
         return draft.saved == _digests(self._document.saved)
 
     def take(self) -> None:
-        """Take up the latest draft that is offered, as one edit."""
+        """Apply the latest draft that is offered, as one edit."""
         draft = self.offered.pop(0)
         self._document.take("take up the draft", draft.texts)
         self.keep()
 
     def drop(self) -> None:
-        """Throw the latest draft away that is offered."""
+        """Discard the latest draft that is offered."""
         self.offered.pop(0)
         self.keep()
 
     def keep(self) -> None:
-        """Take note that something may have changed; a draft is written soon, or removed at once where all is saved."""
+        """Schedule a draft if something has changed since the last one; remove it at once where all is saved."""
         drafts = (*self._of_now(), *self.offered)[:MOST_DRAFTS]
         with self._lock:
             if _without_times(drafts) == _without_times(self._wanted) or self._closed:
@@ -127,7 +94,7 @@ class DraftKeeper:
             self._write()
 
     def close(self) -> None:
-        """Write what is not written yet, and no more after that."""
+        """Write the last draft and stop."""
         self.keep()
         self._write()
         with self._lock:
@@ -141,10 +108,8 @@ class DraftKeeper:
             return ()
         return (Draft(document.texts, _digests(document.saved), time.strftime("%Y-%m-%d %H:%M:%S")),)
 
-    # The file ---------------------------------------------------------------------------------------------------------
-
     def _write(self) -> None:
-        """Make the file say what it should; what cannot be written is told."""
+        """Write the wanted drafts; report in `news` if that fails."""
         with self._lock:
             if self._timer is not None:
                 self._timer.cancel()
@@ -153,46 +118,46 @@ class DraftKeeper:
                 return
             try:
                 if self._wanted:
-                    self._file.parent.mkdir(parents=True, exist_ok=True)
-                if self._file.parent.is_dir():
-                    with alone_in(self._file.parent):
+                    self.file.parent.mkdir(parents=True, exist_ok=True)
+                if self.file.parent.is_dir():
+                    with alone_in(self.file.parent):
                         self._replace()
             except OSError as error:
                 self.news = (
-                    f"No draft is kept: '{self._file}' cannot be written ({error.strerror}). What is not saved can be lost."
+                    f"No draft is kept: '{self.file}' cannot be written ({error.strerror}). What is not saved can be lost."
                 )
             else:
                 self._written = self._wanted
         self._on_written()
 
     def _replace(self) -> None:
-        """Put what this builder keeps in the place of what it kept; what another builder keeps of the task stays."""
+        """Replace the drafts that this builder wrote; those of another builder stay."""
         self.news = ""
         others = [draft for draft in self._found() if draft not in self._written]
         if others:
             self.news = f"Another task builder has '{self._document.name}' open: its draft is kept beside this one."
         drafts = (*self._wanted[:1], *others, *self._wanted[1:])[:MOST_DRAFTS]
         if drafts:
-            write_whole(self._file, _content(self._document.name, drafts))
+            write_whole(self.file, _content(self._document.name, drafts))
         else:
-            self._file.unlink(missing_ok=True)
+            self.file.unlink(missing_ok=True)
 
     def _found(self) -> list[Draft]:
-        """Return the drafts in the file; one that is none of ours is set aside."""
+        """Return the drafts in the file; an invalid file is set aside."""
         try:
-            if not self._file.is_symlink() and not self._file.exists():
+            if not self.file.is_symlink() and not self.file.exists():
                 return []
-            return _drafts(self._document.name, _read(self._file))
+            return _drafts(self._document.name, _read(self.file))
         except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
             self._set_aside(str(error)[:120])
             return []
 
     def _set_aside(self, problem: str) -> None:
-        aside = self._file.with_name(f"{self._file.name}.broken")
+        aside = self.file.with_name(f"{self.file.name}.broken")
         try:
-            self._file.replace(aside)
+            self.file.replace(aside)
         except OSError as error:
-            self.news = f"There is a draft that cannot be read ({problem}), nor be set aside ({error.strerror}): '{self._file}'."
+            self.news = f"There is a draft that cannot be read ({problem}), nor be set aside ({error.strerror}): '{self.file}'."
         else:
             self.news = f"A draft that cannot be read ({problem}) was set aside as '{aside}'."
 
@@ -222,7 +187,7 @@ def _read(file: Path) -> bytes:
 
 
 def _drafts(name: str, content: bytes) -> list[Draft]:
-    """Return the drafts of a file; what is wrong with one that is none of ours is raised as it comes."""
+    """Return the drafts of a file, or raise any error that an invalid one causes."""
     said: Any = json.loads(content)
     if said["format"] != _FORMAT or said["task"] != name or not isinstance(said["drafts"], list):
         raise ValueError(f"it is no draft of '{name}'")

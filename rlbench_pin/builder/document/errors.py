@@ -1,4 +1,4 @@
-"""What can go wrong with a task that is being edited."""
+"""Errors of a task that is being edited."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class EditRefused(DocumentError):
 
 
 class HasDependants(EditRefused):
-    """Something is needed by others, so that it is not deleted without them."""
+    """An element is needed by others, so it is not deleted without them."""
 
     def __init__(self, name: str, dependants: Sequence[str], mentions: Sequence[str]) -> None:
         self.name, self.dependants, self.mentions = name, tuple(dependants), tuple(mentions)

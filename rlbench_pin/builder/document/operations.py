@@ -1,4 +1,4 @@
-"""What edits do to the two texts: pure functions from texts to texts."""
+"""Edits of the scene as pure functions from texts to texts; the Python follows where it names elements of the scene."""
 
 from __future__ import annotations
 
@@ -6,54 +6,81 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from rlbench_pin.builder.document.behaviour.forgetting import without_names
+from rlbench_pin.builder.document.behaviour import without_names
 from rlbench_pin.builder.document.errors import EditRefused, HasDependants
-from rlbench_pin.builder.document.history import Texts
-from rlbench_pin.builder.document.python_text import mentions
-from rlbench_pin.builder.document.python_text.source import PythonSyntaxError, Source
-from rlbench_pin.builder.document.scene_text import names as scene_names
-from rlbench_pin.builder.document.scene_text.arrays import detached, with_pose
-from rlbench_pin.builder.document.scene_text.edits import with_entry, with_entry_moved, with_keys, without_entry
-from rlbench_pin.builder.document.scene_text.poses import exact_pose_keys
-from rlbench_pin.builder.document.scene_text.records import written_keys
-from rlbench_pin.builder.document.scene_text.scene_text import PLACEMENT, POSED, TABLES, SceneText
+from rlbench_pin.builder.document.python_text import (
+    PythonSyntaxError,
+    Source,
+    computed_waypoints,
+    mentions,
+    renamed_in_python,
+    source_or_none,
+)
+from rlbench_pin.builder.document.scene_text import (
+    PLACEMENT,
+    Entry,
+    SceneText,
+    dependants,
+    detached,
+    free_name,
+    name_from_asset,
+    renamed,
+    with_array_pose,
+    with_entry,
+    with_entry_moved,
+    with_keys,
+    without_entry,
+)
+from rlbench_pin.builder.document.scene_values import exact_pose_keys, written_keys
+from rlbench_pin.builder.document.texts import Texts
 from rlbench_pin.errors import InvalidValue
-from rlbench_pin.scene.short_forms import placement_for_file
+from rlbench_pin.scene.short_forms import POSED_TABLES, placement_for_file
 from rlbench_pin.scene.spec import ROOT, PlacementSpec
+from rlbench_pin.scene.writer import TABLES
 from rlbench_pin.values import as_choice, as_text, as_whole
 
 
 @dataclass(frozen=True)
 class Edited:
-    """The outcome of an edit."""
+    """The outcome of an edit.
+
+    Attributes:
+        texts: Scene and Python afterwards.
+        name: Name of the element.
+        left: Lines of Python that name it in another way, and were left as they are.
+    """
 
     texts: Texts
-    """Scene and Python afterwards."""
-    name: str = ""
-    """Of the thing that it is about."""
+    name: str
     left: tuple[str, ...] = ()
-    """Lines of Python that name it in another way, and were left as they are."""
 
 
 def added(scene: SceneText, python: str, table: str, values: Mapping[str, Any]) -> Edited:
-    """Add an entry behind the last of its table."""
-    as_choice(table, "table", TABLES)
+    """Add an element behind the last one of its table."""
+    as_choice(table, "table", tuple(TABLES))
     if table == "waypoint":
         return waypoint_inserted(scene, python, len(scene.of_table("waypoint")), values)
-    name = _name_for(scene, table, values)
-    text = _with_new(scene, table, {**values, "name": name})
-    return Edited((text, python), name)
+    name = values.get("name")
+    if name is None and table in ("joint", "departure"):
+        raise InvalidValue("name", name, f"has to be given for a {table}")
+    if name is None:
+        stem = name_from_asset(as_text(values.get("asset"), "asset")) if table == "body" else table
+        name = free_name(stem, scene.names)
+    name = as_text(name, "name")
+    scene.refuse_inline(f"add a {table}", table)
+    keys = written_keys(table, {**values, "name": name}, {}, short_forms=scene.has_short_forms)
+    return Edited((with_entry(scene, table, keys), python), name)
 
 
 def changed(scene: SceneText, python: str, name: str, values: Mapping[str, Any]) -> Edited:
-    """Change keys of a thing; those of a joint that the file does not speak of are added."""
+    """Change keys of an element; a joint that has no entry gets one."""
     if "/" in as_text(name, "name") and name not in scene.names:
         return added(scene, python, "joint", {**values, "name": name})
     if "name" in values:
         raise EditRefused(f"change the name of '{name}' alone", "others may refer to it.", "Rename it.")
     entry = scene.find(name)
-    if entry.is_several and set(values) == {"pose"} and values["pose"] is not None:
-        text = with_pose(scene, entry, name, values["pose"])
+    if entry.is_array and set(values) == {"pose"} and values["pose"] is not None:
+        text = with_array_pose(scene, entry, name, values["pose"])
         if text is not None:
             return Edited((text, python), name)
     alone = detached(scene, name)
@@ -62,31 +89,30 @@ def changed(scene: SceneText, python: str, name: str, values: Mapping[str, Any])
     return Edited((with_keys(alone, entry, keys) if keys else scene.text, python), name)
 
 
-def placement_changed(scene: SceneText, python: str, values: Mapping[str, Any]) -> Edited:
-    """Change keys of `[placement]`; a pose is meant in the world."""
+def placement_changed(scene: SceneText, python: str, key: str, value: Any) -> Edited:
+    """Change a key of `[placement]`; a pose is given in the world."""
     scene.refuse_inline("change the placement", PLACEMENT)
-    section = scene.section(PLACEMENT)
-    pose = values.get("pose")
-    if pose is not None and scene.has_short_forms:
-        pose = placement_for_file(PlacementSpec(pose=pose)).pose
-    said = {**values, "pose": pose} if "pose" in values else dict(values)
-    keys = written_keys(PLACEMENT, said, scene.raw.get(PLACEMENT, {}), short_forms=scene.has_short_forms)
+    if key == "pose" and value is not None and scene.has_short_forms:
+        value = placement_for_file(PlacementSpec(pose=value)).pose
+    section, raw = scene.section(PLACEMENT), scene.raw.get(PLACEMENT, {})
+    keys = written_keys(PLACEMENT, {key: value}, raw, short_forms=scene.has_short_forms)
     if not keys:
         return Edited((scene.text, python), PLACEMENT)
-    text = with_keys(scene, section, keys) if section is not None else with_entry(scene, PLACEMENT, keys)
-    return Edited((text, python), PLACEMENT)
+    if section is None:
+        return Edited((with_entry(scene, PLACEMENT, keys), python), PLACEMENT)
+    return Edited((with_keys(scene, Entry(PLACEMENT, section, raw), keys), python), PLACEMENT)
 
 
 def duplicated(scene: SceneText, python: str, name: str) -> Edited:
-    """Add a thing like another, with the joints of a body, at the same place."""
+    """Add a copy of an element at the same place, with the joints of a body."""
     entry = scene.find(name)
     if entry.table == "joint":
         raise EditRefused(f"duplicate '{name}'", "a joint is described once.", "Duplicate its body.")
     entry = detached(scene, name).find(name)
     keys = {key: value for key, value in entry.raw.items() if key != "name"}
     if entry.table == "waypoint":
-        return _inserted_as_written(scene, python, _number(name) + 1, keys)
-    new = scene_names.free_name(name, scene.names)
+        return _inserted(scene, python, _number(name) + 1, keys)
+    new = free_name(name, scene.names)
     scene.refuse_inline(f"duplicate '{name}'", entry.table)
     text = with_entry(scene, entry.table, {**keys, "name": new})
     for joint in scene.of_table("joint"):
@@ -96,22 +122,21 @@ def duplicated(scene: SceneText, python: str, name: str) -> Edited:
     return Edited((text, python), new)
 
 
-def deleted(scene: SceneText, python: str, name: str, *, with_dependants: bool = False) -> Edited:
-    """Take a thing away, perhaps with all that hangs on it and what forms say of them; waypoints behind one are renumbered."""
+def deleted(scene: SceneText, python: str, name: str, with_dependants: bool) -> Edited:
+    """Delete an element, perhaps with its descendants and what forms say of them; later waypoints are renumbered."""
     scene.find(name)
-    hanging = scene_names.dependants(scene, name)
-    source = _source_or_none(python)
-    lines = mentions.mentions(source, name) if source is not None else ()
+    hanging = dependants(scene, name)
+    lines = mentions(source_or_none(python), name)
     if (hanging or lines) and not with_dependants:
-        raise HasDependants(name, [thing.name for thing in hanging], lines)
-    doomed = {name, *(thing.name for thing in hanging)}
+        raise HasDependants(name, [element.name for element in hanging], lines)
+    doomed = {name, *(element.name for element in hanging)}
     points = sorted((_number(n) for n in doomed if scene.find(n).table == "waypoint"), reverse=True)
     for other in sorted(doomed - {f"waypoint{k}" for k in points}):
         scene = detached(scene, other)
         scene = SceneText(without_entry(scene, scene.find(other)), scene.path)
     python = without_names(python, doomed)
-    source = _source_or_none(python)
-    left = [line for other in sorted(doomed) for line in mentions.mentions(source, other)] if source is not None else []
+    source = source_or_none(python)
+    left = [line for other in sorted(doomed) for line in mentions(source, other)]
     for number in points:
         gone = SceneText(without_entry(scene, scene.find(f"waypoint{number}")), scene.path)
         shift = {f"waypoint{k}": f"waypoint{k - 1}" for k in range(number + 1, len(scene.of_table("waypoint")))}
@@ -121,13 +146,13 @@ def deleted(scene: SceneText, python: str, name: str, *, with_dependants: bool =
 
 
 def waypoint_inserted(scene: SceneText, python: str, index: int, values: Mapping[str, Any]) -> Edited:
-    """Add a waypoint before the one of that number; those behind move up by one, wherever they are named."""
+    """Add a waypoint before the one of that number; later ones move up by one, wherever they are named."""
     keys = written_keys("waypoint", {k: v for k, v in values.items() if k != "name"}, {}, short_forms=scene.has_short_forms)
-    return _inserted_as_written(scene, python, index, keys)
+    return _inserted(scene, python, index, keys)
 
 
 def waypoint_moved(scene: SceneText, python: str, name: str, index: int) -> Edited:
-    """Have a waypoint visited as the one of that number; what is said of it moves there in the text, too."""
+    """Give a waypoint another number; its entry moves to that place in the text."""
     edit, points = f"reorder '{name}'", scene.of_table("waypoint")
     if scene.find(name).table != "waypoint":
         raise EditRefused(edit, "it is no waypoint.")
@@ -137,7 +162,7 @@ def waypoint_moved(scene: SceneText, python: str, name: str, index: int) -> Edit
     old = _number(name)
     if index == old:
         return Edited((scene.text, python), name)
-    if lines := mentions.computed_waypoints(_source(python, edit)):
+    if lines := computed_waypoints(_source(python, edit)):
         problem = f"the Python computes which waypoint it means, in line {', in line '.join(lines)}."
         raise EditRefused(edit, problem, "Write names or numbers out there, or renumber both files in *Files*.")
     first, end = min(old, index), max(old, index)
@@ -152,34 +177,36 @@ def waypoint_moved(scene: SceneText, python: str, name: str, index: int) -> Edit
 
 
 def attached(scene: SceneText, python: str, name: str, parent: str, pose: Any) -> Edited:
-    """Hang a thing on another, at a pose in its frame that is exact to 1e-9."""
+    """Give an element another parent, and a pose in its frame that is exact to 1e-9."""
     scene = detached(scene, name)
     entry = scene.find(name)
-    if entry.table not in POSED:
-        raise EditRefused(f"hang '{name}' on '{parent}'", "it has no pose.", "Choose a body, frame, region, sensor or waypoint.")
+    if entry.table not in POSED_TABLES:
+        raise EditRefused(
+            f"attach '{name}' to '{parent}'", "it has no pose.", "Choose a body, frame, region, sensor or waypoint."
+        )
     place = exact_pose_keys(pose, has_rpy=scene.has_short_forms)
     keys = {"parent": None if as_text(parent, "parent") == ROOT else parent, **place}
-    said = {key: value for key, value in keys.items() if not (value is None and key not in entry.raw)}
-    return Edited((with_keys(scene, entry, said), python), name)
+    keys = {key: value for key, value in keys.items() if value is not None or key in entry.raw}
+    return Edited((with_keys(scene, entry, keys), python), name)
 
 
-def renamed(scene: SceneText, python: str, old: str, new: str) -> Edited:
-    """Call a thing otherwise, wherever it is named."""
-    entry = scene.find(old)
-    if entry.table == "joint":
+def renamed_everywhere(scene: SceneText, python: str, old: str, new: str) -> Edited:
+    """Rename an element wherever it is named."""
+    if scene.find(old).table == "joint":
         raise EditRefused(f"rename '{old}'", "the name of a joint is in the URDF file of its body.", "Rename the body.")
     if as_text(new, "new name") in scene.names:
         raise EditRefused(f"rename '{old}'", f"'{new}' is used already.", "Choose another name.")
-    text, left = mentions.renamed(_source(python, f"rename '{old}'"), {old: new})
-    return Edited((scene_names.renamed(scene, {old: new}).text, text), new, left)
+    text, left = renamed_in_python(_source(python, f"rename '{old}'"), {old: new})
+    return Edited((renamed(scene, {old: new}).text, text), new, left)
 
 
-def _inserted_as_written(scene: SceneText, python: str, index: int, keys: Mapping[str, Any]) -> Edited:
+def _inserted(scene: SceneText, python: str, index: int, keys: Mapping[str, Any]) -> Edited:
+    """Insert a waypoint whose keys are as in the file."""
     count = len(scene.of_table("waypoint"))
     scene.refuse_inline("add a waypoint", "waypoint")
     if as_whole(index, "index", least=0) > count:
         raise InvalidValue("index", index, f"has to be 0 to {count}, the number of waypoints")
-    shift = scene_names.waypoint_shift(scene, index, 1)
+    shift = {f"waypoint{k}": f"waypoint{k + 1}" for k in range(index, count)}
     moved, python, left = _renumbered(scene, python, shift)
     parent = keys.get("parent")
     parent = shift.get(parent, parent) if isinstance(parent, str) else parent
@@ -192,28 +219,11 @@ def _inserted_as_written(scene: SceneText, python: str, index: int, keys: Mappin
 def _renumbered(scene: SceneText, python: str, shift: Mapping[str, str]) -> tuple[SceneText, str, tuple[str, ...]]:
     if not shift:
         return scene, python, ()
-    python, left = mentions.renamed(_source(python, "renumber the waypoints"), shift)
-    return scene_names.renamed(scene, shift), python, left
-
-
-def _with_new(scene: SceneText, table: str, values: Mapping[str, Any]) -> str:
-    scene.refuse_inline(f"add a {table}", table)
-    return with_entry(scene, table, written_keys(table, values, {}, short_forms=scene.has_short_forms))
-
-
-def _name_for(scene: SceneText, table: str, values: Mapping[str, Any]) -> str:
-    """Return the name of a new thing: the one that is wanted, or a free one."""
-    wanted = values.get("name")
-    if wanted is None and table in ("joint", "departure"):
-        raise InvalidValue("name", wanted, f"has to be given for a {table}")
-    if wanted is None:
-        stem = scene_names.name_from_asset(as_text(values.get("asset"), "asset")) if table == "body" else table
-        return scene_names.free_name(stem, scene.names)
-    return as_text(wanted, "name")
+    python, left = renamed_in_python(_source(python, "renumber the waypoints"), shift)
+    return renamed(scene, shift), python, left
 
 
 def _number(waypoint: str) -> int:
-    """Return the number of a waypoint."""
     digits = waypoint.removeprefix("waypoint")
     if not digits.isdecimal():
         raise EditRefused("renumber the waypoints", f"'{waypoint}' has no number.", "Mend its name in the text.")
@@ -225,10 +235,3 @@ def _source(python: str, edit: str) -> Source:
         return Source(python)
     except PythonSyntaxError as error:
         raise EditRefused(edit, f"the Python cannot be read, {error}.", "Mend it first.") from error
-
-
-def _source_or_none(python: str) -> Source | None:
-    try:
-        return Source(python)
-    except PythonSyntaxError:
-        return None

@@ -8,10 +8,8 @@ from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from rlbench_pin.builder.contracts import Problem
-from rlbench_pin.builder.document.python_text.mentions import Lookup, lookups
-from rlbench_pin.builder.document.python_text.source import Source
-from rlbench_pin.builder.document.scene_text.layout import line_of
-from rlbench_pin.builder.document.scene_text.scene_text import SceneText
+from rlbench_pin.builder.document.python_text import Lookup, PythonSyntaxError, Source, lookups
+from rlbench_pin.builder.document.scene_text import SceneText
 from rlbench_pin.errors import AssetInvalid, AssetNotFound, RlbenchPinError, SceneFileError, nearest_name
 from rlbench_pin.scene import SceneSpec, resolve_asset
 from rlbench_pin.scene.snapshot import ROOM
@@ -25,21 +23,31 @@ _KEY = re.compile(r"(?:key '(\w+)'|\[\[(\w+)\]\])$")
 
 
 def scene_problem(text: str, error: RlbenchPinError) -> Problem:
-    """Return what `read_scene_text` found wrong with a text, with its line."""
+    """Return the problem of a scene file, with its line."""
     if isinstance(error, SceneFileError):
         message = f"{error.where}: {error.problem}{f' {error.hint}' if error.hint else ''}"
         return Problem("scene", _scene_line(text, error), message)
     return Problem("scene", _asset_line(text, error), str(error))
 
 
-def python_problems(source: Source, name: str, spec: SceneSpec | None) -> tuple[Problem, ...]:
-    """Return what is wrong with a Python file that can be read: no class of the task, names that the scene lacks."""
+def python_problems(text: str, name: str, spec: SceneSpec | None) -> Iterator[Problem]:
+    """Yield the problems of a Python file: syntax, no class of the task, names that the scene lacks (unless `spec` is None)."""
+    try:
+        source = Source(text)
+    except PythonSyntaxError as error:
+        yield Problem("task", error.line, f"This is no Python: {error.problem}.")
+        return
+    wanted = camel_case(name)
+    classes = [node for node in source.tree.body if isinstance(node, ast.ClassDef)]
+    if not any(node.name == wanted for node in classes):
+        line = classes[0].lineno if len(classes) == 1 else None
+        yield Problem("task", line, f"There is no class '{wanted}'. Name the class of the task after its file, '{name}.py'.")
     found = [_unknown(lookup, spec) for lookup in lookups(source)] if spec is not None else []
-    return (*_class_problem(source, name), *dict.fromkeys(problem for problem in found if problem is not None))
+    yield from dict.fromkeys(problem for problem in found if problem is not None)
 
 
 def _scene_line(text: str, error: SceneFileError) -> int | None:
-    """Return the line of what an error is about: where the TOML breaks, or the table or key that it names."""
+    """Return the line that an error is about: where the TOML breaks, or the table or key that it names."""
     at = _AT_LINE.search(error.problem)
     if at is not None:
         return int(at[1])
@@ -48,11 +56,11 @@ def _scene_line(text: str, error: SceneFileError) -> int | None:
     except SceneFileError:
         return text.rstrip("\n").count("\n") + 1 if error.where == "file" else None
     place = _place(scene, error.where)
-    return None if place is None else line_of(text, place)
+    return None if place is None else _line_of(text, place)
 
 
 def _place(scene: SceneText, where: str) -> int | None:
-    """Return where the table or key stands that an error names."""
+    """Return the place of the table or key that an error names."""
     entry, table, key = _ENTRY.match(where), _TABLE.match(where), _KEY.match(where)
     if entry is not None:
         found = [item for item in scene.of_table(entry[1]) if entry[2] in item.names or item.raw.get("name") == entry[2]]
@@ -60,45 +68,36 @@ def _place(scene: SceneText, where: str) -> int | None:
             found = list(scene.of_table(entry[1])[int(number[1]) :][:1])
         if not found:
             return None
-        last = found[-1]  # of two with one name, the second is wrong
-        for key_name in ((entry[3] or "").partition(".")[0], *(("rpy", "poses") if entry[3] == "pose" else ())):
-            if (item := last.section.item(key_name)) is not None:
-                return item.start
-        return last.section.heading
+        section = found[-1].section  # of two with one name, the second is wrong
+        keys = ((entry[3] or "").partition(".")[0], *(("rpy", "poses") if entry[3] == "pose" else ()))
+        return next((item.start for name in keys if (item := section.item(name)) is not None), section.heading)
     if table is not None:
-        section = scene.section(table[1])
-        if section is None:
-            return None
-        item = section.item(table[2].partition(".")[0])
-        return section.heading if item is None else item.start
+        single = scene.section(table[1])
+        item = single.item(table[2].partition(".")[0]) if single is not None else None
+        return item.start if item is not None else single.heading if single is not None else None
     if key is not None:
         name = key[1] or key[2]
         item = scene.sections[0].item(name)
-        place = next((section.heading for section in scene.sections if section.path[:1] == (name,)), None)
-        return item.start if item else place if place is not None else 0
+        headings = (section.heading for section in scene.sections if section.path[:1] == (name,))
+        return item.start if item is not None else next(headings, 0)
     return None
 
 
 def _asset_line(text: str, error: RlbenchPinError) -> int | None:
     """Return the line that names a model that is missing or broken, or on whose behalf it is needed."""
-    said = str(error.path) if isinstance(error, AssetNotFound | AssetInvalid) else ""
+    path = str(error.path) if isinstance(error, AssetNotFound | AssetInvalid) else ""
     needed_by = error.needed_by if isinstance(error, AssetNotFound) else ""
-    body = re.search(r"body '(.*?)'", needed_by)
     for number, line in enumerate(text.split("\n"), start=1):
         asset = re.match(r"""\s*asset\s*=\s*["'](.*?)["']""", line)
-        if asset is not None and (asset[1] == said or said.endswith(asset[1].removeprefix("./")) or asset[1] in needed_by):
+        if asset is not None and (asset[1] == path or path.endswith(asset[1].removeprefix("./")) or asset[1] in needed_by):
             return number
-    scene = SceneText(text, Path())
-    entry = next((entry for entry in scene.of_table("body") if body is not None and body[1] in entry.names), None)
-    return None if entry is None else line_of(text, entry.section.heading)
+    body = re.search(r"body '(.*?)'", needed_by)
+    entries = SceneText(text, Path()).of_table("body") if body is not None else ()
+    return next((_line_of(text, entry.section.heading) for entry in entries if body is not None and body[1] in entry.names), None)
 
 
-def _class_problem(source: Source, name: str) -> Iterator[Problem]:
-    wanted = camel_case(name)
-    classes = [node for node in source.tree.body if isinstance(node, ast.ClassDef)]
-    if not any(node.name == wanted for node in classes):
-        line = classes[0].lineno if len(classes) == 1 else None
-        yield Problem("task", line, f"There is no class '{wanted}'. Name the class of the task after its file, '{name}.py'.")
+def _line_of(text: str, place: int) -> int:
+    return text.count("\n", 0, place) + 1
 
 
 def _unknown(lookup: Lookup, spec: SceneSpec) -> Problem | None:
@@ -114,12 +113,15 @@ def _unknown(lookup: Lookup, spec: SceneSpec) -> Problem | None:
 
 def _known(kind: str, spec: SceneSpec) -> Collection[str]:
     """Return the names that a look-up of a kind finds."""
-    if kind == "body":
-        return {*(body.name for body in spec.body), *ROOM}
-    if kind == "graspable":
-        return {body.name for body in spec.body}
-    if kind == "joint":
-        return {f"{body.name}/{joint}" for body in spec.body for joint in read_urdf(resolve_asset(spec, body.asset)).joint_limits}
-    if kind == "frame":
-        return {"root", *(thing.name for thing in (*spec.frame, *spec.region, *spec.sensor, *spec.waypoint))}
-    return {thing.name for thing in (spec.region if kind == "region" else spec.sensor)}
+    bodies = {body.name for body in spec.body}
+    match kind:
+        case "body":
+            return {*bodies, *ROOM}
+        case "graspable":
+            return bodies
+        case "joint":
+            limits = ((body.name, read_urdf(resolve_asset(spec, body.asset)).joint_limits) for body in spec.body)
+            return {f"{body}/{joint}" for body, joints in limits for joint in joints}
+        case "frame":
+            return {"root", *(item.name for item in (*spec.frame, *spec.region, *spec.sensor, *spec.waypoint))}
+    return {item.name for item in (spec.region if kind == "region" else spec.sensor)}

@@ -1,7 +1,8 @@
 """The two files of a task on disk: read together, written together or not at all.
 
-A save first leaves a journal beside the files, `.<task>.saving.json`, with what both are to say and what they said. Then
-each file is replaced, and the journal goes. Whoever finds a journal finishes the save, unless a file has been changed since.
+A save first writes a journal beside the files, `.<task>.saving.json`, with both new contents and digests of the old ones. Then
+each file is replaced, and the journal is removed. The next opening finishes a save whose journal is left, unless a file has
+been changed since.
 """
 
 from __future__ import annotations
@@ -11,39 +12,32 @@ import fcntl
 import json
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 
 from rlbench_pin.builder.document.errors import ChangedOnDisk, TaskFilesError
-from rlbench_pin.errors import StorageError
+from rlbench_pin.builder.document.texts import Texts
+from rlbench_pin.errors import InvalidValue, StorageError
+from rlbench_pin.values import as_text
 
 LARGEST_FILE = 4_000_000
-"""Files of a task have at most so many bytes."""
-_LARGEST_JOURNAL = 16 * LARGEST_FILE
+"""Largest size of a file of a task [bytes]."""
 _JOURNAL_FORMAT = 1
 _PATIENCE = 5.0
-"""How long another builder may be writing into the same folder [s]."""
+"""How long to wait for another builder that writes into the same folder [s]."""
 Contents = tuple[bytes | None, bytes | None]
-"""Of both files; None for one that is not there."""
-Listener = Callable[[str], None]
-"""Told each step of a save right after it; what it is called does not matter to the save."""
-
-
-def _nobody(step: str) -> None:
-    """Listen to nothing."""
+"""Of the scene file and the Python file; None for one that does not exist."""
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Where the two files of a task lie."""
+    """The paths of a task."""
 
     folder: Path
-    """Their folder."""
     name: str
-    """Name of the task."""
 
     @property
     def files(self) -> tuple[Path, Path]:
@@ -52,22 +46,20 @@ class Pair:
 
     @property
     def journal(self) -> Path:
-        """What a save leaves while it is under way."""
         return self.folder / f".{self.name}.saving.json"
 
     @property
     def draft(self) -> Path:
-        """What is kept of edits that are not saved."""
         return self.folder / f".{self.name}.draft"
 
     @property
     def parts(self) -> tuple[Path, ...]:
-        """What whoever is killed while it writes one of these leaves."""
+        """The temporary files of a write that was killed."""
         return tuple(_part(path) for path in (*self.files, self.journal, self.draft))
 
 
 def read_pair(pair: Pair) -> tuple[bytes, bytes]:
-    """Return what both files say.
+    """Return the contents of both files.
 
     Raises:
         TaskFilesError: One of them is missing, or too large.
@@ -77,8 +69,8 @@ def read_pair(pair: Pair) -> tuple[bytes, bytes]:
     return scene, python
 
 
-def on_disk(pair: Pair) -> Contents:
-    """Return what both files say; None for one that is missing or cannot be read."""
+def _on_disk(pair: Pair) -> Contents:
+    """Return the contents of both files; None for one that is missing or cannot be read."""
     found: list[bytes | None] = []
     for path in pair.files:
         try:
@@ -89,22 +81,21 @@ def on_disk(pair: Pair) -> Contents:
 
 
 def changed_files(pair: Pair, known: Contents) -> tuple[Path, ...]:
-    """Return the files that say something else than what is known of them; empty when there are none."""
-    files = zip(pair.files, on_disk(pair), known, strict=True)
-    return tuple(file for file, content, said in files if content != said)
+    """Return the files whose content is not the known one."""
+    files = zip(pair.files, _on_disk(pair), known, strict=True)
+    return tuple(file for file, content, expected in files if content != expected)
 
 
-def write_pair(pair: Pair, contents: tuple[bytes, bytes], listen: Listener = _nobody, *, known: Contents | None = None) -> None:
-    """Write both files; killed at any instant, either none has changed, or the next `recover` finishes it.
+def write_pair(pair: Pair, contents: tuple[bytes, bytes], *, known: Contents | None = None) -> None:
+    """Write both files; if it is killed, either none has changed, or the next `recover` finishes it.
 
     Args:
-        pair: Which files.
-        contents: What they are to say.
-        listen: Called after each step.
-        known: What they say now, as far as the writer knows; None writes over whatever they say.
+        pair: The paths.
+        contents: The new contents.
+        known: The contents that the writer has read; None overwrites any.
 
     Raises:
-        ChangedOnDisk: They say something else than what is known.
+        ChangedOnDisk: The files have other contents than the known ones.
         StorageError: They cannot be written.
     """
     try:
@@ -112,19 +103,18 @@ def write_pair(pair: Pair, contents: tuple[bytes, bytes], listen: Listener = _no
         with alone_in(pair.folder):
             if known is not None and (changed := changed_files(pair, known)):
                 raise ChangedOnDisk(changed)
-            before = [None if content is None else _digest(content) for content in on_disk(pair)]
+            before = [_digest(content) for content in _on_disk(pair)]
             texts = [content.decode() for content in contents]
             journal = json.dumps({"format": _JOURNAL_FORMAT, "before": before, "files": texts}).encode()
-            _write_beside(pair.journal, journal, listen)
-            _put_in_place(pair.journal, listen)
-            _finish(pair, contents, listen)
+            write_whole(pair.journal, journal)
+            _finish(pair, contents)
     except OSError as error:
         raise StorageError(pair.folder, error) from error
 
 
 @contextmanager
 def alone_in(folder: Path) -> Iterator[None]:
-    """Keep other builders from writing into a folder during a block; this ends with the process, however that ends.
+    """Keep other builders from writing into a folder during a block, or until the process ends.
 
     Raises:
         OSError: The folder cannot be opened, or another builder is writing into it for longer than a few seconds.
@@ -153,20 +143,16 @@ def _locked(descriptor: int) -> bool:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Replace one file, which others see as it was or as it is to be, and in no state between.
-
-    Raises:
-        OSError: It cannot be written.
-    """
-    _write_beside(path, content, _nobody)
-    _put_in_place(path, _nobody)
+    """Replace one file atomically, or raise OSError."""
+    _write_beside(path, content)
+    _put_in_place(path)
 
 
 def recover(pair: Pair) -> tuple[bytes, bytes] | None:
     """Finish a save that was killed.
 
     Returns:
-        What was being saved, when a file has been changed since by somebody else; then nothing is written. None otherwise.
+        The contents of that save when a file has been changed since by somebody else; then nothing is written. None otherwise.
 
     Raises:
         StorageError: The files cannot be written.
@@ -181,7 +167,6 @@ def recover(pair: Pair) -> tuple[bytes, bytes] | None:
 
 
 def _recovered(pair: Pair) -> tuple[bytes, bytes] | None:
-    """Finish what a journal says, or return it where a file has been changed since."""
     found = _journal_of(pair)
     for part in pair.parts:
         with suppress(OSError):
@@ -189,41 +174,36 @@ def _recovered(pair: Pair) -> tuple[bytes, bytes] | None:
     if found is None:
         return None
     before, contents = found
-    now = on_disk(pair)
-    foreign = any(
-        is_now != wanted and (None if is_now is None else _digest(is_now)) != was
-        for is_now, wanted, was in zip(now, contents, before, strict=True)
-    )
+    now = _on_disk(pair)
+    foreign = any(is_now != wanted and _digest(is_now) != was for is_now, wanted, was in zip(now, contents, before, strict=True))
     if foreign:
         pair.journal.unlink(missing_ok=True)
         return contents
-    _finish(pair, contents, _nobody)
+    _finish(pair, contents)
     return None
 
 
-def _finish(pair: Pair, contents: tuple[bytes, bytes], listen: Listener) -> None:
-    """Replace both files; what fails before the first is replaced leaves nothing behind."""
+def _finish(pair: Pair, contents: tuple[bytes, bytes]) -> None:
+    """Replace both files; a failure before the first is replaced leaves nothing behind."""
     try:
         for path, content in zip(pair.files, contents, strict=True):
-            _write_beside(path, content, listen)
+            _write_beside(path, content)
     except BaseException:
         for path in pair.files:
             _part(path).unlink(missing_ok=True)
         pair.journal.unlink(missing_ok=True)
         raise
     for path in pair.files:
-        _put_in_place(path, listen)
+        _put_in_place(path)
     pair.journal.unlink(missing_ok=True)
     _sync_folder(pair.folder)
-    listen("the journal is gone")
 
 
-def _write_beside(path: Path, content: bytes, listen: Listener) -> None:
-    """Write what a file is to say to a temporary file beside it, down to the disk."""
+def _write_beside(path: Path, content: bytes) -> None:
+    """Write the new content of a file to a temporary file beside it, and flush it to the disk."""
     part = _part(path)
     try:
         with part.open("wb") as file:
-            listen(f"{part.name} is empty")
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
@@ -231,13 +211,11 @@ def _write_beside(path: Path, content: bytes, listen: Listener) -> None:
         with suppress(OSError):
             part.unlink(missing_ok=True)
         raise
-    listen(f"{part.name} is written")
 
 
-def _put_in_place(path: Path, listen: Listener) -> None:
+def _put_in_place(path: Path) -> None:
     _part(path).replace(path)
     _sync_folder(path.parent)
-    listen(f"{path.name} is replaced")
 
 
 def _sync_folder(folder: Path) -> None:
@@ -249,10 +227,8 @@ def _sync_folder(folder: Path) -> None:
 
 
 def _journal_of(pair: Pair) -> tuple[list[str | None], tuple[bytes, bytes]] | None:
-    """Return what a journal says; None when there is none, or it is not one of ours."""
+    """Return the digests and contents of a journal; None when there is none, or it is invalid."""
     try:
-        if pair.journal.stat().st_size > _LARGEST_JOURNAL:
-            return None
         journal = json.loads(pair.journal.read_bytes())
         if journal["format"] != _JOURNAL_FORMAT:
             return None
@@ -277,5 +253,43 @@ def _part(path: Path) -> Path:
     return path.with_name(f".{path.name.removeprefix('.')}.part")
 
 
-def _digest(content: bytes) -> str:
-    return sha256(content).hexdigest()
+def _digest(content: bytes | None) -> str | None:
+    return None if content is None else sha256(content).hexdigest()
+
+
+# Texts ------------------------------------------------------------------------------------------------------------------------
+
+
+def decode_pair(pair: Pair, contents: tuple[bytes, bytes]) -> Texts:
+    """Return the texts of both files, lines ended by a line feed alone, or raise TaskFilesError."""
+    texts = []
+    for path, content in zip(pair.files, contents, strict=True):
+        try:
+            text = content.decode()
+        except UnicodeDecodeError as error:
+            raise TaskFilesError(path, f"it is no text in UTF-8: {error.reason} at byte {error.start}.") from error
+        texts.append(text.replace("\r\n", "\n") if _ends_lines_with_return(content) else text)
+    return texts[0], texts[1]
+
+
+def encode_pair(texts: Texts, saved: Contents) -> tuple[bytes, bytes]:
+    """Return the contents of both files, lines ended as they are on disk."""
+    scene, python = (
+        (text.replace("\n", "\r\n") if _ends_lines_with_return(content) else text).encode()
+        for text, content in zip(texts, saved, strict=True)
+    )
+    return scene, python
+
+
+def typed_text(text: str, what: str, saved: bytes | None) -> str:
+    """Return a text that somebody has typed, lines ended as those of the file are in memory, or raise InvalidValue."""
+    try:
+        as_text(text, what).encode()
+    except UnicodeEncodeError as error:
+        raise InvalidValue(what, text, f"has to be text that can be written in UTF-8, not {error.reason}") from error
+    return text.replace("\r\n", "\n") if saved is None or _ends_lines_with_return(saved) else text
+
+
+def _ends_lines_with_return(content: bytes | None) -> bool:
+    """Whether every line of a file ends with a carriage return and a line feed."""
+    return content is not None and 0 < content.count(b"\n") == content.count(b"\r\n") == content.count(b"\r")

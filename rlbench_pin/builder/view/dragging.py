@@ -1,57 +1,66 @@
-"""What happens while the gizmo is dragged: the picture follows at once, the text a little later, the arm as fast as it can."""
+"""Dragging with the gizmo: the scene follows at once, the text a little later, the arm as fast as possible."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from viser import BoxHandle, SceneApi
 
 from rlbench_pin.builder.figures import places_at_rest
-from rlbench_pin.builder.view.dropping import DropMark, Targets, hangs_on
-from rlbench_pin.builder.view.gizmo import Phase
-from rlbench_pin.builder.view.posing import in_frame, tidy
-from rlbench_pin.builder.view.scene_view import SceneView
+from rlbench_pin.builder.view.placing import (
+    DropTargets,
+    body_triangles,
+    height_below,
+    in_frame,
+    is_attached_to,
+    on_grid,
+    own_points,
+    resting_on,
+    snap_yaw,
+    tidy,
+)
+from rlbench_pin.builder.view.scene_view import Phase, SceneView
 from rlbench_pin.builder.view.session import Session
-from rlbench_pin.builder.view.snapping import body_triangles, height_below, on_grid, resting_on, whole_turn
-from rlbench_pin.builder.view.watch import Watch
-from rlbench_pin.scene import BodySpec, SceneSpec
+from rlbench_pin.builder.view.world_sync import WorldSync
+from rlbench_pin.scene import BodySpec
 from rlbench_pin.scene.spec import ROOT
-from rlbench_pin.spatial import IDENTITY, TABLE_HEIGHT, FloatArray, compose, inverse, pose_to_matrix, rotation_distance
+from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, compose, inverse, pose_to_matrix, rotation_distance
 
-_EMPTY = np.zeros((0, 3))
+_YELLOW = (255, 200, 0)
 
 
 @dataclass(frozen=True, eq=False)
 class _Grabbed:
-    """What is being dragged."""
+    """The dragged element."""
 
     name: str
     start: FloatArray
-    points: FloatArray = field(default_factory=lambda: _EMPTY)
-    """Its corners (n, 3) in its own frame."""
+    points: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    """Its vertices (n, 3) in its own frame."""
     others: FloatArray = field(default_factory=lambda: np.zeros((0, 3, 3)))
     """Triangles (m, 3, 3) of the other bodies in the world."""
-    targets: Targets | None = None
-    """What it can be dropped onto; None where that is not wanted."""
+    targets: DropTargets | None = None
+    """Bodies that it can be dropped onto; None if it keeps its parent."""
 
 
 class Dragging:
-    """Moves what is selected with the gizmo.
+    """Moves the selected element with the gizmo.
 
     Args:
-        session: What is being edited.
-        view: Where it is shown.
-        watch: Has the arm follow a waypoint.
-        mark: Shows onto what it would be dropped.
+        session: The edited task.
+        view: The scene.
+        world: Has the arm follow a waypoint.
+        mark: Outlines the body onto which the element would be dropped.
     """
 
-    def __init__(self, session: Session, view: SceneView, watch: Watch, mark: DropMark) -> None:
-        self._session, self._view, self._watch, self._mark = session, view, watch, mark
+    def __init__(self, session: Session, view: SceneView, world: WorldSync, mark: DropMark) -> None:
+        self._session, self._view, self._world, self._mark = session, view, world, mark
         self._grabbed: _Grabbed | None = None
         self._number = 0
 
     def drag(self, pose: FloatArray, phase: Phase) -> None:
-        """Take a pose (7,) of the gizmo; called in the order of the drag, and quick."""
+        """Take a pose (7,) of the gizmo. Calls come in order, and have to be fast."""
         session = self._session
         if phase == "start" or self._grabbed is None:
             self._number += 1
@@ -62,7 +71,7 @@ class Dragging:
         self._view.is_dragging = not is_over
         self._view.move({grabbed.name: snapped})
         if session.table_of(grabbed.name) == "waypoint" and not is_over:
-            self._watch.follow(snapped, begin=phase == "start")
+            self._world.follow(snapped, begin=phase == "start")
         target = self._target(grabbed, snapped)
         if target and is_over:
             session.post(lambda: self._drop(grabbed.name, target, snapped, number))
@@ -75,28 +84,28 @@ class Dragging:
             self._grabbed = None
             self._mark.show("")
 
-    def _targets(self) -> Targets | None:
+    def _targets(self) -> DropTargets | None:
         spec, name = self._session.spec, self._session.selected
         wanted = self._session.drops_onto and name != ROOT
-        return Targets(spec, places_at_rest(spec).links, name) if wanted else None
+        return DropTargets(spec, places_at_rest(spec).links, name) if wanted else None
 
     def _target(self, grabbed: _Grabbed, pose: FloatArray) -> str:
-        """Return the body onto which a dragged thing would be dropped, and mark it; empty where there is none."""
+        """Return the body onto which the element would be dropped, and outline it; empty if there is none."""
         if grabbed.targets is None or np.allclose(pose, grabbed.start):
             return ""
-        name, thing = grabbed.targets.below(pose[:3]), self._session.thing(grabbed.name)
+        name, element = grabbed.targets.below(pose[:3]), self._session.element(grabbed.name)
         self._mark.show(name, grabbed.targets.box(name) if name else None)
-        return name if thing is not None and thing.parent != name else ""
+        return name if element is not None and element.parent != name else ""
 
     def _drop(self, name: str, parent: str, pose: FloatArray, number: int) -> None:
-        """Hang a thing on a body, at a world pose (7,); one step with the drag."""
+        """Attach an element to a body at a world pose (7,); one undo step with the drag."""
         frame = self._session.places.of(parent)
         if frame is not None:
             local = compose(inverse(frame), pose)
             self._session.do(lambda document: document.attach(name, parent, local, merge=f"drag {number}"))
 
     def snap_now(self) -> None:
-        """Put what is selected where it would fall; in the thread of edits."""
+        """Snap the selected element, in the thread of edits."""
         name = self._session.selected
         pose = self._session.places.of(name)
         if pose is not None:
@@ -105,14 +114,14 @@ class Dragging:
 
     def _grab(self, name: str, pose: FloatArray) -> _Grabbed:
         spec, snap = self._session.spec, self._session.snap
-        thing = self._session.thing(name)
-        if snap not in ("table", "surface below") or not isinstance(thing, BodySpec):
+        element = self._session.element(name)
+        if snap not in ("table", "surface below") or not isinstance(element, BodySpec):
             return _Grabbed(name, pose)
-        points = own_points(spec, thing)
+        points = own_points(spec, element)
         if snap == "table":
             return _Grabbed(name, pose, points)
         links = places_at_rest(spec).links
-        others = [body_triangles(spec, body, links) for body in spec.body if not hangs_on(spec, body, name)]
+        others = [body_triangles(spec, body, links) for body in spec.body if not is_attached_to(spec, body, name)]
         return _Grabbed(name, pose, points, np.concatenate([np.zeros((0, 3, 3)), *others]))
 
     def _snapped(self, grabbed: _Grabbed, pose: FloatArray) -> FloatArray:
@@ -120,9 +129,9 @@ class Dragging:
         if snap == "free":
             return tidy(pose)
         turned = rotation_distance(pose, grabbed.start) > 1e-4
-        near = whole_turn(pose) if turned else pose
+        near = snap_yaw(pose) if turned else pose
         if snap == "grid":
-            moved = np.abs(pose[:3] - grabbed.start[:3]) > 1e-6  # what is not moved stays where it is, also off the grid
+            moved = np.abs(pose[:3] - grabbed.start[:3]) > 1e-6  # coordinates that are not dragged stay off the grid
             near = np.concatenate([np.where(moved, on_grid(near)[:3], near[:3]), near[3:]])
         elif snap == "table":
             near = resting_on(near, grabbed.points, TABLE_HEIGHT)
@@ -133,24 +142,39 @@ class Dragging:
         return near
 
     def _commit(self, name: str, pose: FloatArray, number: int) -> None:
-        """Write a world pose (7,) into the scene; all of one drag are one step."""
-        session, thing = self._session, self._session.thing(name)
+        """Write a world pose (7,) into the scene; a drag is one undo step."""
+        session, element = self._session, self._session.element(name)
         if name == ROOT:
             session.do(lambda document: document.set_placement("pose", tuple(tidy(pose).tolist())))
-        elif thing is not None and (frame := session.places.of(thing.parent)) is not None:
+        elif element is not None and (frame := session.places.of(element.parent)) is not None:
             local = tuple(in_frame(pose, frame).tolist())
-            if np.allclose(local, thing.pose, atol=1e-9):
+            if np.allclose(local, element.pose, atol=1e-9):
                 session.changed()
                 return
             session.do(lambda document: document.set(name, "pose", local, merge=f"drag {number}"))
 
 
-def own_points(spec: SceneSpec, body: BodySpec) -> FloatArray:
-    """Return the corners (n, 3) of what collides of a body, in its own frame."""
-    alone = SceneSpec(format=2, body=(body.model_copy(update={"parent": ROOT}),), joint=_joints(spec, body), file=spec.file)
-    links = places_at_rest(alone, {body.name: IDENTITY.copy()}).links
-    return body_triangles(alone, body, links).reshape(-1, 3)
+class DropMark:
+    """Outlines the body onto which an element would be dropped."""
 
+    def __init__(self, scene: SceneApi) -> None:
+        self._scene = scene
+        self._shown = ""
+        self._node: BoxHandle | None = None
 
-def _joints(spec: SceneSpec, body: BodySpec) -> tuple:
-    return tuple(joint for joint in spec.joint if joint.name.startswith(f"{body.name}/"))
+    @property
+    def shown(self) -> str:
+        """Name of the outlined body; empty if there is none."""
+        return self._shown
+
+    def show(self, name: str, box: FloatArray | None = None) -> None:
+        """Outline a body by the lowest and highest corner (2, 3) of its box; an empty name removes the outline."""
+        if name == self._shown:
+            return
+        if self._node is not None:
+            self._node.remove()
+            self._node = None
+        self._shown = name
+        if box is not None:
+            size, middle = box[1] - box[0] + 0.01, 0.5 * (box[0] + box[1])
+            self._node = self._scene.add_box("/drop", _YELLOW, tuple(size), wireframe=True, cast_shadow=False, position=middle)

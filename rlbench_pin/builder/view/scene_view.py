@@ -1,37 +1,51 @@
-"""The scene in 3D: bodies, what simulation does not show, hands at waypoints, the gizmo of what is selected."""
+"""The scene in 3D: bodies, volumes and frames, grippers at waypoints, planned paths, the reach map, the gizmo."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
+from typing import Literal, TypeAlias
 
 import numpy as np
-from viser import SceneApi
+from viser import (
+    BoxHandle,
+    CylinderHandle,
+    FrameHandle,
+    IcosphereHandle,
+    LineSegmentsHandle,
+    SceneApi,
+    TransformControlsEvent,
+    TransformControlsHandle,
+)
 
-from rlbench_pin.builder.contracts import Frame, PlannedPath, WaypointVerdict
+from rlbench_pin.builder.contracts import Frame, PlannedPath, ReachSpot, WaypointVerdict
 from rlbench_pin.builder.figures import Figures, Places, places_at_rest
 from rlbench_pin.builder.playback.player import NEAREST
-from rlbench_pin.builder.view.gizmo import Gizmo, OnDrag
-from rlbench_pin.builder.view.shapes import CurvePoses, Shapes
 from rlbench_pin.robot import DEFAULT_ROBOT, RobotModel, robot_description
-from rlbench_pin.scene import BodySpec, SceneSpec
+from rlbench_pin.scene import BodySpec, FrameSpec, RegionSpec, SceneSpec, SensorSpec
 from rlbench_pin.scene.spec import ROOT
-from rlbench_pin.spatial import FloatArray
+from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, compose
 
-PATH = (30, 90, 200)
-GREEN, AMBER, RED, WHITE = (60, 180, 75), (255, 170, 0), (220, 50, 47), (170, 180, 190)
-_NOTHING = SceneSpec(format=2)
-_COLORS = {"free": GREEN, "collides": AMBER, "unreachable": RED}
-HANDS = ("all", "selected", "none")
-"""At which waypoints the hand is shown."""
+Phase = Literal["start", "update", "end"]
+OnDrag = Callable[[FloatArray, Phase], None]
+"""Receives the pose (7,) of the gizmo and the phase of the drag."""
+GRIPPERS = ("all", "selected", "none")
+"""The waypoints at which a gripper is shown."""
+GREEN, AMBER, RED, WHITE, GRAY = (60, 180, 75), (255, 170, 0), (220, 50, 47), (170, 180, 190), (120, 120, 120)
+_VERDICT_COLORS = {"free": GREEN, "collides": AMBER, "unreachable": RED}
+_PATH, _REGION, _SENSOR, _SELECTED = (30, 90, 200), (50, 110, 220), (150, 70, 200), (255, 200, 0)
+_GIZMO_SIZE, _THINNEST, _REACH_HEIGHT = 0.14, 0.002, 0.003  # [m]
+_EMPTY = SceneSpec(format=2)
+_Unseen: TypeAlias = FrameSpec | RegionSpec | SensorSpec
+_Node: TypeAlias = FrameHandle | BoxHandle | CylinderHandle | IcosphereHandle
 
 
 class SceneView:
-    """Draws what a scene file says. Its methods may be called from any thread.
+    """Draws a scene file. Its methods may be called from any thread.
 
     Args:
-        scene: Where to draw.
-        on_pick: Called with the name of the body, region, waypoint, ... on which somebody clicked.
+        scene: The 3D scene of the page.
+        on_pick: Receives the name of the body, region, waypoint, ... that the user clicks.
         on_drag: Called while the gizmo is dragged.
     """
 
@@ -39,114 +53,220 @@ class SceneView:
         self._lock = threading.RLock()
         self._scene = scene
         self.figures = Figures(scene, on_pick=lambda name: on_pick(name.partition("/")[0]))
-        self._shapes, self._gizmo = Shapes(scene, on_pick), Gizmo(scene, on_drag)
-        self._curve = CurvePoses(scene)
+        self._volumes, self._gizmo = Volumes(scene, on_pick), _gizmo(scene, on_drag)
+        self._curve_handles: list[FrameHandle | LineSegmentsHandle] = []
         self._spec, self._places, self._selected = SceneSpec(format=2), Places({}, {}), ROOT
         self._verdicts: Mapping[str, WaypointVerdict] = {}
-        self._curves: tuple[PlannedPath, ...] = ()
+        self._paths: tuple[PlannedPath, ...] = ()
         self._ghosts: set[str] = set()
         self._model = RobotModel(robot_description(DEFAULT_ROBOT))
         self._q: FloatArray = self._model.home
         self._follows, self._is_playing = "", False
-        self.hands, self.is_dragging, self.shadows = "all", False, False
+        self.grippers, self.is_dragging, self.shadows = "all", False, False
         self.figures.shadows(False)
         self.faults: Mapping[str, str] = {}
 
     def show(self, spec: SceneSpec) -> None:
-        """Draw a scene at rest; the arm stays where a dragged hand has taken it."""
+        """Draw a scene at rest; the arm stays where it has followed a dragged waypoint."""
         with self._lock:
             self._spec, self._places, self._is_playing = spec, places_at_rest(spec), False
             self.faults = self.figures.show(spec)
             self.figures.mark(())
             self.figures.remove_ghost(NEAREST)
             if self._follows == "":
-                self._put_arm(self._model.home)
+                self._show_arm(self._model.home)
 
     def show_added(self, added: Sequence[BodySpec]) -> None:
-        """Draw also what an episode adds to the scene, until the scene is shown again."""
+        """Draw also the bodies that an episode adds, until the scene is shown again."""
         with self._lock:
             self.figures.show(self._spec.model_copy(update={"body": (*self._spec.body, *added)}))
 
     def point_out(self, selected: str, verdicts: Mapping[str, WaypointVerdict], paths: tuple[PlannedPath, ...]) -> None:
-        """Show what is selected, and what the stage says of the waypoints."""
+        """Show the selection, the reachability of the waypoints and the planned paths."""
         with self._lock:
             self._selected, self._verdicts = selected, verdicts
             if self._follows not in ("", selected):
                 self._follows = ""
-                self._put_arm(self._model.home)
-            self._shapes.show(_NOTHING if self._is_playing else self._spec, self._places, selected)
-            self._show_hands()
+                self._show_arm(self._model.home)
+            self._volumes.show(_EMPTY if self._is_playing else self._spec, self._places, selected)
+            self._show_grippers()
             self._show_curve()
             self._show_paths(paths)
             if not self.is_dragging:
-                self._gizmo.show(None if self._is_playing else self._places.of(selected))
+                self._show_gizmo(None if self._is_playing else self._places.of(selected))
 
     def move(self, given: Mapping[str, FloatArray]) -> None:
-        """Show things at world poses (7,) that they are just being given, with what hangs on them; the gizmo stays."""
+        """Show dragged elements at world poses (7,), with all that is attached to them; the gizmo stays."""
         with self._lock:
             self._places = places_at_rest(self._spec, given)
             self.figures.move(self._places.links)
-            self._shapes.move(self._places)
-            self._show_hands()
+            self._volumes.move(self._places)
+            self._show_grippers()
             self._show_curve()
 
     def cast_shadows(self, cast: bool) -> None:
-        """Draw shadows or not; without a graphics card a picture takes half as long again with them."""
+        """Switch shadows; without a graphics card they make a frame half as slow again."""
         self.shadows = cast
         self.figures.shadows(cast)
 
     def tip(self) -> FloatArray:
-        """Return the pose (7,) of the tip of the arm that is shown."""
+        """Return the pose (7,) of the tip of the shown arm."""
         with self._lock:
             return self._model.tip_pose(self._q)
 
     def played(self, frame: Frame) -> None:
-        """Take note that an instant of a recording is shown: shapes and hands stand elsewhere then, and would hide it."""
+        """Record that a frame of a recording is shown; hide what is drawn at rest only."""
         with self._lock:
             self._q, self._follows = np.array(frame.arm), ""
             if not self._is_playing:
                 self._is_playing = True
-                self._shapes.show(_NOTHING, self._places, "")
-                self._show_hands()
+                self._volumes.show(_EMPTY, self._places, "")
+                self._show_grippers()
                 self._show_curve()
-                self._gizmo.show(None)
+                self._show_gizmo(None)
 
     def follow(self, q: FloatArray) -> None:
-        """Show the arm at joint positions (n,) [rad] to which it has followed the selected hand."""
+        """Show the arm at joint positions (n,) [rad] at which it has followed the selected waypoint."""
         with self._lock:
             self._follows = self._selected
-            self._put_arm(q)
+            self._show_arm(q)
 
-    def _put_arm(self, q: FloatArray) -> None:
+    def show_reach(self, spots: Sequence[ReachSpot]) -> None:
+        """Draw the reach map: a point on the table for each layout. Without layouts, remove it."""
+        if not spots:
+            self._scene.remove_by_name("/reach")
+            return
+        points = np.array([[spot.place[0], spot.place[1], TABLE_HEIGHT + _REACH_HEIGHT] for spot in spots])
+        colors = np.array([GRAY if not spot.free else GREEN if all(spot.reached) else RED for spot in spots], dtype=np.uint8)
+        self._scene.add_point_cloud("/reach", points, colors, point_size=0.015, point_shape="circle")
+
+    def _show_arm(self, q: FloatArray) -> None:
         robot, self._q = robot_description(DEFAULT_ROBOT), q
         self.figures.arm(q, [robot.gripper_open] * len(robot.gripper_joints))
 
-    def _show_hands(self) -> None:
+    def _show_gizmo(self, pose: FloatArray | None) -> None:
+        self._gizmo.visible = pose is not None
+        if pose is not None:
+            _place(self._gizmo, pose)
+
+    def _show_grippers(self) -> None:
         shown = {
-            w.name for w in self._spec.waypoint if self.hands == "all" or (self.hands == "selected" and w.name == self._selected)
+            w.name
+            for w in self._spec.waypoint
+            if self.grippers == "all" or (self.grippers == "selected" and w.name == self._selected)
         }
         for name in self._ghosts - (set() if self._is_playing else shown):
-            self.figures.remove_ghost(name)  # those of a failure are not ours
+            self.figures.remove_ghost(name)  # the ghost of a failure stays
             self._ghosts.discard(name)
         for waypoint in self._spec.waypoint:
             pose, verdict = self._places.of(waypoint.name), self._verdicts.get(waypoint.name)
             if waypoint.name in shown and pose is not None and not self._is_playing:
-                color = WHITE if verdict is None else _COLORS[verdict.standing]
-                self.figures.ghost(waypoint.name, pose, color)
+                self.figures.ghost(waypoint.name, pose, WHITE if verdict is None else _VERDICT_COLORS[verdict.standing])
                 self._ghosts.add(waypoint.name)
 
     def _show_curve(self) -> None:
-        chosen = None if self._is_playing else next((w for w in self._spec.waypoint if w.name == self._selected), None)
-        self._curve.show(chosen, self._places.of(self._selected))
+        """Draw the poses of the curve to the selected waypoint, with lines between them."""
+        for handle in self._curve_handles:
+            handle.remove()
+        self._curve_handles.clear()
+        waypoint = next((w for w in self._spec.waypoint if w.name == self._selected), None)
+        pose = self._places.of(self._selected)
+        if self._is_playing or waypoint is None or pose is None:
+            return
+        poses = [compose(pose, np.array(point)) for point in waypoint.points]
+        for number, curve_pose in enumerate(poses):
+            handle = self._scene.add_frame(f"/curve/{number}", axes_length=0.025, axes_radius=0.0015, origin_color=_SELECTED)
+            _place(handle, curve_pose)
+            self._curve_handles.append(handle)
+        if len(poses) > 1:
+            points = np.array([p[:3] for p in poses])
+            self._curve_handles.append(
+                self._scene.add_line_segments("/curve/lines", _segments(points), _SELECTED, thickness=0.003)
+            )
 
     def _show_paths(self, paths: tuple[PlannedPath, ...]) -> None:
-        if paths is self._curves:
+        if paths is self._paths:
             return
-        for path in self._curves:
+        for path in self._paths:
             self._scene.remove_by_name(f"/paths/{path.waypoint}")
-        self._curves = paths
+        self._paths = paths
         for path in paths:
             if len(path.points) > 1:
-                points = np.asarray(path.points, dtype=np.float32)
-                segments = np.stack([points[:-1], points[1:]], axis=1)
-                self._scene.add_line_segments(f"/paths/{path.waypoint}", segments, PATH, thickness=0.004)
+                self._scene.add_line_segments(f"/paths/{path.waypoint}", _segments(path.points), _PATH, thickness=0.004)
+
+
+def _segments(points: FloatArray) -> np.ndarray:
+    """Return the segments (n - 1, 2, 3) between points (n, 3)."""
+    points = np.asarray(points, dtype=np.float32)
+    return np.stack([points[:-1], points[1:]], axis=1)
+
+
+def _place(node: _Node | TransformControlsHandle, pose: FloatArray) -> None:
+    node.position = np.array(pose[:3])
+    node.wxyz = np.array([pose[6], pose[3], pose[4], pose[5]])
+
+
+def _gizmo(scene: SceneApi, on_drag: OnDrag) -> TransformControlsHandle:
+    """Return a hidden gizmo."""
+    handle = scene.add_transform_controls("/gizmo", _GIZMO_SIZE, depth_test=False, visible=False)
+
+    async def heard(event: TransformControlsEvent) -> None:  # in the event loop, which keeps the order of poses
+        w, x, y, z = handle.wxyz
+        on_drag(np.array([*handle.position, x, y, z, w], dtype=float), event.phase)
+
+    handle.on_update(heard)
+    return handle
+
+
+class Volumes:
+    """Draws frames as axes, regions and sensors as translucent volumes.
+
+    Args:
+        scene: The 3D scene of the page.
+        on_pick: Receives the name of a clicked volume.
+    """
+
+    def __init__(self, scene: SceneApi, on_pick: Callable[[str], None]) -> None:
+        self._scene, self._on_pick = scene, on_pick
+        self._nodes: dict[str, tuple[tuple[object, ...], _Node]] = {}
+
+    def show(self, spec: SceneSpec, places: Places, selected: str) -> None:
+        """Draw those of a scene; unchanged ones stay."""
+        elements: list[_Unseen] = [*spec.frame, *spec.region, *spec.sensor]
+        wanted = {element.name: _appearance(element, element.name == selected) for element in elements}
+        for name in [name for name, (drawn, _) in self._nodes.items() if wanted.get(name) != drawn]:
+            self._nodes.pop(name)[1].remove()
+        for element in elements:
+            if element.name not in self._nodes:
+                self._nodes[element.name] = (wanted[element.name], self._draw(element, element.name == selected))
+        self.move(places)
+
+    def move(self, places: Places) -> None:
+        """Put them at their world poses."""
+        for name, (_, node) in self._nodes.items():
+            if (pose := places.of(name)) is not None:
+                _place(node, pose)
+
+    def _draw(self, element: _Unseen, is_selected: bool) -> _Node:
+        path = f"/shapes/{element.name}"
+        if isinstance(element, FrameSpec):
+            return self._scene.add_frame(path, axes_length=0.04, axes_radius=0.002, origin_radius=0.004)
+        color = _SELECTED if is_selected else _REGION if isinstance(element, RegionSpec) else _SENSOR
+        size, diameter = element.size, element.size[0]
+        node: BoxHandle | CylinderHandle | IcosphereHandle
+        if isinstance(element, SensorSpec) and element.shape == "sphere":
+            node = self._scene.add_icosphere(path, 0.5 * diameter, color, opacity=0.3, cast_shadow=False)
+        elif isinstance(element, SensorSpec) and element.shape == "cylinder":
+            node = self._scene.add_cylinder(path, 0.5 * diameter, size[1], color, opacity=0.3, cast_shadow=False)
+        else:
+            edges = (size[0], size[1], max(_THINNEST, size[2])) if len(size) == 3 else (diameter,) * 3
+            node = self._scene.add_box(path, color, edges, opacity=0.3, cast_shadow=False)
+        node.on_click(lambda _: self._on_pick(element.name))  # type: ignore[union-attr]
+        return node
+
+
+def _appearance(element: _Unseen, is_selected: bool) -> tuple[object, ...]:
+    """Return all that the drawing depends on, except the pose."""
+    if isinstance(element, FrameSpec):
+        return (type(element),)
+    return (type(element), element.shape if isinstance(element, SensorSpec) else "box", element.size, is_selected)

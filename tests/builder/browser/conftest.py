@@ -75,7 +75,7 @@ class Desk:
     def settle(self) -> None:
         """Wait until everything was done that was asked for."""
         assert self.session.edits.wait(120.0)
-        assert self.window.watch.wait(120.0)
+        assert self.window.world.wait(120.0)
         assert self.session.edits.wait(120.0)
 
 

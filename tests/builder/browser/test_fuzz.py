@@ -16,7 +16,7 @@ from tests.builder.browser.page import until
 from tests.builder.browser.wild_user import WildUser
 
 BURST = 12
-WORK = ("Judge", "Map of what", "Simulate", "Demonstration", "Plan paths")
+WORK = ("Validate", "Map of what", "Simulate", "Demonstration", "Plan paths")
 """Buttons that keep a machine busy for long; the long form presses them, too."""
 SAVE_AS = "showSaveFilePicker"
 """What the page's own menu asks of a browser that has nobody to answer."""
@@ -25,7 +25,7 @@ Copied = Callable[[str], TaskDocument]
 
 def _check(desk: Desk, user: WildUser, caplog: pytest.LogCaptureFixture, capfd: pytest.CaptureFixture[str]) -> None:
     """Nothing was raised on either side, and the document is valid, or says why it is not."""
-    desk.window.judging.stop()
+    desk.window.validation.stop()
     desk.settle()
     story = "\n".join(user.done[-3 * BURST :])
     out, err = capfd.readouterr()
@@ -101,5 +101,5 @@ def test_wilder_users(
     """Many more, with the code of the task allowed to run in every other."""
     desk = sit(copied(task))
     if seed % 2:
-        desk.session.post(desk.window.watch.allow)
+        desk.session.post(desk.window.world.allow_code)
     _run(desk, seed, 12, caplog, capfd, ())

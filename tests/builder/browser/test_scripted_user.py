@@ -1,4 +1,4 @@
-"""A person builds a pick-and-place task from nothing, tries it, judges it and saves it; what is kept passes the validator."""
+"""A person builds a pick-and-place task from nothing, tries it, validates it and saves it; what is kept passes the validator."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from rlbench_pin.builder.document import TaskDocument
+from rlbench_pin.scene import WaypointSpec
 from tests.builder.browser.conftest import Desk, Sit
 from tests.builder.browser.page import Page, until
 
@@ -28,12 +29,12 @@ def test_a_task_from_nothing(sit: Sit, tmp_path: Path) -> None:
     _add_waypoints(desk)
     _say_what_is_asked(desk)
     _try(desk)
-    _judge(desk)
+    _validate(desk)
     page = desk.page
     page.tab("Scene")
     page.press("Save")
     until(lambda: not document.unsaved, "saved")
-    page.tab("Judge")
+    page.tab("Validate")
     page.picture("8_saved")
     command = [
         sys.executable,
@@ -110,18 +111,18 @@ def _add_sensor(desk: Desk) -> None:
 def _add_waypoints(desk: Desk) -> None:
     _waypoint(desk, "cube", 0, "0.1")
     _waypoint(desk, "cube", 1, "0")
-    desk.page.choose("Hand", "close")
+    desk.page.choose("Gripper", "close")
     _waypoint(desk, "cube", 2, "0.1")
     desk.page.check("Ignore collisions")
     _waypoint(desk, "square", 3, "0.12")
     desk.page.check("Ignore collisions")
     _waypoint(desk, "square", 4, "0.03")
     desk.page.check("Ignore collisions")
-    desk.page.choose("Hand", "open")
+    desk.page.choose("Gripper", "open")
     until(lambda: 'gripper = "open"' in desk.document.scene_text, "the hand opens")
     desk.settle()
-    until(lambda: all(v.standing == "free" for v in desk.session.sight.verdicts.values()), "all waypoints are green")
-    assert len(desk.session.sight.verdicts) == 5
+    until(lambda: all(v.standing == "free" for v in desk.session.status.verdicts.values()), "all waypoints are green")
+    assert len(desk.session.status.verdicts) == 5
     desk.page.picture("4_waypoints")
 
 
@@ -141,7 +142,12 @@ def _waypoint(desk: Desk, parent: str, number: int, height: str) -> None:
     for k, text in enumerate(("180", "0", "0"), 1):
         page.type("roll pitch yaw [deg]", text, k)
     page.type("Symmetry", "4")
-    until(lambda: session.thing(name).symmetry == 4 and abs(session.thing(name).pose[2] - float(height)) < 1e-6, "its numbers")  # type: ignore[union-attr]
+
+    def has_numbers() -> bool:
+        waypoint = session.element(name)
+        return isinstance(waypoint, WaypointSpec) and waypoint.symmetry == 4 and abs(waypoint.pose[2] - float(height)) < 1e-6
+
+    until(has_numbers, "its numbers")
 
 
 def _say_what_is_asked(desk: Desk) -> None:
@@ -149,7 +155,7 @@ def _say_what_is_asked(desk: Desk) -> None:
     page.tab("Behaviour")
     page.type("Title", "Set a cube on a square.")
     page.press("Apply title")
-    page.type("What varies, what counts", "The cube has to lie on the square, let go. The two stand anywhere together.")
+    page.type("Variations and success", "The cube has to lie on the square, let go. The two stand anywhere together.")
     page.press("Apply description")
     page.type("Sentences, one a line", "\n".join(SENTENCES))
     page.press("Apply sentences")
@@ -169,20 +175,20 @@ def _try(desk: Desk) -> None:
     page, session = desk.page, desk.session
     page.tab("Try")
     page.press("Run the code of set_cube_on_square.py")
-    until(lambda: session.sight.opened is not None and len(session.sight.opened.conditions) == 2, "the task runs")
+    until(lambda: session.status.opened is not None and len(session.status.opened.conditions) == 2, "the task runs")
     page.press("Demonstration")
     until(lambda: desk.window.player.recording.frames and desk.window.player.recording.frames[-1].success, "success", 180.0)
     page.shows("Playback")
     page.picture("6_demonstration")
 
 
-def _judge(desk: Desk) -> None:
-    page, judging = desk.page, desk.window.judging
-    page.tab("Judge")
+def _validate(desk: Desk) -> None:
+    page, validation = desk.page, desk.window.validation
+    page.tab("Validate")
     page.type("Demonstrations", "3")
-    page.press("Judge")
-    until(lambda: judging.work, "judging")
-    until(lambda: not judging.work, "judged", 600.0)
-    page.picture("7_judged")
-    assert judging.lines
-    assert {line.name: line.failures for line in judging.lines.values() if not line.passed} == {}
+    page.press("Validate")
+    until(lambda: validation.work, "validating")
+    until(lambda: not validation.work, "validated", 600.0)
+    page.picture("7_validated")
+    assert validation.lines
+    assert {line.name: line.failures for line in validation.lines.values() if not line.passed} == {}

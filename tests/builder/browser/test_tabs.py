@@ -11,7 +11,7 @@ from selenium.webdriver.common.by import By
 from rlbench_pin.builder.document import TaskDocument
 from tests.builder.browser.conftest import Desk, Sit
 from tests.builder.browser.page import until
-from tests.builder.view.own.files import cabinet
+from tests.builder.custom_assets.files import cabinet
 
 CLICKS = 4
 _CLICK = """
@@ -65,7 +65,7 @@ def test_two_tabs_see_the_same(sit: Sit, copied: Callable[[str], TaskDocument]) 
     assert page.errors() == []
 
 
-def test_a_mesh_of_ones_own(sit: Sit, copied: Callable[[str], TaskDocument], tmp_path: Path) -> None:
+def test_a_custom_mesh(sit: Sit, copied: Callable[[str], TaskDocument], tmp_path: Path) -> None:
     """Given to the button, it is a body beside the task, and in the scene; what is no mesh is refused with the reason."""
     document = copied("pick_and_lift")
     desk = sit(document)
@@ -76,7 +76,7 @@ def test_a_mesh_of_ones_own(sit: Sit, copied: Callable[[str], TaskDocument], tmp
     trimesh.creation.capsule(height=0.05, radius=0.02).export(mesh)
     text.write_text("Dear Sir or Madam")
     page.tab("Add")
-    page.fold("Own mesh")
+    page.fold("Custom mesh")
     until(lambda: page.browser.find_elements(By.CSS_SELECTOR, "input[type='file']"), "the button")
     page.upload(text)
     page.shows("Not done")
@@ -85,14 +85,14 @@ def test_a_mesh_of_ones_own(sit: Sit, copied: Callable[[str], TaskDocument], tmp
     until(lambda: "./wedge/wedge.urdf" in document.scene_text, "the body")
     assert (document.folder / "wedge" / "wedge.urdf").is_file()
     desk.settle()
-    assert desk.session.sight.opened is not None
-    assert desk.session.sight.opened.problems == ()
+    assert desk.session.status.opened is not None
+    assert desk.session.status.opened.problems == ()
     until(lambda: page.browser.execute_script("return '/bodies/wedge' in window.__viserSceneTree.getState()"), "it is drawn")
-    page.picture("own_mesh")
+    page.picture("custom_mesh")
     assert page.errors() == []
 
 
-def test_a_model_of_ones_own(sit: Sit, copied: Callable[[str], TaskDocument], tmp_path: Path) -> None:
+def test_a_custom_urdf(sit: Sit, copied: Callable[[str], TaskDocument], tmp_path: Path) -> None:
     """An archive with a URDF file is a body whose joints have sliders; a file that is too large is refused with its size."""
     document = copied("pick_and_lift")
     desk = sit(document)
@@ -103,10 +103,10 @@ def test_a_model_of_ones_own(sit: Sit, copied: Callable[[str], TaskDocument], tm
     with huge.open("wb") as file:
         file.truncate(100 * 2**20)
     page.tab("Add")
-    page.fold("Own URDF")
+    page.fold("Custom URDF")
     until(lambda: page.browser.find_elements(By.CSS_SELECTOR, "input[type='file']"), "the button")
     page.upload(huge)
-    page.shows("'statue.urdf' is not taken: it has 100 MB, at most 64 MB are taken")
+    page.shows("'statue.urdf' is refused: it is empty or larger than 64 MB")
     page.quiet()
     page.upload(model)
     until(lambda: "./cabinet/" in document.scene_text, "the cabinet")
@@ -115,5 +115,5 @@ def test_a_model_of_ones_own(sit: Sit, copied: Callable[[str], TaskDocument], tm
     page.type("Starts at [rad]", "0.7", 2)
     until(lambda: [joint.position for joint in document.spec.joint] == [0.7], "the door stands open")
     desk.settle()
-    page.picture("own_model")
+    page.picture("custom_model")
     assert page.errors() == []

@@ -50,7 +50,7 @@ def _allowed(sit: Sit, document: TaskDocument) -> Desk:
     desk.page.quiet()
     desk.page.tab("Try")
     desk.page.press(f"Run the code of {document.name}.py")
-    until(lambda: desk.session.sight.opened is not None and desk.session.sight.opened.conditions, "the task runs")
+    until(lambda: desk.session.status.opened is not None and desk.session.status.opened.conditions, "the task runs")
     desk.settle()
     return desk
 
@@ -92,14 +92,14 @@ def test_a_failure_is_shown_where_it_is(sit: Sit, copied: Callable[[str], TaskDo
     document = copied("take_lid_off_saucepan")
     document.set_scene_text(document.scene_text + WALLS)
     desk = _allowed(sit, document)
-    page, judging, player = desk.page, desk.window.judging, desk.window.player
-    page.tab("Judge")
+    page, validation, player = desk.page, desk.window.validation, desk.window.player
+    page.tab("Validate")
     page.type("Demonstrations", "1")
-    page.press("Judge")
-    until(lambda: judging.work, "judging")
-    until(lambda: not judging.work, "judged", 300.0)
-    seed, variation, _ = next(failure for line in judging.lines.values() for failure in line.failures)
-    page.picture("judged")
+    page.press("Validate")
+    until(lambda: validation.work, "validating")
+    until(lambda: not validation.work, "validated", 300.0)
+    seed, variation, _ = next(failure for line in validation.lines.values() for failure in line.failures)
+    page.picture("validated")
     page.press(f"Open seed {seed}, variation {variation}")
     until(lambda: player.recording.failure is not None, "the failure")
     desk.settle()
@@ -136,10 +136,10 @@ def test_what_cannot_be_reached_is_shown(sit: Sit, copied: Callable[[str], TaskD
         assert desk.session.edits.wait(30.0)
     assert document.scene_text == text
     until(lambda: "/ghosts/nearest reachable pose" not in _drawn(desk), "it is gone")
-    page.tab("Judge")
+    page.tab("Validate")
     page.press("Map of what can be reached")
-    until(lambda: window.judging.work, "the map begins")
-    until(lambda: not window.judging.work, "the map is done", 300.0)
+    until(lambda: window.validation.work, "the map begins")
+    until(lambda: not window.validation.work, "the map is done", 300.0)
     points = page.browser.execute_script("return window.__viserSceneTree.getState()['/reach'].message.props.points.byteLength")
     assert points > 0
     page.picture("map")

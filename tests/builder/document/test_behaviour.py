@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import subprocess
 import sys
 from pathlib import Path
@@ -17,8 +18,10 @@ from rlbench_pin.builder.document import (
     SpawnForm,
     TaskDocument,
     Written,
+    condition_kinds,
 )
 from rlbench_pin.errors import InvalidValue, UnknownName
+from rlbench_pin.tasks import conditions
 from tests.builder.document.conftest import Opener
 
 CUBE, ON_SQUARE = Named("body", "cube"), Named("sensor", "on_square")
@@ -245,3 +248,35 @@ def test_python_without_a_task_has_nothing_to_edit(text: str) -> None:
     """All fields of the class are None."""
     behaviour = Behaviour.of(text)
     assert behaviour.success is None and behaviour.instructions is None and behaviour.description is None
+
+
+# Kinds of conditions ----------------------------------------------------------------------------------------------------------
+
+
+def test_every_condition_has_a_form_but_those_of_code() -> None:
+    """All of the vocabulary; a list that the task keeps is not a form's."""
+    assert {kind.name for kind in condition_kinds()} == set(conditions.__all__) - {"Condition", "ListEmpty"}
+
+
+def test_parameters_are_those_of_the_class() -> None:
+    """Names, order and defaults, arm and hand left out, each with what its docstring says."""
+    for kind in condition_kinds():
+        signature = inspect.signature(getattr(conditions, kind.name)).parameters
+        shown = {name: p for name, p in signature.items() if name not in ("robot", "gripper")}
+        assert [parameter.name for parameter in kind.parameters] == list(shown)
+        for parameter in kind.parameters:
+            default = shown[parameter.name].default
+            assert parameter.required == (default is inspect.Parameter.empty)
+            assert parameter.required or parameter.default == default
+            assert parameter.text.endswith(".") and ":" not in parameter.text.partition(". ")[2], parameter
+        assert kind.text.endswith(".")
+
+
+def test_kinds_say_what_a_form_asks_for() -> None:
+    """A few of them."""
+    kinds = {kind.name: {p.name: p.kind for p in kind.parameters} for kind in condition_kinds()}
+    assert kinds["Detected"] == {"thing": "place", "sensor": "sensor", "negated": "flag"}
+    assert kinds["DetectedSeveral"] == {"things": "places", "sensor": "sensor", "count": "whole"}
+    assert kinds["JointMoved"] == {"joint": "joint", "distance": "number"}
+    assert kinds["AllOf"] == {"members": "conditions"} and kinds["NothingGrasped"] == {}
+    assert kinds["FollowPath"]["points"] == "points" and kinds["FollowPath"]["frame"] == "frame"

@@ -18,13 +18,13 @@ from rlbench_pin.builder.contracts import (
     TaskText,
     WaypointVerdict,
 )
-from rlbench_pin.builder.view.contracts import Stage
+from rlbench_pin.builder.stage import StageClient
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.spatial import FloatArray
 
 
 @dataclass
-class StageStandIn(Stage):
+class StageStandIn(StageClient):
     """Answers what it is told to; `asked` has the names of what was asked for."""
 
     waypoints: tuple[str, ...] = ()

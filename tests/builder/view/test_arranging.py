@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -10,54 +10,47 @@ from viser import FrameHandle
 
 from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.builder.view import Window
-from rlbench_pin.builder.view.panels.properties import property_items
-from rlbench_pin.builder.view.widgets import Button, Choice, Entry, Fold, Item, Note, Row
 from rlbench_pin.spatial import compose
-from tests.builder.view.conftest import Show, settle
+from tests.builder.view.conftest import Show, call, control, controls, press, settle, text
 from tests.builder.view.stand_ins import StageStandIn
 
 Copied = Callable[[str], TaskDocument]
 
 
-def _all(items: Iterable[Item]) -> Iterator[Item]:
-    for item in items:
-        yield item
-        if isinstance(item, Fold):
-            yield from _all(item.items)
-
-
-def _selected(window: Window, name: str) -> list[Item]:
+def _select(window: Window, name: str) -> None:
     window.session.post(lambda: window.session.select(name))
     settle(window)
-    return list(_all(property_items(window.session, lambda: None)))
+
+
+def _choose(window: Window, label: str, word: str) -> None:
+    call(window, control(window, "Selected", "dropdown", label), word)
 
 
 def _press(window: Window, label: str) -> None:
-    items = _all(property_items(window.session, lambda: None))
-    found = [item.on_press for item in items if isinstance(item, Button) and item.label == label]
-    found += [
-        item.presses[label]
-        for item in _all(property_items(window.session, lambda: None))
-        if isinstance(item, Row) and label in item.presses
-    ]
-    assert len(found) == 1, label
-    window.session.post(found[0])
-    settle(window)
+    press(window, "Selected", label)
+
+
+def _press_in_pose(window: Window, number: int, label: str) -> None:
+    """Press a button of a pose of a curve."""
+    folders = [c.children for c in controls(window.panels["Selected"]) if c.key[0] == "folder" and c.label.startswith("Pose")]
+    folder = folders[number]
+    assert folder is not None
+    call(window, next(c for c in folder.controls if c.key[0] == "button row"), label)
 
 
 def _drop(window: Window, name: str, place: np.ndarray) -> list[str]:
     """Drag a thing to a world point (3,), and return what was marked meanwhile."""
-    _selected(window, name)
+    _select(window, name)
     start = window.session.places.of(name)
     assert start is not None
     goal = np.concatenate([place, start[3:]])
-    window._dragging.drag(start, "start")
-    window._dragging.drag(goal, "update")
-    marked = window._dragging._mark.shown
+    window.dragging.drag(start, "start")
+    window.dragging.drag(goal, "update")
+    marked = window.drop_mark.shown
     settle(window)
-    window._dragging.drag(goal, "end")
+    window.dragging.drag(goal, "end")
     settle(window)
-    return [marked, window._dragging._mark.shown]
+    return [marked, window.drop_mark.shown]
 
 
 @pytest.mark.parametrize("name", ["distractor0", "waypoint3", "goal"])
@@ -70,7 +63,7 @@ def test_what_is_dropped_onto_a_body_hangs_on_it(copied: Copied, show: Show, nam
     assert block is not None
     goal = block[:3] + np.array([0.004, -0.003, 0.0613])
     assert _drop(window, name, goal) == ["distractor1", ""]
-    thing, place = window.session.thing(name), window.session.places.of(name)
+    thing, place = window.session.element(name), window.session.places.of(name)
     assert thing is not None and place is not None
     assert thing.parent == "distractor1"
     assert np.abs(place[:3] - goal).max() < 1e-9
@@ -89,12 +82,12 @@ def test_nothing_is_dropped_onto_itself_or_beside_bodies(copied: Copied, show: S
     assert _drop(window, "marker", there[:3] + [0.0, 0.0, 0.05]) == ["block", ""]
     assert _drop(window, "block", there[:3] + [0.0, 0.0, 0.06]) == ["", ""]  # the marker hangs on it by now
     assert _drop(window, "distractor0", np.array([0.1, -0.3, 0.8])) == ["", ""]
-    assert window.session.thing("distractor0").parent == "root"  # type: ignore[union-attr]
+    assert window.session.element("distractor0").parent == "root"  # type: ignore[union-attr]
     window.session.drops_onto = False
     here = window.session.places.of("distractor1")
     assert here is not None
     assert _drop(window, "distractor0", here[:3] + [0.0, 0.0, 0.05]) == ["", ""]
-    assert window.session.thing("distractor0").parent == "root"  # type: ignore[union-attr]
+    assert window.session.element("distractor0").parent == "root"  # type: ignore[union-attr]
 
 
 def test_a_chosen_parent_keeps_the_place_in_one_edit(copied: Copied, show: Show) -> None:
@@ -102,12 +95,11 @@ def test_a_chosen_parent_keeps_the_place_in_one_edit(copied: Copied, show: Show)
     document = copied("setup_checkers")
     window, texts = show(document, StageStandIn()), document.text
     before = window.session.places.of("waypoint1")
-    choice = next(i for i in _selected(window, "waypoint1") if isinstance(i, Choice) and i.label == "Parent")
-    window.session.post(lambda: choice.on_change("square0"))
-    settle(window)
+    _select(window, "waypoint1")
+    _choose(window, "Parent", "square0")
     after = window.session.places.of("waypoint1")
     assert before is not None and after is not None
-    assert window.session.thing("waypoint1").parent == "square0"  # type: ignore[union-attr]
+    assert window.session.element("waypoint1").parent == "square0"  # type: ignore[union-attr]
     assert np.abs(after - before).max() < 1e-9
     document.undo()
     assert document.text == texts and not document.undoable
@@ -118,22 +110,17 @@ def test_waypoints_change_places(copied: Copied, show: Show) -> None:
     document = copied("pick_and_lift")
     window = show(document, StageStandIn(("waypoint0", "waypoint1", "waypoint2", "waypoint3"), "unreachable"))
     before = document.spec
-    items = _selected(window, "waypoint1")
-    listed = [i for i in items if isinstance(i, Button) and i.key.startswith("visit ")]
-    assert [i.label[:2] for i in listed] == ["0 ", "1 ", "2 ", "3 "] and [i.shade for i in listed] == [
-        "red",
-        "blue",
-        "red",
-        "red",
-    ]
-    assert "close" in listed[1].label and "on block" in listed[1].label
+    _select(window, "waypoint1")
+    listed = [c.values for c in controls(window.panels["Selected"]) if c.label.startswith("visit ")]
+    labels = [str(values[0]) for values in listed]
+    assert [label[:2] for label in labels] == ["0 ", "1 ", "2 ", "3 "]
+    assert [values[1] for values in listed] == ["red", "blue", "red", "red"]
+    assert "close" in labels[1] and "on block" in labels[1]
     _press(window, "Later")
-    assert window.session.selected == "waypoint2" and window.session.thing("waypoint2").parent == "block"  # type: ignore[union-attr]
-    choice = next(i for i in _selected(window, "waypoint2") if isinstance(i, Choice) and i.label == "Visited as")
-    window.session.post(lambda: choice.on_change("waypoint1"))
-    settle(window)
+    assert window.session.selected == "waypoint2" and window.session.element("waypoint2").parent == "block"  # type: ignore[union-attr]
+    _choose(window, "Visited as", "waypoint1")
     assert window.session.selected == "waypoint1" and document.spec == before
-    _selected(window, "waypoint0")
+    _select(window, "waypoint0")
     _press(window, "Earlier")
     assert document.spec == before
 
@@ -142,12 +129,9 @@ def test_a_curve_is_made_of_poses(copied: Copied, show: Show) -> None:
     """Poses are added, changed, put earlier and removed; a curve without any is refused."""
     document = copied("pick_and_lift")
     window = show(document, StageStandIn())
-    path = next(i for i in _selected(window, "waypoint2") if isinstance(i, Choice) and i.label == "Path")
-    window.session.post(lambda: path.on_change("curve"))
-    settle(window)
-    curve = next(i for i in _selected(window, "waypoint2") if isinstance(i, Choice) and i.label == "Curve")
-    window.session.post(lambda: curve.on_change("poses to pass"))
-    settle(window)
+    _select(window, "waypoint2")
+    _choose(window, "Path", "curve")
+    _choose(window, "Curve", "poses to pass")
     _press(window, "Add a pose behind the last")
 
     def heights() -> list[float]:
@@ -155,21 +139,16 @@ def test_a_curve_is_made_of_poses(copied: Copied, show: Show) -> None:
         return [point[2] for point in document.spec.waypoint[2].points]
 
     assert heights() == [-0.05, 0.0, 0.02]
-    folds = [i for i in _selected(window, "waypoint2") if isinstance(i, Fold) and i.label.startswith("Pose")]
-    row = next(i for i in folds[2].items if isinstance(i, Row))
-    window.session.post(row.presses["Earlier"])
-    settle(window)
+    _press_in_pose(window, 2, "Earlier")
     assert heights() == [-0.05, 0.02, 0.0]
     drawn = window._viser.scene.get_handle_by_name("/curve/1")
     goal = window.session.places.of("waypoint2")
     assert isinstance(drawn, FrameHandle) and goal is not None
     assert np.allclose(drawn.position, compose(goal, np.array([0.0, 0.0, 0.02, 0.0, 0.0, 0.0, 1.0]))[:3], atol=1e-6)
     for count in (2, 1, 1):
-        folds = [i for i in _selected(window, "waypoint2") if isinstance(i, Fold) and i.label.startswith("Pose")]
-        window.session.post(next(i for i in folds[0].items if isinstance(i, Row)).presses["Remove"])
-        settle(window)
+        _press_in_pose(window, 0, "Remove")
         assert len(heights()) == count
-    _selected(window, "block")
+    _select(window, "block")
     assert window._viser.scene.get_handle_by_name("/curve/0") is None
 
 
@@ -177,14 +156,14 @@ def test_deleting_what_others_need_is_asked_first(copied: Copied, show: Show) ->
     """The panel lists what would go; then conditions and grasps that name it go as well, and one undo brings all back."""
     document = copied("pick_and_lift")
     window, texts = show(document, StageStandIn()), document.text
-    _selected(window, "block")
+    _select(window, "block")
     _press(window, "Delete")
-    asked = "\n".join(i.text for i in _all(property_items(window.session, lambda: None)) if isinstance(i, Note))
+    asked = text(window, "Selected")
     assert "waypoint1" in asked and 'objects(["block"])' in asked and document.text == texts
     _press(window, "Keep it")
-    assert window.session.needed is None and document.text == texts
+    assert window.session.pending_deletion is None and document.text == texts
     _press(window, "Delete")
-    _press(window, "Delete with what hangs on it")
+    _press(window, "Delete with all that depends on it")
     assert window.session.selected == "" and document.spec is not None and not [p for p in document.problems if p.file == "scene"]
     assert [w.name for w in document.spec.waypoint] == ["waypoint0"]
     assert document.behaviour.graspable == ()
@@ -199,7 +178,6 @@ def test_a_bad_name_is_refused(copied: Copied, show: Show, new: str) -> None:
     window, texts = show(document, StageStandIn()), document.text
     told: list[str] = []
     window.session._notify = lambda title, text, bad: told.append(text)
-    entry = next(i for i in _selected(window, "block") if isinstance(i, Entry) and i.label == "Name")
-    window.session.post(lambda: entry.on_commit(new))
-    settle(window)
+    _select(window, "block")
+    call(window, control(window, "Selected", "entry", "Name"), new)
     assert document.text == texts and window.session.selected == "block" and len(told) == 1 and told[0]

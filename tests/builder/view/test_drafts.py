@@ -11,10 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from rlbench_pin.builder.document import TaskDocument
-from rlbench_pin.builder.view import Window
-from rlbench_pin.builder.view.widgets import Button, Note
 from rlbench_pin.tasks.registry import LIBRARY
-from tests.builder.view.conftest import Show, settle
+from tests.builder.view.conftest import Show, press, settle, text
 from tests.builder.view.stand_ins import StageStandIn
 
 Copied = Callable[[str], TaskDocument]
@@ -30,14 +28,6 @@ for k in range(10**6):
     window.session.post(lambda: window.session.do(lambda d: d.set("block", "pose", (k / 1e4, 0.0, 0.0225, 0.0, 0.0, 0.0, 1.0))))
     time.sleep(0.05)
 """
-
-
-def _presses(window: Window) -> dict[str, Callable[[], None]]:
-    return {item.label: item.on_press for item in window.drafts.items() if isinstance(item, Button)}
-
-
-def _says(window: Window) -> str:
-    return "\n".join(item.text for item in window.drafts.items() if isinstance(item, Note))
 
 
 def test_a_killed_builder_leaves_its_edits(tmp_path: Path, show: Show) -> None:
@@ -58,12 +48,11 @@ def test_a_killed_builder_leaves_its_edits(tmp_path: Path, show: Show) -> None:
     assert scene.read_bytes() == saved
     document = TaskDocument.open(scene)
     window = show(document, StageStandIn())
-    assert "was not saved. It differs from the task in 1 lines of `pick_and_lift.toml`." in _says(window)
-    assert "changed since" not in _says(window)
-    window.session.post(_presses(window)["Take up the draft"])
-    settle(window)
-    assert window.drafts.items() == []
-    block = window.session.thing("block")
+    assert "was not saved. It differs from the task in 1 lines of `pick_and_lift.toml`." in text(window, "Header")
+    assert "changed since" not in text(window, "Header")
+    press(window, "Header", "Take up the draft")
+    assert "draft" not in text(window, "Header")
+    block = window.session.element("block")
     assert block is not None
     assert block.pose[0] >= 0.001
     window.session.post(lambda: window.session.do(lambda d: d.undo()))
@@ -82,10 +71,9 @@ def test_a_draft_of_an_older_state_says_so(copied: Copied, show: Show) -> None:
     file = document.folder / "pick_and_lift.py"
     file.write_text(file.read_text() + "# newer\n")
     again = show(TaskDocument.open(file), StageStandIn())
-    assert "The files have been changed since then" in _says(again)
-    again.session.post(_presses(again)["Drop the draft"])
-    settle(again)
-    assert again.drafts.items() == []
+    assert "The files have been changed since then" in text(again, "Header")
+    press(again, "Header", "Drop the draft")
+    assert "draft" not in text(again, "Header")
     assert sorted(p.name for p in document.folder.iterdir()) == ["pick_and_lift.py", "pick_and_lift.toml"]
 
 
@@ -94,7 +82,7 @@ def test_a_broken_draft_is_told_in_the_page(copied: Copied, show: Show) -> None:
     document = copied("pick_and_lift")
     (document.folder / ".pick_and_lift.draft").write_bytes(bytes(range(256)))
     window = show(document, StageStandIn())
-    assert ".pick_and_lift.draft.broken" in _says(window)
+    assert ".pick_and_lift.draft.broken" in text(window, "Header")
     window.session.post(lambda: window.session.do(lambda d: d.set("block", "fixed", True)))
     window.session.post(lambda: window.session.do(lambda d: d.save()))
     settle(window)

@@ -10,12 +10,9 @@ from viser import ViserServer
 
 from rlbench_pin.builder.contracts import Problem
 from rlbench_pin.builder.document import TaskDocument
-from rlbench_pin.builder.view.panels.texts import problem_html, text_items
-from rlbench_pin.builder.view.panels.tree import header_items
-from rlbench_pin.builder.view.widgets import Button, Code, Fold, Note
-from rlbench_pin.builder.view.widgets.code import CodeField, numbered
-from rlbench_pin.builder.view.widgets.makers import shape
-from tests.builder.view.conftest import Show, settle
+from rlbench_pin.builder.view.files import problem_html
+from rlbench_pin.builder.view.widgets import CodeField, line_numbers
+from tests.builder.view.conftest import Show, control, settle, text
 from tests.builder.view.stand_ins import StageStandIn
 
 
@@ -27,31 +24,27 @@ def viser() -> Iterator[ViserServer]:
     server.stop()
 
 
-def _code(value: str, marked: tuple[int, ...] = ()) -> Code:
-    return Code("a.toml", value, lambda text: None, lambda is_typed: None, marked)
-
-
 def test_lines_have_numbers_and_wrong_ones_are_red() -> None:
     """As many as there are, and the wrong one in red."""
-    picture = unquote(numbered("code-0", 3, (2,)))
+    picture = unquote(line_numbers("code-0", 3, (2,)))
     assert [f">{k}</text>" in picture for k in (1, 2, 3, 4)] == [True, True, True, False]
     assert picture.count("#fdd8d3") == 1 and 'fill="#c0392b">2<' in picture
 
 
 def test_what_was_typed_outlives_another_edit(viser: ViserServer) -> None:
     """A drag meanwhile changes the file, not what somebody is typing; applied or discarded, field and file agree again."""
-    field = CodeField(viser.gui, _code("one"))
-    field.show(_code("two"))
+    field = CodeField(viser.gui, "a.toml", "one", lambda is_typed: None)
+    field.show("two")
     assert field.typed == "two" and not field.discard.visible
     field._text.value = "two and more"
-    field.show(_code("three"))
+    field.show("three")
     assert field.typed == "two and more" and field.discard.visible
-    assert "changed while you typed" in field._note.content
-    field.take(_code("three"))
+    assert "changed while you typed" in field.warning
+    field.discard_typed()
     assert field.typed == "three" and not field.discard.visible
     field._text.value = "four"
-    field.show(_code("four"))
-    field.show(_code("three"))  # undone
+    field.show("four")
+    field.show("three")  # undone
     assert field.typed == "three"
 
 
@@ -59,14 +52,14 @@ def test_saving_says_what_is_typed_and_not_applied(copied: Callable[[str], TaskD
     """The file gets what was applied; the page says that more is typed, until it is applied or discarded."""
     window, told = show(copied("pick_and_lift"), StageStandIn()), list[str]()
     window.session._notify = lambda title, text, bad: told.append(f"{title}: {text}")
-    code = next(item.items[1] for item in text_items(window.session, lambda: None) if isinstance(item, Fold))
-    assert isinstance(code, Code)
-    code.on_typing(True)
+    field = control(window, "Files", "code", "pick_and_lift.toml").handle
+    field._text.value = "typed"
+    field._draw()
     window.session.post(window.session.save)
     settle(window)
-    assert any(text.startswith("Not saved: What is typed in pick_and_lift.toml") for text in told)
-    assert any(isinstance(item, Note) and "not applied" in item.text for item in header_items(window.session))
-    code.on_typing(False)
+    assert any(words.startswith("Not saved: Typed text in pick_and_lift.toml") for words in told)
+    assert "not applied" in text(window, "Header")
+    field.discard_typed()
     told.clear()
     window.session.post(window.session.save)
     settle(window)
@@ -77,13 +70,15 @@ def test_fields_keep_their_places_when_a_file_changes_on_disk(copied: Callable[[
     """The question comes behind them, so that what somebody is typing is not made anew."""
     document = copied("pick_and_lift")
     window = show(document, StageStandIn())
-    before = [shape(item) for item in text_items(window.session, lambda: None)]
+    before = list(window.panels["Files"].controls)
     window.session.post(lambda: window.session.do(lambda d: d.set("block", "fixed", True)))
     settle(window)
     (document.folder / "pick_and_lift.toml").write_text("# by an editor\n")
-    after = text_items(window.session, lambda: None)
-    assert [shape(item) for item in after[: len(before)]] == before
-    assert [item.label for item in after if isinstance(item, Button)][1:] == ["Take over what is on disk", "Save over it"]
+    window.session.post(window.session.changed)
+    settle(window)
+    after = window.panels["Files"].controls
+    assert after[: len(before)] == before
+    assert [c.label for c in after if c.key[0] == "button"][1:] == ["Take over what is on disk", "Save over it"]
 
 
 @pytest.mark.parametrize(

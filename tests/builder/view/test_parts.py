@@ -9,12 +9,10 @@ import pytest
 import trimesh
 
 from rlbench_pin.assets import asset_path
-from rlbench_pin.builder.server import UploadedMesh, UploadRefused
-from rlbench_pin.builder.view.own.meshes import mesh_asset
-from rlbench_pin.builder.view.parts.catalogue import catalogue, found, thumbnail
-from rlbench_pin.builder.view.parts.primitives import primitive_urdf
-from rlbench_pin.builder.view.parts.raster import painted
-from rlbench_pin.builder.view.parts.standing import standing_pose
+from rlbench_pin.builder.custom_assets.mesh_asset import mesh_asset
+from rlbench_pin.builder.custom_assets.uploads import UploadedMesh, UploadRefused
+from rlbench_pin.builder.view.catalogue import catalogue, draw_triangles, primitive_urdf, search, thumbnail
+from rlbench_pin.builder.view.placing import free_place
 from rlbench_pin.errors import InvalidValue
 from rlbench_pin.scene import BodySpec, SceneSpec
 from rlbench_pin.urdf import read_urdf
@@ -63,7 +61,7 @@ def test_a_hollow_mesh_is_taken_apart(tmp_path: Path) -> None:
     assert link.inertial.mass == 0.5
 
 
-@pytest.mark.parametrize(("scale", "why"), [(100.0, "at most 2 m"), (1e-5, "nothing")])
+@pytest.mark.parametrize(("scale", "why"), [(100.0, "the limit is 2 m"), (1e-5, "nothing")])
 def test_meshes_of_wrong_size_are_refused(scale: float, why: str) -> None:
     """With the scale as the next step."""
     with pytest.raises(UploadRefused, match=why):
@@ -74,9 +72,9 @@ def test_assets_are_found_by_their_words() -> None:
     """Names first, then what is said of them; every asset has a picture."""
     assets = catalogue()
     assert len(assets) > 100
-    assert found(assets, "cup")[0].name == "cup"
-    assert "ring_marker" in [asset.name for asset in found(assets, "visual only")]
-    assert found(assets, "no such thing") == []
+    assert search(assets, "cup")[0].name == "cup"
+    assert "ring_marker" in [asset.name for asset in search(assets, "visual only")]
+    assert search(assets, "no such thing") == []
     picture = thumbnail(asset_path("objects/cup/cup.urdf"))
     assert picture.shape == (128, 128, 3)
     assert float(np.ptp(picture)) > 50.0
@@ -88,19 +86,19 @@ def test_what_is_nearer_hides_what_is_behind() -> None:
     depths = np.array([[0.0, 1.0, 1.0], [1.0, 0.0, 1.0]])
     shades = np.array([[255, 0, 0], [0, 0, 255]], np.uint8)
     there, back = np.zeros((20, 20, 3), np.uint8), np.zeros((20, 20, 3), np.uint8)
-    painted(there, points, depths, shades)
-    painted(back, points[::-1], depths[::-1], shades[::-1])
+    draw_triangles(there, points, depths, shades)
+    draw_triangles(back, points[::-1], depths[::-1], shades[::-1])
     np.testing.assert_array_equal(there, back)
     assert there[1, 3].tolist() == [0, 0, 255]
     assert there[1, 15].tolist() == [255, 0, 0]
     assert there[18, 18].tolist() == [0, 0, 0]
-    painted(there, points, np.zeros((2, 3)), shades)
+    draw_triangles(there, points, np.zeros((2, 3)), shades)
     assert set(map(tuple, there.reshape(-1, 3).tolist())) == {(0, 0, 0), (0, 0, 255)}
 
 
 def test_a_new_body_stands_beside_what_is_there() -> None:
     """On the table, not in another body."""
     cube = BodySpec(name="cube", asset="objects/cube/cube.urdf", pose=(0.0, 0.0, 0.025, 0.0, 0.0, 0.0, 1.0))
-    x, y, z = standing_pose(SceneSpec(format=2, body=(cube,)), cube.model_copy(update={"name": "other"}))
+    x, y, z = free_place(SceneSpec(format=2, body=(cube,)), cube.model_copy(update={"name": "other"}))
     assert z == pytest.approx(0.025)
     assert max(abs(x), abs(y)) >= 0.06

@@ -11,9 +11,8 @@ from viser import MeshHandle, ViserServer
 
 from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.builder.view import Window
-from rlbench_pin.builder.view.parts.primitives import primitive_urdf
-from rlbench_pin.builder.view.widgets import Button, Fold
-from tests.builder.view.conftest import Show, settle
+from rlbench_pin.builder.view.catalogue import primitive_urdf
+from tests.builder.view.conftest import Show, control, controls, press, settle
 from tests.builder.view.stand_ins import StageStandIn
 
 Copied = Callable[[str], TaskDocument]
@@ -29,12 +28,12 @@ def _drag(window: Window, name: str, *moves: tuple[float, float, float]) -> None
     settle(window)
     start = window.session.places.of(name)
     assert start is not None
-    window._dragging.drag(start, "start")
+    window.dragging.drag(start, "start")
     pose = start.copy()
     for move in moves:
         pose = pose + np.array([*move, 0.0, 0.0, 0.0, 0.0])
-        window._dragging.drag(pose, "update")
-    window._dragging.drag(pose, "end")
+        window.dragging.drag(pose, "update")
+    window.dragging.drag(pose, "end")
     settle(window)
 
 
@@ -48,7 +47,7 @@ def test_edits_reach_the_stage(copied: Copied, show: Show) -> None:
     assert stage.texts[-1] == document.scene_text
     _do(window, lambda d: d.set_python_text(d.python_text + "\n"))
     assert stage.asked[4:] == ["open False", "reach"]
-    window.session.post(window.watch.allow)
+    window.session.post(window.world.allow_code)
     settle(window)
     assert stage.asked[6:] == ["open True", "reach"]
 
@@ -114,7 +113,7 @@ def test_the_page_outlives_a_broken_scene(copied: Copied, show: Show) -> None:
     _do(window, lambda d: d.set_scene_text(good.replace("[[region]]", "[[region]")))
     assert [p.file for p in document.problems] == ["scene"]
     assert len(stage.asked) == 1
-    assert window.session.thing("block") is not None
+    assert window.session.element("block") is not None
     _do(window, lambda d: d.set_scene_text(good))
     assert not document.problems
 
@@ -123,11 +122,11 @@ def test_the_page_outlives_a_broken_stage(copied: Copied, show: Show) -> None:
     """What the stage raises is shown, and it is asked again after the next edit."""
     document, stage = copied("pick_and_lift"), StageStandIn(fault="The simulation died.")
     window = show(document, stage)
-    assert window.session.sight.fault == "The simulation died."
+    assert window.session.status.fault == "The simulation died."
     stage.fault = ""
     _do(window, lambda d: d.set("block", "fixed", True))
     assert stage.asked == ["open False", "open False"]
-    assert window.session.sight.fault == ""
+    assert window.session.status.fault == ""
 
 
 def test_refused_edits_are_told_and_change_nothing(copied: Copied, show: Show) -> None:
@@ -151,7 +150,7 @@ def test_files_changed_on_disk_are_read_again(copied: Copied, show: Show) -> Non
     assert "0.13" in document.scene_text
     _do(window, lambda d: d.set("block", "fixed", True))
     file.write_text(document.scene_text.replace("0.13", "0.14"))
-    window.session.post(window._take_from_disk)
+    window.session.post(window.take_from_disk)
     settle(window)
     assert "0.14" not in document.scene_text
     assert document.changed_on_disk()
@@ -164,11 +163,11 @@ def test_moving_a_body_is_quick(copied: Copied, show: Show) -> None:
     window.session.post(lambda: window.session.select("block"))
     settle(window)
     pose = window.session.places.things["block"] + np.array([0.0, 0.05, 0.0, 0.0, 0.0, 0.0, 0.0])
-    window._dragging.drag(window.session.places.things["block"], "start")
-    window._dragging.drag(pose, "update")
+    window.dragging.drag(window.session.places.things["block"], "start")
+    window.dragging.drag(pose, "update")
     assert frame is not None
     assert frame.position[1] == pytest.approx(0.05)
-    window._dragging.drag(pose, "end")
+    window.dragging.drag(pose, "end")
     settle(window)
 
 
@@ -179,14 +178,12 @@ def test_urdf_files_beside_the_task_can_be_added(copied: Copied, show: Show) -> 
     (document.folder / "own" / "brick.urdf").write_text(primitive_urdf("brick", "box", (0.1, 0.05, 0.04), 0.2, (1.0, 0.0, 0.0)))
     (document.folder / "broken.urdf").write_text("<robot")
     window = show(document, StageStandIn())
-    fold = next(item for item in window._adding.items() if isinstance(item, Fold) and item.label == "Own URDF")
-    presses = {item.label: item.on_press for item in fold.items if isinstance(item, Button)}
-    assert set(presses) == {"Add broken.urdf", "Add own/brick.urdf"}
+    folder = control(window, "Add", "folder", "Custom URDF").children
+    assert folder is not None
+    assert {c.label for c in controls(folder) if c.key[0] == "button"} == {"Add broken.urdf", "Add own/brick.urdf"}
     before = document.text
-    window.session.post(presses["Add broken.urdf"])
-    settle(window)
+    press(window, "Add", "Add broken.urdf")
     assert document.text == before
-    window.session.post(presses["Add own/brick.urdf"])
-    settle(window)
+    press(window, "Add", "Add own/brick.urdf")
     assert 'asset = "./own/brick.urdf"' in document.scene_text
     assert window.session.places.of(window.session.selected)[2] == pytest.approx(0.752 + 0.02, abs=1e-6)  # type: ignore[index]

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from rlbench_pin.cli.process.engines import make_engine
+from rlbench_pin.cli.options import make_engine
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.errors import InvalidValue, RlbenchPinError, UnknownName
 from rlbench_pin.evaluation.results.records import read_results

@@ -1,1 +1,0 @@
-"""The text of a Python file, edited in place."""

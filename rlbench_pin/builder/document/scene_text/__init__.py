@@ -1,1 +1,0 @@
-"""The text of a scene file, edited in place."""

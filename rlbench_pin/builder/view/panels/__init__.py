@@ -1,1 +1,0 @@
-"""The panels of the page: functions from what is being edited to items."""

@@ -1,0 +1,145 @@
+"""Requests to the worker process that simulates the edited task."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+
+import numpy as np
+
+from rlbench_pin.builder.contracts import OpenedTask, TaskText, WaypointVerdict
+from rlbench_pin.builder.stage import StageClient
+from rlbench_pin.builder.view.session import JobThread, Session, WorldStatus
+from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.robot import DEFAULT_ROBOT, robot_description
+from rlbench_pin.spatial import FloatArray
+
+_LOG = logging.getLogger(__name__)
+
+
+class WorldSync:
+    """Sends requests to the worker process, in order, from a thread of its own; results go to the thread of edits.
+
+    Args:
+        session: The edited task.
+        stage: The worker process.
+        on_arm: Receives the joint positions (n,) of an arm that follows a dragged waypoint.
+
+    Attributes:
+        run_task: Whether the user has allowed the task's own module to run.
+    """
+
+    def __init__(self, session: Session, stage: StageClient, on_arm: Callable[[FloatArray], None]) -> None:
+        self.session, self.stage, self._on_arm = session, stage, on_arm
+        self.run_task = False
+        self._requested: tuple[TaskText, bool] | None = None
+        self._built: tuple[str, bool] | None = None
+        self._followed = np.array(robot_description(DEFAULT_ROBOT).home)
+        self._requests = JobThread("requests", self._failed)
+        session.listen(self.refresh)
+
+    def refresh(self) -> None:
+        """Send changed texts, in the thread of edits."""
+        requested = (self.session.document.text, self.run_task)
+        if requested == self._requested or any(p.file == "scene" for p in self.session.document.problems):
+            return
+        self._requested = requested
+        self.session.status.paths = ()
+        self.work("looking at the scene", lambda: self._inspect(*requested), kind="inspect")
+
+    def allow_code(self) -> None:
+        """Let the task's own module run from now on, in the thread of edits."""
+        self.run_task = True
+        self.session.changed()
+
+    def _inspect(self, text: TaskText, run_task: bool) -> None:
+        opened = self._open(text, run_task)
+        verdicts: tuple[WaypointVerdict, ...] = ()
+        if not opened.problems and opened.waypoints:
+            verdicts = tuple(self.stage.reach())
+
+        def show() -> None:
+            status = self.session.status
+            self.session.status = WorldStatus(opened, {v.waypoint: v for v in verdicts}, status.paths, status.work)
+            self.session.changed()
+
+        self.session.post(show, "inspected")
+
+    def _open(self, text: TaskText, run_task: bool) -> OpenedTask:
+        if self._built == (text.python, run_task):
+            return self.stage.place(text.scene)
+        self._built = None
+        opened = self.stage.open(text, run_task=run_task)
+        self._built = None if opened.problems else (text.python, run_task)
+        return opened
+
+    def work(self, name: str, job: Callable[[], None], kind: str = "") -> None:
+        """Run a job in the thread of requests, and show its name meanwhile.
+
+        Args:
+            name: Description of the work.
+            job: Sends requests.
+            kind: A waiting job of the same kind is dropped.
+        """
+
+        def run() -> None:
+            self._show(name, "")
+            try:
+                job()
+                self._show("", "")
+            except RlbenchPinError as error:
+                self._show("", str(error))
+                self._built = None
+
+        self._requests.post(run, kind)
+
+    def follow(self, pose: FloatArray, begin: bool) -> None:
+        """Have the arm follow a dragged waypoint to a pose (7,); a drag begins at the waypoint's configuration."""
+        verdict = self.session.status.verdicts.get(self.session.selected)
+
+        def request() -> None:
+            start = self._followed
+            if begin and verdict is not None and verdict.configuration is not None:
+                start = verdict.configuration
+            try:
+                self._followed, _ = self.stage.follow(pose, start)
+            except RlbenchPinError as error:
+                self._show("", str(error))
+                return
+            self._on_arm(self._followed)
+
+        self._requests.post(request, "" if begin else "follow")
+
+    def plan(self) -> None:
+        """Plan the path to each waypoint."""
+
+        def request() -> None:
+            paths = tuple(self.stage.paths())
+
+            def show() -> None:
+                self.session.status.paths = paths
+                self.session.changed()
+
+            self.session.post(show)
+
+        self.work("planning paths", request, "paths")
+
+    def wait(self, timeout: float) -> bool:
+        """Wait until all requests are answered [s]; return False after a timeout."""
+        return self._requests.wait(timeout)
+
+    def _show(self, work: str, fault: str) -> None:
+        def show() -> None:
+            self.session.status.work, self.session.status.fault = work, fault
+            self.session.changed()
+
+        self.session.post(show)
+
+    def _failed(self, error: Exception) -> None:
+        _LOG.error("in the thread of requests", exc_info=error)
+        self._show("", f"{type(error).__name__}: {error}")
+
+    def stop(self) -> None:
+        """End the thread of requests."""
+        self.stage.cancel()
+        self._requests.stop()

@@ -1,1 +1,0 @@
-"""What each command takes, apart from its work, so that help need not import what the work needs."""

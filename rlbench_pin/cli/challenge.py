@@ -1,0 +1,216 @@
+"""`rlbench-pin challenge run|splits`: few-shot learners on tasks that they have never seen."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import sys
+from contextlib import closing
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from rlbench_pin.cli.interrupts import INTERRUPTED
+from rlbench_pin.cli.list_tasks import split_names
+from rlbench_pin.cli.options import (
+    EngineName,
+    MaybeInt,
+    MaybePath,
+    OnlyTasks,
+    RobotName,
+    check_at_least,
+    check_folder,
+    make_engine,
+)
+from rlbench_pin.errors import TaskEnvironmentError
+
+if TYPE_CHECKING:
+    from tqdm import tqdm
+
+    from rlbench_pin.evaluation.challenge import ChallengeConfig, ChallengeProgress
+
+LearnerName = Annotated[str, tyro.conf.arg(metavar="LEARNER", help_behavior_hint="(required)")]
+"""A learner behind a command, which says in its own words that it needs one."""
+Shots = Annotated[tuple[int, ...], tyro.conf.arg(metavar="INT...")]
+"""Numbers of demonstrations."""
+SplitName = Annotated[str, tyro.conf.arg(metavar="SPLIT")]
+"""A split of the challenge."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """Let a few-shot learner take the challenge. Use `--resume` to continue after an interruption.
+
+    The folder gets a results file for each number of demonstrations, `shots_5.json`, which `rlbench-pin results` shows and
+    compares, the learning curve, `summary.json`, and the demonstrations with their seeds.
+    """
+
+    learner: tyro.conf.Positional[LearnerName] = ""
+    """`nearest`, `module:factory` or `file.py:factory`. docs/challenge.md says how to write one."""
+    shots: Shots = (1, 5, 20)
+    """Numbers of demonstrations of each test task."""
+    split: SplitName = "V1"
+    """Which tasks are trained and tested on: V1, FS10_V1, FS25_V1, FS50_V1 or FS95_V1."""
+    tasks: OnlyTasks = ()
+    """Only these test tasks, with spaces or commas between them."""
+    available: bool = False
+    """Leave out the tasks that are not built."""
+    episodes: int = 25
+    """Episodes of each test task, spread evenly over its variations; the same for each number of demonstrations."""
+    seed: int = 0
+    """Seed of the episodes, as for `evaluate`, and of the demonstrations."""
+    secret: MaybePath = None
+    """File with a secret of at least 16 bytes, mixed into the seeds of episodes and demonstrations.
+    Results record its SHA-256. Publish the file when the challenge is over."""
+    max_steps: MaybeInt = None
+    """Actions of an episode at most; when not given, what the learner suggests or `evaluate` would take."""
+    max_seconds: float = 120.0
+    """Simulated time of an episode at most [s]."""
+    time_limit: float = 30.0
+    """Time that the policy has for one action [s], by the clock on the wall."""
+    start_limit: float = 300.0
+    """Time that the learner has to start [s]."""
+    adapt_limit: float = 3600.0
+    """Time that the learner has to adapt to a task [s]."""
+    train_limit: float = 1e6
+    """Time that the learner has to practise the tasks of the training [s]."""
+    robot: RobotName = "panda"
+    """Name of the arm."""
+    workers: int = 1
+    """Worker processes, each with a learner of its own; with 0 this process does the work."""
+    engine: EngineName = "processes"
+    """What does the work: processes of this machine, or a Ray cluster."""
+    out: Path = Path("out/challenge")
+    """Folder of the run."""
+    resume: bool = False
+    """Go on with a run that did not end."""
+
+    def run(self) -> int:
+        """Let a learner take the challenge, and print its learning curve; 130 when it was stopped."""
+        from rlbench_pin.cli.progress import stopping_gently
+        from rlbench_pin.evaluation.challenge import ChallengeStopped, run_challenge
+
+        if not self.learner:
+            raise TaskEnvironmentError(
+                "No learner was named. Use `rlbench-pin challenge run LEARNER`, for example `nearest` or `my_learner.py:make`."
+            )
+        check_at_least(self, workers=0, episodes=1, seed=0, shots=1)
+        config = self.config()
+        config.tasks()
+        check_folder(self.out)
+        engine = make_engine(self.engine, self.workers)
+        with stopping_gently() as stop, closing(ChallengeBar(self.learner)) as bar:
+            try:
+                curve = run_challenge(config, self.out, engine=engine, resume=self.resume, on_progress=bar, stop=stop)
+            except ChallengeStopped as stopped:
+                bar.close()
+                print(f"{stopped.stage}: {stopped.done} of {stopped.wanted}. Go on with:  {self.go_on()}", file=sys.stderr)
+                return INTERRUPTED
+        print(curve.table().text())
+        files = " ".join(shlex.quote(str(self.out / f"shots_{point.shots}.json")) for point in curve.points)
+        print(f"Results in {self.out}; `rlbench-pin results {files}` shows all of them.")
+        return 0
+
+    def config(self) -> ChallengeConfig:
+        """Return the run.
+
+        Raises:
+            UnknownName: There is no such learner, split or test task.
+        """
+        from rlbench_pin.evaluation.challenge import ChallengeConfig, read_secret
+
+        return ChallengeConfig(
+            learner=self.learner,
+            split=self.split,
+            shots=self.shots,
+            only=split_names(self.tasks),
+            available=self.available,
+            episodes=self.episodes,
+            seed=self.seed,
+            max_steps=self.max_steps,
+            max_seconds=self.max_seconds,
+            time_limit=self.time_limit,
+            start_limit=self.start_limit,
+            adapt_limit=self.adapt_limit,
+            train_limit=self.train_limit,
+            robot=self.robot,
+            secret=b"" if self.secret is None else read_secret(self.secret),
+        )
+
+    def go_on(self) -> str:
+        """Return the command that goes on where this one was stopped."""
+        words = sys.argv[1:]
+        if words[:1] != ["challenge"]:  # called from a program
+            words = ["challenge", "run", self.learner, "--out", str(self.out)]
+        return shlex.join(["rlbench-pin", *words, *([] if "--resume" in words else ["--resume"])])
+
+
+@dataclass(frozen=True)
+class Splits:
+    """List the splits of the challenge, and how many of their tasks are built."""
+
+    json: bool = False
+    """Print JSON for programs, with the names of all tasks."""
+
+    def run(self) -> int:
+        """Print one line per split; as JSON, all that is known of each."""
+        from rlbench_pin.evaluation.challenge import meta_split, meta_splits
+
+        splits = [meta_split(name) for name in meta_splits()]
+        if self.json:
+            content = {s.name: {"about": s.about, "train": s.train, "test": s.test, "missing": s.missing} for s in splits}
+            print(json.dumps(content, indent=1))
+            return 0
+        for s in splits:
+            built = [sum(name not in s.missing for name in names) for names in (s.train, s.test)]
+            train, test = (f"{n:>2} of {len(names):>2} built" for n, names in zip(built, (s.train, s.test)))
+            print(f"{s.name:<7}  train {train}  test {test}  {s.about}")
+        print("`--json` names the tasks, and those that are missing.")
+        return 0
+
+
+@dataclass(frozen=True)
+class Challenge:
+    """The few-shot challenge: a learner meets unseen tasks with 1, 5 and 20 demonstrations of each, and nothing else."""
+
+    action: tyro.conf.OmitSubcommandPrefixes[
+        Annotated[Run, tyro.conf.subcommand("run")] | Annotated[Splits, tyro.conf.subcommand("splits")]
+    ] = field()
+    """What to do."""
+
+    def run(self) -> int:
+        """Do it."""
+        return self.action.run()
+
+
+class ChallengeBar:
+    """A bar on stderr for each part of a run.
+
+    Args:
+        learner: What takes the challenge.
+    """
+
+    def __init__(self, learner: str) -> None:
+        self._learner, self._stage = learner, ""
+        self._bar: tqdm | None = None
+
+    def __call__(self, progress: ChallengeProgress) -> None:
+        """Show how far it is."""
+        from tqdm import tqdm
+
+        if progress.stage != self._stage:
+            self.close()
+            self._stage, name = progress.stage, f"{self._learner}, {progress.stage}"
+            self._bar = tqdm(total=progress.wanted, initial=progress.done, desc=name, dynamic_ncols=True)
+        assert self._bar is not None
+        self._bar.update(progress.done - self._bar.n)
+        notes = [f"success {100.0 * progress.successes / progress.done:.0f} %"] if "shot" in self._stage and progress.done else []
+        self._bar.set_postfix_str(", ".join([*notes, *([progress.latest] if progress.latest else [])]))
+
+    def close(self) -> None:
+        """Leave the line as it is."""
+        if self._bar is not None:
+            self._bar.close()
+        self._bar = None

@@ -1,0 +1,362 @@
+"""`rlbench-pin evaluate POLICY`: episodes by as many processes as there are cores, a results file, films of failures."""
+
+from __future__ import annotations
+
+import math
+import shlex
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import asdict, dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from rlbench_pin.cli.interrupts import INTERRUPTED
+from rlbench_pin.cli.list_tasks import named_tasks, split_names
+from rlbench_pin.cli.options import (
+    Controllers,
+    EngineName,
+    MaybeInt,
+    MaybePath,
+    RobotName,
+    TaskNames,
+    check_at_least,
+    check_file,
+    check_folder,
+    checked_names,
+    make_engine,
+    write_json,
+)
+from rlbench_pin.cli.pages import PageOptions, announce, check_port, live_module
+from rlbench_pin.errors import TaskEnvironmentError
+
+if TYPE_CHECKING:
+    from rlbench_pin.environment.task_environment import TaskEnvironment
+    from rlbench_pin.evaluation.controllers.summary import ControllerSummary
+    from rlbench_pin.evaluation.controllers.trials import LegTrial
+    from rlbench_pin.evaluation.results.records import EpisodeRecord, Results
+    from rlbench_pin.evaluation.run import EpisodeItem, EpisodeRunner, EvaluationConfig
+    from rlbench_pin.processes import Engine
+
+TASKS = (
+    "reach_target", "push_button", "pick_and_lift", "take_lid_off_saucepan", "open_drawer",
+    "close_microwave", "slide_block_to_target", "stack_blocks", "put_rubbish_in_bin", "meat_off_grill",
+)  # fmt: skip
+"""What is evaluated when no task is named."""
+MaybePolicy = Annotated[str, tyro.conf.arg(metavar="[POLICY]", help_behavior_hint="")]
+"""A policy behind a command that can do without."""
+EPISODES = 25
+"""Episodes of each task, when not said otherwise."""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Instead of a policy: the controllers of `rlbench_pin.control` on the motions of demonstrations."""
+
+    controllers: bool = False
+    """Compare the controllers: errors, limits, clearance, time; with `--tasks`, `--episodes` (1) and `--seed` (first seed)."""
+    legs: MaybeInt = None
+    """Number of legs of each demonstration, from the first on; all when not given."""
+    only: Controllers = ()
+    """Controllers to compare; all when none is given."""
+    json: MaybePath = None
+    """File to write the comparison to."""
+
+
+@dataclass(frozen=True)
+class Evaluate:
+    """Evaluate a policy on tasks: success with its interval, collisions, limits. `--resume` continues after an interruption.
+
+    The results file is the same to the byte, however many workers there are; `rlbench-pin results FILE...` shows and compares
+    what is in it. The arguments that belong to controllers stand at the end.
+    """
+
+    policy: tyro.conf.Positional[MaybePolicy] = ""
+    """`noop`, `random`, `expert` (the planner of demonstrations), `classical`, `cloning?folder=FOLDER`,
+    `key_frames?folder=FOLDER`, `ppo:FOLDER`, `sac:FOLDER`, `sb3:FILE`, `lerobot:FOLDER`, `module:factory`,
+    `file.py:factory`, or where one is served: `tcp://HOST:PORT`, `unix:PATH`. docs/policies.md says how to write one."""
+    tasks: TaskNames = TASKS
+    """Task names, task files, sets of tasks such as FS10_V1, or `all`, with spaces or commas between them."""
+    available: bool = False
+    """Leave out the tasks of a set that are not built."""
+    episodes: MaybeInt = None
+    """Episodes of each task, spread evenly over its variations; 25 when not given."""
+    variations: int = -1
+    """Number of variations of a task, at most; -1 is all."""
+    seed: int = 0
+    """Which stretch of the published seeds: episode i begins from 2^53 + 2 (seed + i), where no demonstration does."""
+    max_steps: MaybeInt = None
+    """Actions of an episode at most; when not given, what the policy suggests, else 25 where each plans a motion to a pose, else
+    as many as the seconds hold."""
+    max_seconds: float = 120.0
+    """Simulated time of an episode at most [s]."""
+    time_limit: float = 30.0
+    """Time that the policy has for one action [s], by the clock on the wall. Taking longer costs the episode."""
+    start_limit: float = 300.0
+    """Time that the policy has to start [s]."""
+    robot: RobotName = "panda"
+    """Name of the arm."""
+    tell_task: bool = True
+    """Tell the policy the name of the task, beside the instruction."""
+    workers: int = 1
+    """Worker processes, each with a policy of its own; with 0 this process does the work."""
+    engine: EngineName = "processes"
+    """What does the work: processes of this machine, or a Ray cluster."""
+    out: Path = Path("out/results.json")
+    """The results file. Times go to a file beside it, and finished episodes to a journal until the last one is played."""
+    resume: bool = False
+    """Go on with an evaluation that did not end."""
+    films: int = 0
+    """Films of the first failures of each task, so many, played again after the evaluation, in a folder beside the results."""
+    page: tyro.conf.OmitArgPrefixes[PageOptions] = field(default_factory=PageOptions)
+    """Episodes as they are played, by this process, one after the other; the results are the same."""
+    comparison: tyro.conf.OmitArgPrefixes[Comparison] = field(default_factory=Comparison)
+    """Controllers instead of a policy."""
+
+    def run(self) -> int:
+        """Evaluate a policy, or compare controllers; 130 when it was stopped."""
+        comparison = self.comparison
+        if self.policy and comparison.controllers:
+            print("rlbench-pin evaluate: name a policy, or `--controllers`, not both.", file=sys.stderr)
+            return 2
+        if comparison.controllers:
+            episodes = 1 if self.episodes is None else self.episodes
+            legs, only, json = comparison.legs, comparison.only, comparison.json
+            return ControllerComparison(self.tasks, episodes, self.seed, legs, only, json).run()
+        if not self.policy:
+            hint = "such as `rlbench-pin evaluate expert`, or `--controllers`"
+            print(f"rlbench-pin evaluate: say what to evaluate, a policy, {hint}.", file=sys.stderr)
+            return 2
+        return self._evaluate()
+
+    def _evaluate(self) -> int:
+        from rlbench_pin.cli.progress import EvaluationBar, stopping_gently
+        from rlbench_pin.evaluation.run import EvaluationStopped, evaluate
+
+        check_at_least(self, workers=0, films=0)
+        config = self.config()
+        check_file(self.out)
+        engine, page = self._engine(), watched(self.page, self.policy)
+        with page as make, stopping_gently() as stop, closing(EvaluationBar(self.policy)) as bar:
+            try:
+                results = evaluate(
+                    config, self.out, engine=engine, resume=self.resume, on_progress=bar, stop=stop, make_runner=make
+                )
+            except EvaluationStopped as stopped:
+                bar.close()
+                print(f"{stopped.done} of {stopped.wanted} episodes are played. Go on with:  {self.go_on()}", file=sys.stderr)
+                return INTERRUPTED
+        print(summary(results))
+        print(f"Results in {self.out}; `rlbench-pin results {shlex.quote(str(self.out))}` shows all of them.")
+        if self.films:
+            folder = self.out.with_name(f"{self.out.stem}_films")
+            for film in film_failures(config, results, self.films, folder):
+                print(f"  film  {film}")
+        return 0
+
+    def _engine(self) -> Engine:
+        from rlbench_pin.processes import SerialEngine
+
+        if not self.page.live:
+            return make_engine(self.engine, self.workers)
+        if self.workers > 1 or self.engine != "processes":
+            raise TaskEnvironmentError("--live shows the episodes that one process plays. Leave out --workers and --engine.")
+        return SerialEngine()
+
+    def config(self) -> EvaluationConfig:
+        """Return what is to be evaluated.
+
+        Raises:
+            MissingTasks: A set has tasks that are not built.
+            UnknownName: There is no such task or set.
+        """
+        from rlbench_pin.evaluation.run import EvaluationConfig
+        from rlbench_pin.evaluation.sets import resolve_tasks
+
+        words = checked_names(self.tasks, split_names, "rlbench-pin evaluate POLICY --tasks TASK...")
+        return EvaluationConfig(
+            policy=self.policy,
+            tasks=resolve_tasks(words, self.available),
+            task_set=" ".join(words),
+            episodes=EPISODES if self.episodes is None else self.episodes,
+            seed=self.seed,
+            max_steps=self.max_steps,
+            max_seconds=self.max_seconds,
+            variations=self.variations,
+            time_limit=self.time_limit,
+            start_limit=self.start_limit,
+            robot=self.robot,
+            tell_task=self.tell_task,
+        )
+
+    def go_on(self) -> str:
+        """Return the command that goes on where this one was stopped."""
+        words = sys.argv[1:]
+        if words[:1] != ["evaluate"]:  # called from a program
+            words = ["evaluate", self.policy, "--out", str(self.out), "--tasks", *self.tasks]
+        return shlex.join(["rlbench-pin", *words, *([] if "--resume" in words else ["--resume"])])
+
+
+def summary(results: Results) -> str:
+    """Return a line for each task: rate of success with its interval, held successes, faults; and the mean of the tasks."""
+    from rlbench_pin.rates import Rate
+
+    width = max(len(task) for task in (*results.tasks, "mean"))
+    lines = [f"{'task':<{width}}  success        95 %         held  refused  collisions  faults"]
+    lines += [_line(task, width, results.of_task(task)) for task in results.tasks]
+    means = [Rate(sum(e.success for e in some), len(some)).value for some in map(results.of_task, results.tasks)]
+    return "\n".join([*lines, f"{'mean':<{width}}  {100.0 * math.fsum(means) / len(means):5.1f} %"])
+
+
+def _line(task: str, width: int, episodes: tuple[EpisodeRecord, ...]) -> str:
+    from rlbench_pin.rates import Rate
+
+    rate = Rate(sum(e.success for e in episodes), len(episodes))
+    low, high = (100.0 * bound for bound in rate.interval)
+    refused, touched = sum(sum(e.refused.values()) for e in episodes), sum(e.collisions for e in episodes)
+    return (
+        f"{task:<{width}}  {100.0 * rate.value:5.1f} %  {low:5.1f} to {high:5.1f} %  {sum(e.lasts for e in episodes):>6}"
+        f"  {refused:>7}  {touched:>10}  {sum(bool(e.fault) for e in episodes):>6}"
+    )
+
+
+@dataclass(frozen=True)
+class ControllerComparison:
+    """Controllers on the legs of demonstrations."""
+
+    tasks: tuple[str, ...]
+    """Task names, or task files."""
+    episodes: int = 1
+    """Demonstrations of each task."""
+    seed: int = 0
+    """Seed of the first episode; episode i uses seed + i."""
+    legs: int | None = None
+    """Number of legs of each demonstration; all when None."""
+    only: tuple[str, ...] = ()
+    """Controllers to compare; all when none is given."""
+    json: Path | None = None
+    """File to write everything to."""
+
+    def run(self) -> int:
+        """Follow, and print one table per kind of leg."""
+        from rlbench_pin.evaluation.controllers.summary import summarise_legs
+        from rlbench_pin.evaluation.controllers.trials import chosen_controllers
+
+        check_at_least(self, episodes=1, seed=0, legs=1)
+        checked_names(self.tasks, named_tasks, "rlbench-pin evaluate --controllers --tasks TASK...")
+        chosen_controllers(self.only)
+        if self.json is not None:
+            check_file(self.json)
+        trials = list(self.trials())
+        if not trials:
+            raise TaskEnvironmentError("No leg was planned, so there is nothing to compare. Name other tasks.")
+        summaries = summarise_legs(trials)
+        print(report(summaries))
+        if self.json is not None:
+            write_json(self.json, self.content(summaries))
+        return 0
+
+    def content(self, summaries: Sequence[ControllerSummary]) -> dict[str, object]:
+        """Return what the JSON file says."""
+        from rlbench_pin.environment.demos import library_versions
+
+        return {
+            "format": 1,
+            "tasks": list(named_tasks(self.tasks)),
+            "episodes": self.episodes,
+            "seed": self.seed,
+            "legs": self.legs,
+            "versions": library_versions(),
+            "controllers": [asdict(s) for s in summaries],
+        }
+
+    def trials(self) -> Iterator[LegTrial]:
+        """Let every controller follow every leg."""
+        from tqdm import tqdm
+
+        from rlbench_pin.environment.presets import low_dim_config, make_environment
+        from rlbench_pin.evaluation.controllers.trials import chosen_controllers, follow_demo
+        from rlbench_pin.tasks import find_task
+
+        names = chosen_controllers(self.only)
+        classes = [find_task(name) for name in named_tasks(self.tasks)]
+        with tqdm(total=len(classes) * self.episodes, unit="episode", desc="controllers") as bar:
+            for task_class in classes:
+                with make_environment(low_dim_config()) as environment:
+                    task = environment.get_task(task_class)
+                    for seed in range(self.seed, self.seed + self.episodes):
+                        yield from follow_demo(task, seed, names, self.legs)
+                        bar.update()
+
+
+def report(summaries: Sequence[ControllerSummary], title: str = "") -> str:
+    """Return one table per kind of leg under its heading; `title` stands before each heading."""
+    from rlbench_pin.evaluation.controllers.summary import table
+
+    headings = {"free": "Legs planned around obstacles", "contact": "Legs that may touch"}
+    parts = [(heading, [s for s in summaries if s.kind == kind]) for kind, heading in headings.items()]
+    return "\n\n".join(f"{title}{heading}\n\n{table(rows)}" for heading, rows in parts if rows)
+
+
+def film_failures(config: EvaluationConfig, results: Results, count: int, folder: Path) -> Iterator[Path]:
+    """Play the first failures of each task again, and yield a film of each as it is made.
+
+    Args:
+        config: What was evaluated.
+        results: What came of it.
+        count: Failures of each task.
+        folder: Where films go: `<task>_<seed>_<how it ended>.mp4`.
+    """
+    from tqdm import tqdm
+
+    from rlbench_pin.evaluation.run import EpisodeRunner, plan_episodes
+
+    check_folder(folder)
+    records = {record.key: record for record in results.episodes}
+    items = plan_episodes(config)
+    chosen: list[tuple[EpisodeItem, EpisodeRecord]] = []
+    for task in results.tasks:
+        of_task = [(item, records[item.name, item.variation, item.seed]) for item in items if item.name == task]
+        chosen += [(item, record) for item, record in of_task if not record.success][:count]
+    with EpisodeRunner(config) as runner, tqdm(total=len(chosen), unit="film", desc="films") as bar:
+        for item, record in chosen:
+            path = folder / f"{item.name}_{item.seed}_{record.end}.mp4"
+            runner.play(item, lambda task, path=path: _filmed(task, path))  # type: ignore[misc]
+            bar.update()
+            if path.exists():
+                yield path
+
+
+@contextmanager
+def _filmed(task: TaskEnvironment, path: Path) -> Iterator[None]:
+    """Film the block, also when a fault ends it."""
+    from rlbench_pin.recording import Film
+
+    with Film(task, path.parent) as film:
+        try:
+            yield
+        finally:
+            film.keep(path)
+
+
+@contextmanager
+def watched(wanted: PageOptions, title: str) -> Iterator[Callable[[EvaluationConfig], EpisodeRunner]]:
+    """Yield what makes the runners of an evaluation; where a page is wanted, it is there for the duration of the block.
+
+    Args:
+        wanted: What the user asked for.
+        title: What the page is called.
+    """
+    from rlbench_pin.evaluation.run import EpisodeRunner
+
+    check_port(wanted)
+    if not wanted.live:
+        yield EpisodeRunner
+        return
+    module = live_module()
+    with module.LiveView.of_evaluation(title, wanted.port) as page:
+        announce(page.address, wanted.browser)
+        yield partial(module.LiveRunner, view=page.view)

@@ -1,1 +1,0 @@
-"""Commands about how well something does on the tasks."""

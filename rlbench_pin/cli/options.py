@@ -1,0 +1,161 @@
+"""Types of command line arguments, their checks, the files that commands write, and the engine that does the work."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import tempfile
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import tyro
+
+from rlbench_pin.errors import TaskEnvironmentError
+from rlbench_pin.observation import CAMERAS, PRODUCTS
+
+if TYPE_CHECKING:
+    from rlbench_pin.processes import Engine
+
+TaskName = Annotated[str, tyro.conf.arg(metavar="TASK")]
+"""A task."""
+Viewed = Annotated[str, tyro.conf.arg(metavar="TASK|FOLDER")]
+"""A task, or a dataset."""
+TaskNames = Annotated[tuple[str, ...], tyro.conf.arg(metavar="TASK...")]
+"""Any number of tasks."""
+OnlyTasks = Annotated[tuple[str, ...], tyro.conf.arg(metavar="TASK...", help_behavior_hint="")]
+"""Tasks that a command keeps to; all when none is named."""
+AnyTasks = Annotated[tuple[str, ...], tyro.conf.arg(metavar="[TASK...]", help_behavior_hint="")]
+"""Tasks behind a command that can do without."""
+SomeTasks = Annotated[tuple[str, ...], tyro.conf.arg(metavar="TASK...", help_behavior_hint="(required)")]
+"""Tasks behind a command that cannot; it says so in its own words."""
+RobotName = Annotated[str, tyro.conf.arg(metavar="ARM")]
+"""An arm."""
+Device = Annotated[str, tyro.conf.arg(metavar="DEVICE")]
+"""Where torch computes."""
+MaybePath = Annotated[Path | None, tyro.conf.arg(metavar="PATH")]
+"""A file or folder that may be left out."""
+MaybeInt = Annotated[int | None, tyro.conf.arg(metavar="INT")]
+"""A number that may be left out."""
+MaybeBool = Annotated[bool | None, tyro.conf.arg(metavar="{True,False}")]
+"""A choice that may be left out."""
+Files = Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE...", help_behavior_hint="")]
+"""Any number of files."""
+SomeFiles = Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE...", help_behavior_hint="(required)")]
+"""Files, of which there must be one."""
+SomeFolders = Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FOLDER...", help_behavior_hint="(required)")]
+"""Folders, of which there must be one."""
+Cameras = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{','.join(CAMERAS)}}}...")]
+"""Any number of cameras."""
+OnlyCameras = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{','.join(CAMERAS)}}}...", help_behavior_hint="")]
+"""Cameras that a command keeps to; all when none is named."""
+Products = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{','.join(PRODUCTS)}}}...")]
+"""Any number of kinds of pictures."""
+CONTROLLERS = (
+    "TrajectoryTracker", "VelocityFollowing", "VelocityFollowing + SafetyFilter", "DifferentialIK, poses",
+    "DifferentialIK, twists", "DifferentialIKQP, twists", "DifferentialIK, twists + SafetyFilter", "CartesianMPC",
+    "CartesianMPC, distances", "ComputedTorque", "OperationalSpaceQP", "JointImpedance", "CartesianImpedance",
+)  # fmt: skip
+"""The controllers of `evaluate`, said here too so that help need not import them; a test compares these with those that work."""
+Controllers = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{'|'.join(CONTROLLERS)}}}...", help_behavior_hint="")]
+"""Any number of controllers."""
+EngineName = Literal["processes", "ray"]
+Compression = Literal["gzip", "lzf"]
+RenderMode = Literal["opengl", "opengl3"]
+ExportFormat = Literal["lerobot", "robomimic", "rlbench", "peract", "zarr"]
+Size = Annotated[tuple[int, int], tyro.conf.arg(metavar="WIDTH HEIGHT")]
+"""Width and height [px]."""
+
+
+def check_at_least(command: object, **least: int) -> None:
+    """Check numbers of a command, each by the name of its field; one that is None was not given.
+
+    Raises:
+        TaskEnvironmentError: One of them, or a number of a pair, is lower than the least that makes sense.
+    """
+    for name, low in least.items():
+        value = getattr(command, name)
+        numbers = value if isinstance(value, tuple) else (value,)
+        if any(number is not None and number < low for number in numbers):
+            said = " ".join(map(str, numbers))
+            raise TaskEnvironmentError(f"--{name.replace('_', '-')} is {said}; it must be at least {low}.")
+
+
+def checked_names(words: Iterable[str], split: Callable[[Iterable[str]], tuple[str, ...]], usage: str) -> tuple[str, ...]:
+    """Return the names in `words`, of which there must be one.
+
+    Args:
+        words: As they were typed.
+        split: What takes them apart.
+        usage: How the command is used.
+
+    Raises:
+        TaskEnvironmentError: There is none.
+    """
+    names = split(words)
+    if not names:
+        raise TaskEnvironmentError(f"No task was named. Use `{usage}`; `rlbench-pin list` prints the tasks.")
+    return names
+
+
+def storing(path: Path) -> AbstractContextManager[None]:
+    """Return a context in which system errors become StorageError; see `datasets.storage.storing`."""
+    from rlbench_pin.datasets import storage
+
+    return storage.storing(path)
+
+
+def write_whole(path: Path, content: bytes) -> Path:
+    """Write a file that is complete or not there; see `datasets.storage.write_whole`."""
+    from rlbench_pin.datasets import storage
+
+    return storage.write_whole(path, content)
+
+
+def check_folder(folder: Path) -> None:
+    """Make a folder and see whether files can be written there, before hours of work.
+
+    Raises:
+        StorageError: They cannot.
+    """
+    with storing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+
+
+def check_file(path: Path) -> None:
+    """See whether a file can be written, before the work that it is for; its folder is made.
+
+    Raises:
+        StorageError: It cannot.
+    """
+    with storing(path):
+        if path.is_dir():
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+        check_folder(path.parent)
+
+
+def write_json(path: Path, content: object) -> None:
+    """Write a file for programs.
+
+    Raises:
+        StorageError: It cannot be written.
+    """
+    write_whole(path, (json.dumps(content, indent=1) + "\n").encode())
+
+
+def make_engine(name: EngineName, workers: int) -> Engine:
+    """Return the engine that does the work.
+
+    Raises:
+        MissingExtra: Ray is not installed.
+    """
+    from rlbench_pin import processes
+
+    if name == "processes":
+        return processes.ProcessEngine(workers) if workers else processes.SerialEngine()
+    engine: Engine = processes.RayEngine(max(1, workers))
+    return engine

@@ -1,0 +1,128 @@
+"""`rlbench-pin results FILE...`: tables, comparisons and a picture of results files."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import tyro
+
+from rlbench_pin.cli.options import MaybePath, SomeFiles, check_file
+from rlbench_pin.errors import TaskEnvironmentError
+
+if TYPE_CHECKING:
+    from rlbench_pin.evaluation.results.comparison import Comparison
+    from rlbench_pin.evaluation.results.records import Results
+    from rlbench_pin.evaluation.results.statistics import PValues, Summary
+
+
+@dataclass(frozen=True)
+class ShowResults:
+    """Print tables of results files, compare them episode by episode, draw them.
+
+    Success has its interval of 95 %: Wilson's for a task, a bootstrap with the tasks as strata for the mean over tasks.
+    """
+
+    files: tyro.conf.Positional[SomeFiles] = ()
+    """Results files, as `rlbench-pin evaluate` writes them."""
+    compare: bool = False
+    """Compare every further file with the first: McNemar's test on the episodes that both played, by task and in all."""
+    held: bool = False
+    """Compare success that lasts, instead of success."""
+    common: bool = False
+    """Compare the episodes that both files have, where they do not have the same."""
+    any_limits: bool = False
+    """Compare although episodes ended at different limits."""
+    plot: MaybePath = None
+    """Picture to draw: success by task, the files side by side; PNG or SVG."""
+    markdown: bool = False
+    """Print the tables in Markdown."""
+    json: bool = False
+    """Print JSON for programs."""
+
+    def run(self) -> int:
+        """Print, and draw."""
+        from rlbench_pin.evaluation.results.plots import check_plot, draw_results
+        from rlbench_pin.evaluation.results.records import read_results
+        from rlbench_pin.evaluation.results.statistics import summarise
+        from rlbench_pin.evaluation.results.tables import comparison_table, overview_table, task_table
+
+        if not self.files:
+            raise TaskEnvironmentError(
+                "No file was named. Use `rlbench-pin results FILE...`; `rlbench-pin evaluate` writes them."
+            )
+        if self.compare and len(self.files) < 2:
+            raise TaskEnvironmentError("--compare needs two files or more, of which the first is compared with the others.")
+        if self.plot is not None:
+            check_plot(self.plot, len(self.files))
+            check_file(self.plot)
+        results = [read_results(path) for path in self.files]
+        labels = self.labels(results)
+        summaries = [replace(summarise(r, np.random.default_rng(0)), policy=label) for r, label in zip(results, labels)]
+        comparisons = self.comparisons(results, labels) if self.compare else []
+        if self.plot is not None:
+            draw_results(self.plot, summaries)
+        if self.json:
+            print(json.dumps(self.content(results, summaries, comparisons), indent=1))
+        else:
+            tables = [task_table(summary) for summary in summaries]
+            tables += [overview_table(summaries)] if len(summaries) > 1 else []
+            print("\n\n".join(table.text(self.markdown) for table in (*tables, *map(comparison_table, comparisons))))
+        return 0
+
+    def labels(self, results: Sequence[Results]) -> list[str]:
+        """Return what each file is called: its policy; with the name of the file where two have the same one."""
+        names = [r.policy for r in results]
+        for further in ([path.stem for path in self.files], [str(path) for path in self.files]):
+            count = Counter(names)
+            names = [f"{r.policy} ({more})" if count[n] > 1 else n for n, r, more in zip(names, results, further)]
+        return names
+
+    def comparisons(self, results: Sequence[Results], labels: Sequence[str]) -> list[Comparison]:
+        """Compare every further file with the first."""
+        from rlbench_pin.evaluation.results.comparison import compare
+
+        found = []
+        for other, label in zip(results[1:], labels[1:]):
+            comparison = compare(
+                results[0], other, np.random.default_rng(0),
+                measure="lasts" if self.held else "success", common=self.common, any_limits=self.any_limits,
+            )  # fmt: skip
+            found.append(replace(comparison, first=labels[0], second=label))
+        return found
+
+    def content(
+        self, results: Sequence[Results], summaries: Sequence[Summary], comparisons: Sequence[Comparison]
+    ) -> dict[str, Any]:
+        """Return everything as plain data."""
+        files = [
+            {"file": str(path), "sha256": r.sha256, "commit": r.commit, **_summary(summary)}
+            for path, r, summary in zip(self.files, results, summaries)
+        ]
+        return {"format": 1, "results": files, "comparisons": [_comparison(comparison) for comparison in comparisons]}
+
+
+def _summary(summary: Summary) -> dict[str, Any]:
+    tasks = [{**asdict(task), "success": task.success.as_dict(), "held": task.held.as_dict()} for task in summary.tasks]
+    mean = {"success": summary.success.as_dict(), "held": summary.held.as_dict()}
+    return {"policy": summary.policy, "episodes": summary.episodes, "mean": mean, "tasks": tasks}
+
+
+def _comparison(comparison: Comparison) -> dict[str, Any]:
+    tasks = [
+        {"task": task.task, **asdict(task.pairs), **_tested(task.pairs.p), "p_holm": task.p_holm, "significant": task.significant}
+        for task in comparison.tasks
+    ]
+    together = {**asdict(comparison.pairs), **_tested(comparison.pairs.p), "significant": comparison.significant}
+    return {
+        "first": comparison.first, "second": comparison.second, "measure": comparison.measure, "tasks": tasks, "all": together,
+        "difference": comparison.difference.as_dict(), "remarks": list(comparison.remarks),
+    }  # fmt: skip
+
+
+def _tested(p: PValues) -> dict[str, float]:
+    return {"p_exact": p.exact, "p_mid": p.mid}

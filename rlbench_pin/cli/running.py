@@ -1,0 +1,154 @@
+"""The table of commands; parse a command line, run the command, turn what it raises into exit codes."""
+
+from __future__ import annotations
+
+import errno
+import inspect
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import make_dataclass
+from typing import Protocol
+
+import tyro
+
+from rlbench_pin import __version__
+from rlbench_pin.cli.build import Build
+from rlbench_pin.cli.challenge import Challenge
+from rlbench_pin.cli.check import Check
+from rlbench_pin.cli.dataset import Dataset
+from rlbench_pin.cli.demo import RecordDemos
+from rlbench_pin.cli.doctor import Doctor
+from rlbench_pin.cli.evaluate import Evaluate
+from rlbench_pin.cli.interrupts import INTERRUPTED, PIPE_CLOSED, flushed, say
+from rlbench_pin.cli.list_tasks import ListTasks
+from rlbench_pin.cli.new import New
+from rlbench_pin.cli.problems import Problems
+from rlbench_pin.cli.record import Record, spelled_out
+from rlbench_pin.cli.replay import Replay
+from rlbench_pin.cli.results import ShowResults
+from rlbench_pin.cli.serve import Serve
+from rlbench_pin.cli.train import Train
+from rlbench_pin.cli.video import Video
+from rlbench_pin.cli.view import View
+from rlbench_pin.errors import RlbenchPinError, TaskEnvironmentError, UnknownName
+
+COMMANDS: dict[str, type] = {
+    "list": ListTasks,
+    "demo": RecordDemos,
+    "record": Record,
+    "dataset": Dataset,
+    "replay": Replay,
+    "check": Check,
+    "view": View,
+    "video": Video,
+    "new": New,
+    "build": Build,
+    "doctor": Doctor,
+    "evaluate": Evaluate,
+    "challenge": Challenge,
+    "serve": Serve,
+    "results": ShowResults,
+    "train": Train,
+    "problems": Problems,
+}
+DONE, FAILED, MISUSED = 0, 1, 2
+_WRITING = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+DESCRIPTION = (
+    "Robot manipulation tasks with planned demonstrations. `rlbench-pin COMMAND --help` says what a command takes, "
+    "`rlbench-pin --version` which version this is."
+)
+
+
+class Command(Protocol):
+    """What every command can do."""
+
+    def run(self) -> int:
+        """Do the work and return the exit code."""
+        ...
+
+
+def summary(command: type) -> str:
+    """Return the first paragraph of the help of a command."""
+    return " ".join((inspect.getdoc(command) or "").split("\n\n")[0].split())
+
+
+def parse(words: Sequence[str]) -> Command:
+    """Return the command that `words` ask for.
+
+    Raises:
+        SystemExit: Help or the version was asked for and printed (0), or the words are no command line (2).
+    """
+    if list(words) == ["--version"]:
+        print(f"rlbench-pin {__version__}")
+        raise SystemExit(DONE)
+    asked = words[0] if words else ""
+    if asked == "record":
+        words = spelled_out(words)
+    commands: dict[str, Callable[..., object]] = {
+        name: command if name == asked else make_dataclass(command.__name__, [], namespace={"__doc__": summary(command)})
+        for name, command in COMMANDS.items()
+    }  # the parser of a command is built only when it is asked for
+    command: Command = tyro.extras.subcommand_cli_from_dict(
+        commands, prog="rlbench-pin", description=DESCRIPTION, args=list(words)
+    )
+    return command
+
+
+def run(words: Sequence[str], on_begin: Callable[[], None]) -> int:
+    """Run the command that `words` ask for to its end and return the exit code.
+
+    Args:
+        words: The command line behind `rlbench-pin`.
+        on_begin: Called between reading the words and beginning the work.
+
+    Returns:
+        0 done, 1 failed, 2 misused, 130 interrupted, 141 nobody reads the output.
+    """
+    try:
+        command = parse(words)
+        on_begin()
+        code = command.run()
+    except SystemExit as stop:
+        code = stop.code if isinstance(stop.code, int) else DONE
+    except (UnknownName, TaskEnvironmentError) as error:
+        code = _print_error(error, MISUSED)
+    except RlbenchPinError as error:
+        code = _print_error(error, FAILED)
+    except KeyboardInterrupt:
+        say("rlbench-pin: interrupted")
+        code = INTERRUPTED
+    except BrokenPipeError:
+        code = PIPE_CLOSED
+    except (OSError, UnicodeError, MemoryError) as error:
+        code = _print_error(_system_error(error), FAILED)
+    return _after_flush(code)
+
+
+def _after_flush(code: int) -> int:
+    """Return the exit code when everything printed has left the process."""
+    problem = flushed()
+    if problem is None or code in (MISUSED, INTERRUPTED):
+        return code
+    if isinstance(problem, BrokenPipeError):
+        return PIPE_CLOSED
+    say(f"rlbench-pin: the output cannot be written: {problem.strerror or problem}.")
+    return code or FAILED
+
+
+def _system_error(error: OSError | UnicodeError | MemoryError) -> str:
+    if isinstance(error, MemoryError):
+        return "there is not enough memory."
+    if isinstance(error, UnicodeError):
+        return f"a name is no text: {error}. Choose a name of ordinary characters."
+    reason = error.strerror or str(error)
+    if error.filename is None:
+        return f"the output cannot be written: {reason}." if error.errno in _WRITING else f"the system refused: {reason}."
+    return f"'{error.filename}': {reason}. See whether the file or folder is there and can be used."
+
+
+def _print_error(problem: object, code: int) -> int:
+    try:
+        print(f"rlbench-pin: {problem}", file=sys.stderr)
+    except OSError:  # nobody reads it
+        return code
+    return code

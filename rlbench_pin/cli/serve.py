@@ -1,0 +1,52 @@
+"""`rlbench-pin serve POLICY`: a policy for evaluations in other environments, or on other machines."""
+
+from __future__ import annotations
+
+import os
+import sys
+from dataclasses import dataclass
+from typing import Annotated
+
+import tyro
+
+from rlbench_pin.errors import TaskEnvironmentError
+
+PolicyName = Annotated[str, tyro.conf.arg(metavar="POLICY", help_behavior_hint="(required)")]
+"""A policy behind a command, which says in its own words that it needs one."""
+Address = Annotated[str, tyro.conf.arg(metavar="ADDRESS")]
+"""A Unix socket, or host and port."""
+
+
+@dataclass(frozen=True)
+class Serve:
+    """Serve a policy at an address until Ctrl-C; `rlbench-pin evaluate` with that address elsewhere evaluates it."""
+
+    policy: tyro.conf.Positional[PolicyName] = ""
+    """`module:factory`, `file.py:factory`, `sb3:FILE`, `lerobot:FOLDER`, or the name of a policy of this package."""
+
+    address: Address = "tcp://127.0.0.1:5555"
+    """Where: `unix:PATH`, which this user alone can open, or `tcp://HOST:PORT`."""
+    anywhere: bool = False
+    """Let other machines connect. Nothing is encrypted and no password asked for: do so in a network that you trust."""
+
+    def run(self) -> int:
+        """Serve until Ctrl-C."""
+        from rlbench_pin.evaluation.policies.policy_process import answers_for
+        from rlbench_pin.evaluation.policies.policy_server import listen, serve_answers
+        from rlbench_pin.evaluation.policies.references import find_policy
+
+        if not self.policy:
+            raise TaskEnvironmentError("No policy was named. Use `rlbench-pin serve POLICY`, for example `my_policy.py:make`.")
+        found = find_policy(self.policy)
+        if found.place == "socket":
+            raise TaskEnvironmentError(f"'{self.policy}' is served already. Name what answers there.")
+        try:
+            listener = listen(self.address, self.anywhere)
+        except (ValueError, OSError) as error:
+            hint = "" if isinstance(error, ValueError) else " Is it in use? Choose another `--address`."
+            said = str(error).replace("or allow it", "or pass `--anywhere`")
+            raise TaskEnvironmentError(f"'{self.address}' cannot be listened at: {said.rstrip('.')}.{hint}") from error
+        sys.path.insert(0, os.getcwd())  # where `module:factory` is looked for, as with `python -m`
+        print(f"{self.policy} is served at {self.address}; Ctrl-C ends it", flush=True)
+        serve_answers(lambda: answers_for(found.target), listener)
+        return 0

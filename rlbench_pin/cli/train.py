@@ -1,0 +1,275 @@
+"""`rlbench-pin train`: baselines that learn, here those from recorded demonstrations."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import tyro
+
+from rlbench_pin.cli.interrupts import INTERRUPTED, say
+from rlbench_pin.cli.list_tasks import named_tasks, split_names
+from rlbench_pin.cli.options import (
+    Device,
+    MaybeInt,
+    MaybePath,
+    OnlyCameras,
+    OnlyTasks,
+    SomeFolders,
+    SomeTasks,
+    check_at_least,
+    check_file,
+    checked_names,
+)
+from rlbench_pin.errors import MissingExtra, TaskEnvironmentError
+
+if TYPE_CHECKING:
+    from tqdm import tqdm
+
+BASELINES = "rlbench_pin.baselines"
+STEPS = {"cloning": (3000, 128, 1e-3), "key-frames": (1500, 8, 2e-3)}
+"""Steps, examples in a batch, and learning rate of each baseline."""
+MODULE = "rlbench_pin.baselines.reinforcement"
+PLOTS = "rlbench_pin.evaluation.results.plots"
+
+
+@dataclass(frozen=True)
+class ByTrial:
+    """Arguments that both algorithms take."""
+
+    tasks: tyro.conf.Positional[SomeTasks] = ()
+    """Tasks to learn, one after the other, each with a model of its own."""
+    steps: int = 20_000
+    """Decisions of training for each task, 0.15 s each, rounded up to whole legs of about 2000 between check points. More prolong
+    a training that is finished."""
+    out: Path = Path("out/model")
+    """Folder of the models, one for each task."""
+    shaped: bool = False
+    """Pay the task's own reward at each step, where it has one; otherwise 1 for success alone."""
+    demonstrations: int = 0
+    """Demonstrations that the planner makes first, so many: a first policy imitates them, and SAC keeps them in its buffer."""
+    seed: int = 0
+    """Seed of first weights, episodes, exploration and batches. On the CPU the same seed gives the same weights."""
+    workers: int = 1
+    """Environments at once, each in a process of its own when there are several. Another number is another training."""
+    device: Device = "cpu"
+    """Where torch computes: `cpu`, `cuda`, `cuda:1`."""
+    episode_steps: MaybeInt = None
+    """Decisions of a training episode at most; when not given, 30 for `reach_target` and 50 for others."""
+    leg: int = 2048
+    """Decisions between two check points; PPO learns once in each leg. Another number is another training."""
+    plot: MaybePath = None
+    """PNG or SVG file for the learning curves of all tasks; that of each is in its folder in any case."""
+    resume: bool = False
+    """Go on with what the folder holds."""
+
+
+@dataclass(frozen=True)
+class Ppo(ByTrial):
+    """Learn by trial with PPO of Stable-Baselines3, from state; with demonstrations it begins as a policy that imitates them."""
+
+    def run(self) -> int:
+        """Train."""
+        return train_by_trial(self, "ppo")
+
+
+@dataclass(frozen=True)
+class Sac(ByTrial):
+    """Learn by trial with SAC of Stable-Baselines3, from state; half of each batch comes from demonstrations, if any."""
+
+    def run(self) -> int:
+        """Train."""
+        return train_by_trial(self, "sac")
+
+
+@dataclass(frozen=True)
+class Cloning:
+    """Learn joint commands from recorded demonstrations, from state or pictures."""
+
+    data: tyro.conf.Positional[SomeFolders] = ()
+    """Folders of datasets."""
+    out: Path = Path("out/model")
+    """Folder of the models, one for each task."""
+    tasks: OnlyTasks = ()
+    """Tasks to train; all of the datasets when none is named."""
+    demos: int = -1
+    """Demonstrations of each task, spread over its variations; -1 is all."""
+    cameras: OnlyCameras = ()
+    """Cameras to learn from in place of the state of the task."""
+    steps: MaybeInt = None
+    """Batches of 128 ticks for each task; 3000 when not given."""
+    seed: int = 0
+    """Seed of first weights, batches and augmentation. On the CPU the same seed gives the same files."""
+    device: Device = "cpu"
+    """Where torch computes: `cpu`, `cuda`, `cuda:1`."""
+    resume: bool = False
+    """Go on with what the folder holds."""
+
+    def run(self) -> int:
+        """Train."""
+        return train_on_demonstrations(self, "cloning", cameras=self.cameras)
+
+
+@dataclass(frozen=True)
+class KeyFrames:
+    """Learn tip poses from recorded demonstrations, from point clouds of five cameras."""
+
+    data: tyro.conf.Positional[SomeFolders] = ()
+    """Folders of datasets; stored pictures are not needed: the demonstrations are played again."""
+    out: Path = Path("out/model")
+    """Folder of the models, one for each task."""
+    tasks: OnlyTasks = ()
+    """Tasks to train; all of the datasets when none is named."""
+    demos: int = -1
+    """Demonstrations of each task, spread over its variations; -1 is all."""
+    steps: MaybeInt = None
+    """Batches of 8 clouds for each task; 1500 when not given."""
+    seed: int = 0
+    """Seed of first weights, batches and augmentation. On the CPU the same seed gives the same files."""
+    device: Device = "cpu"
+    """Where torch computes: `cpu`, `cuda`, `cuda:1`."""
+    resume: bool = False
+    """Go on with what the folder holds."""
+
+    def run(self) -> int:
+        """Train."""
+        return train_on_demonstrations(self, "key-frames")
+
+
+@dataclass(frozen=True)
+class Train:
+    """Train a baseline, on demonstrations or by trial. Use `--resume` to continue after an interruption."""
+
+    action: tyro.conf.OmitSubcommandPrefixes[
+        Annotated[Cloning, tyro.conf.subcommand("cloning")]
+        | Annotated[KeyFrames, tyro.conf.subcommand("key-frames")]
+        | Annotated[Ppo, tyro.conf.subcommand("ppo")]
+        | Annotated[Sac, tyro.conf.subcommand("sac")]
+    ] = field()
+    """Which baseline."""
+
+    def run(self) -> int:
+        """Do it."""
+        return self.action.run()
+
+
+def train_on_demonstrations(command: Cloning | KeyFrames, baseline: str, **options: Any) -> int:
+    """Train one model after the other; 130 when it was interrupted.
+
+    Args:
+        command: What the user typed.
+        baseline: A key of `STEPS`.
+        options: Further arguments of what trains.
+    """
+    from rlbench_pin.cli.progress import stopping_gently
+    from rlbench_pin.datasets import chosen_tasks, stored_tasks
+
+    if not command.data:
+        raise TaskEnvironmentError(f"No dataset was named. Use `rlbench-pin train {baseline} DATA...`.")
+    check_at_least(command, demos=-1, seed=0, steps=1)
+    if command.demos == 0:
+        raise TaskEnvironmentError("--demos is 0; it must be at least 1, or -1 for all.")
+    stored = {task: root for root in reversed(command.data) for task in stored_tasks(root, at_least_one=True)}
+    tasks = chosen_tasks(command.data[0], tuple(sorted(stored)), named_tasks(command.tasks) if command.tasks else ())
+    if not command.resume and any((command.out / task).exists() for task in tasks):
+        raise TaskEnvironmentError(f"'{command.out}' holds models already. Go on with --resume, or name another --out.")
+    with stopping_gently() as stop:
+        for task in tasks:
+            if not _train_on_demonstrations(command, baseline, task, stop, options):
+                say("The same command with --resume goes on.")
+                return INTERRUPTED
+    name = baseline.replace("-", "_")
+    print(f"{len(tasks)} models in {command.out}; the policy is {BASELINES}.{name}:policy?folder={command.out}")
+    return 0
+
+
+def _train_on_demonstrations(
+    command: Cloning | KeyFrames, baseline: str, task: str, stop: threading.Event, options: dict[str, Any]
+) -> bool:
+    """Train one task and return whether it is finished."""
+    from tqdm import tqdm
+
+    steps, batch, rate = STEPS[baseline]
+    cloning = importlib.import_module(f"{BASELINES}.cloning")
+    config = cloning.TrainConfig(steps=command.steps or steps, batch=batch, rate=rate, seed=command.seed, device=command.device)
+    with tqdm(total=config.steps, unit="step", desc=task, dynamic_ncols=True) as bar:
+        options = {"demos": command.demos, "on_step": _show_loss(bar), "stop": stop, **options}
+        roots: list[Path] = list(command.data)
+        if baseline == "cloning":
+            return bool(cloning.train_cloning(roots, task, command.out, config, **options))
+        options["on_demo"] = lambda done, total: bar.set_postfix_str(f"demonstration {done} of {total}")
+        module = importlib.import_module(f"{BASELINES}.key_frames")
+        return bool(module.train_key_frames(roots, task, command.out, config, **options))
+
+
+def _show_loss(bar: tqdm) -> Callable[[int, float], None]:
+    def show(step: int, loss: float) -> None:
+        bar.set_postfix_str(f"loss {loss:.3f}", refresh=False)
+        bar.update(step - bar.n)
+
+    return show
+
+
+def train_by_trial(command: ByTrial, algorithm: str) -> int:
+    """Train one model after the other; 130 when it was interrupted.
+
+    Args:
+        command: What the user typed.
+        algorithm: `ppo` or `sac`.
+    """
+    from rlbench_pin.cli.progress import stopping_gently
+
+    usage = f"rlbench-pin train {algorithm} TASK..."
+    tasks = named_tasks(checked_names(command.tasks, split_names, usage))
+    check_at_least(command, steps=1, demonstrations=0, seed=0, workers=1, episode_steps=1, leg=8)
+    if not command.resume and (held := [task for task in tasks if (command.out / task).exists()]):
+        raise TaskEnvironmentError(f"'{command.out / held[0]}' exists. Go on with --resume, or name another --out.")
+    if importlib.util.find_spec("stable_baselines3") is None:
+        raise MissingExtra(f"`rlbench-pin train {algorithm}`", "stable_baselines3", "rl")
+    if command.plot is not None:
+        importlib.import_module(PLOTS).check_plot(command.plot, len(tasks))
+        check_file(command.plot)
+    learning = importlib.import_module(MODULE)
+    with stopping_gently() as stop:
+        for task in tasks:
+            if not _train_by_trial(learning, command, algorithm, task, stop):
+                say("The same command with --resume goes on.")
+                return INTERRUPTED
+    if command.plot is not None:
+        curves = {f"{algorithm} {task}": learning.read_curve(command.out / task) for task in tasks}
+        print(f"Learning curves in {learning.draw_curves(command.plot, curves)}")
+    print(f"{len(tasks)} models in {command.out}; the policy is {algorithm}:{command.out}")
+    return 0
+
+
+def _train_by_trial(learning: Any, command: ByTrial, algorithm: str, task: str, stop: threading.Event) -> bool:
+    """Train one task and return whether it is finished."""
+    from tqdm import tqdm
+
+    config = learning.ReinforcementConfig(
+        algorithm, task, steps=command.steps, shaped=command.shaped, demonstrations=command.demonstrations, seed=command.seed,
+        workers=command.workers, device=command.device, episode_steps=command.episode_steps,
+        leg_steps=command.leg,
+    )  # fmt: skip
+    with tqdm(total=config.legs * config.leg, unit="step", desc=f"{algorithm} {task}", dynamic_ncols=True) as bar:
+        return bool(learning.train_reinforcement(config, command.out, _show_success(bar), stop))
+
+
+def _show_success(bar: tqdm) -> Callable[[Any], None]:
+    """Return what shows the steps, and of the last leg how often it succeeded."""
+
+    def show(progress: Any) -> None:
+        point = progress.point
+        if progress.note:
+            bar.set_postfix_str(progress.note)
+        elif point is not None and point.success is not None:
+            looked = "" if point.validation is None else f", {100.0 * point.validation:.0f} % without exploring"
+            bar.set_postfix_str(f"success {100.0 * point.success:.0f} %{looked}", refresh=False)
+        bar.update(progress.steps - bar.n)
+
+    return show

@@ -1,0 +1,1 @@
+"""Tests of `rlbench_pin.builder.custom_assets`."""

@@ -1,1 +1,0 @@
-"""Tests of `rlbench_pin.builder.server`."""
