@@ -24,8 +24,8 @@ from problems import PER_KIND, all_problems
 from rlbench_pin.errors import PlanningError
 from rlbench_pin.planning.plan import PlannerConfig
 from rlbench_pin.planning.planner import MotionPlanner
-from rlbench_pin.planning.problems.problem import PlanningProblem, read_problem
-from rlbench_pin.planning.search.sampling import sample_path
+from rlbench_pin.planning.problems import PlanningProblem, read_problem
+from rlbench_pin.planning.search import sample_path
 from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray

@@ -1,4 +1,4 @@
-"""How long planning one leg of a demonstration takes, by method and task, and how the time divides; TOPPRA per path among it."""
+"""Planning of single segments: every plan of the expert in all tasks, by method and by task. Run: `make bench`."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 from harness import Result, main, summary, velocity_environment
 
-from rlbench_pin.environment import LegReport
-from rlbench_pin.environment.listener import Listener
+from rlbench_pin.environment import SegmentReport
+from rlbench_pin.environment.runtime import Listener
 from rlbench_pin.errors import PlanningError
 from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.plan import Plan
@@ -18,16 +18,16 @@ SEEDS = 10
 
 
 def benchmark(tasks: Sequence[str] = (), seeds: int = SEEDS) -> list[Result]:
-    """Demonstrate each task and gather its legs and plans."""
-    legs: dict[str, list[LegReport]] = {}
+    """Demonstrate each task and gather its segments and plans."""
+    segments: dict[str, list[SegmentReport]] = {}
     recorder = PlanRecorder()
     for name in tasks or task_names():
         with velocity_environment() as environment:
             task = environment.get_task(name)
             with task.runtime.listening(recorder):
                 outcomes = [task.try_demo(seed=s, variation=s % task.variation_count(), record=False) for s in range(seeds)]
-            legs[name] = [leg for outcome in outcomes for leg in outcome.legs]
-    return [*_by_task(legs), *_by_stage(recorder.plans)]
+            segments[name] = [segment for outcome in outcomes for segment in outcome.segments]
+    return [*_by_task(segments), *_by_stage(recorder.plans)]
 
 
 class PlanRecorder(Listener):
@@ -42,16 +42,16 @@ class PlanRecorder(Listener):
             self.plans.append(outcome)
 
 
-def _by_task(legs: dict[str, list[LegReport]]) -> list[Result]:
-    """Times of whole legs: all, by method, by task."""
-    everything = [leg for of_task in legs.values() for leg in of_task]
+def _by_task(segments: dict[str, list[SegmentReport]]) -> list[Result]:
+    """Times of whole segments: all, by method, by task."""
+    everything = [segment for of_task in segments.values() for segment in of_task]
     groups: dict[str, list[float]] = defaultdict(list)
-    for leg in everything:
-        groups[leg.method].append(leg.planning_time)
-    rows = [("plan a leg, all tasks", [leg.planning_time for leg in everything])]
+    for segment in everything:
+        groups[segment.method].append(segment.planning_time)
+    rows = [("plan a leg, all tasks", [segment.planning_time for segment in everything])]
     rows += [(f"plan a leg, {method}", times) for method, times in sorted(groups.items())]
-    rows += [(f"plan a leg, {name}", [leg.planning_time for leg in of_task]) for name, of_task in legs.items()]
-    return [summary(name, times, f"{len(times)} legs") for name, times in rows if times]
+    rows += [(f"plan a leg, {name}", [segment.planning_time for segment in of_task]) for name, of_task in segments.items()]
+    return [summary(name, times, f"{len(times)} segments") for name, times in rows if times]
 
 
 def _by_stage(plans: Sequence[Plan]) -> list[Result]:

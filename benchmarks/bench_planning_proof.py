@@ -11,15 +11,13 @@ from pathlib import Path
 import numpy as np
 from harness import velocity_environment
 
-from rlbench_pin.environment.listener import Listener
+from rlbench_pin.environment.runtime import Listener
 from rlbench_pin.errors import PlanningError
 from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.path import through
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.planning.planner import MotionPlanner
-from rlbench_pin.planning.timing.arc import ArcLimits
-from rlbench_pin.planning.timing.retime import retime
-from rlbench_pin.planning.timing.torque import TorqueLimits
+from rlbench_pin.planning.timing import ArcLimits, TorqueLimits, retime
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import task_names
 

@@ -11,7 +11,7 @@ from ompl import base as ob
 from ompl import geometric as og
 from ompl import util as ou
 
-from rlbench_pin.planning.problems.problem import PlanningProblem
+from rlbench_pin.planning.problems import PlanningProblem
 from rlbench_pin.robot.collision import CollisionGeometry
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray

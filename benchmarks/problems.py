@@ -12,8 +12,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from rlbench_pin.errors import PlanningError
-from rlbench_pin.planning.kinematics.ik import solve_ik
-from rlbench_pin.planning.problems.problem import PlanningProblem, solid_body
+from rlbench_pin.planning.kinematics import solve_ik
+from rlbench_pin.planning.problems import PlanningProblem, solid_body
 from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.robot.description import robot_description
 from rlbench_pin.robot.model import RobotModel

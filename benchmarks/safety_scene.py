@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from harness import state_only
 
-from rlbench_pin.control import SafetyConfig, SafetyFilter
+from rlbench_pin.control import SafetyConfig
 from rlbench_pin.environment import Discrete, Environment, JointVelocity, MoveArmThenGripper, SafeArm, TaskEnvironment
 from rlbench_pin.environment.actions.safe_arm import LIMIT_MARGIN, Guard, wanted_velocity
 from rlbench_pin.environment.runtime import Runtime
@@ -102,20 +102,20 @@ class TimedArm(SafeArm):
         self.states: list[State] = []
         self.seconds: list[float] = []
 
-    def bind(self, runtime: Runtime) -> Guard:
+    def make_guard(self, runtime: Runtime) -> Guard:
         """Make the filter, timed."""
-        return TimedGuard(filter=super().bind(runtime).filter)
+        return TimedGuard(super().make_guard(runtime).filter)
 
-    def _command(self, runtime: Runtime) -> None:
+    def filter_command(self, runtime: Runtime, guard: Guard) -> None:
         q, v = runtime.robot.joint_positions, runtime.robot.joint_velocities
         self.states.append((q, v, wanted_velocity(runtime, q, v).copy()))
         began = time.process_time()
-        super()._command(runtime)
-        self.seconds.append(time.process_time() - began + runtime.bound(self).looking[-1])
+        super().filter_command(runtime, guard)
+        self.seconds.append(time.process_time() - began + guard.looking[-1])
 
     def alone(self, runtime: Runtime) -> list[float]:
         """Filter the states again, and nothing else; return the processor time of each [s]."""
-        guard: SafetyFilter = runtime.bound(self).filter
+        guard = self.guard(runtime).filter
         seconds = []
         for state in self.states:
             began = time.process_time()

@@ -38,7 +38,7 @@ from rlbench_pin.environment import (
     SafeArm,
 )
 from rlbench_pin.environment.observations import ExtraCamera
-from rlbench_pin.environment.observations.model_based import ModelObservationConfig
+from rlbench_pin.environment.observations.config import ModelObservationConfig
 from rlbench_pin.environment.randomization.config import DynamicsRandomizationConfig, VisualRandomizationConfig
 from rlbench_pin.errors import InvalidArgument, InvalidValue, RlbenchPinError, TaskEnvironmentError, UnknownName, UnknownSetting
 from rlbench_pin.observation import Observation

@@ -19,7 +19,7 @@ DEMO = """
 import numpy as np
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.presets import low_dim_config
-from rlbench_pin.environment.actions.action_mode import MoveArmThenGripper
+from rlbench_pin.environment.actions.mode import MoveArmThenGripper
 from rlbench_pin.environment.actions.gripper import Discrete
 from rlbench_pin.environment.actions.joint import JointPosition
 

@@ -10,8 +10,8 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 
 from rlbench_pin.datasets.storage import storing
-from rlbench_pin.environment.listener import Listener
 from rlbench_pin.environment.presets import low_dim_config, make_environment
+from rlbench_pin.environment.runtime import Listener
 from rlbench_pin.errors import PlanningError
 from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.plan import Plan
@@ -42,7 +42,7 @@ def explain_failure(task: str, seed: int, variation: int, picture: Path | None =
         head = f"{task_environment.get_name()} seed {seed} variation {variation} attempt {attempt}"
         if outcome.success:
             return [f"{head}: the demonstration succeeds."]
-        lines = [f"{head}: {outcome.cause}", f"  waypoint: {outcome.leg}"]
+        lines = [f"{head}: {outcome.cause}", f"  waypoint: {outcome.waypoint}"]
         lines += [line for error in failures.since_success for line in evidence_lines(error)]
         if picture is not None:
             with storing(picture):

@@ -15,8 +15,7 @@ from rlbench_pin.checking.reach import Reach
 from rlbench_pin.checking.records import RECORDS, Cost, FailedAttempt, Part, SolvedDemo, Trial
 from rlbench_pin.checking.trials import Item
 from rlbench_pin.datasets.storage import storing
-from rlbench_pin.environment.demonstrate import LegReport
-from rlbench_pin.environment.demos import library_versions
+from rlbench_pin.environment.demos import SegmentReport, library_versions
 from rlbench_pin.tasks import LIBRARY, find_task
 from rlbench_pin.values import as_names, as_path
 
@@ -27,7 +26,7 @@ _UNRELATED = ("cli", "datasets", "evaluation", "gym", "recording")
 """Folders of the package that trials do not depend on."""
 _NESTED: dict[str, type] = {"rest": Rest, "reach": Reach, "cost": Cost}
 """Field of a trial, or of its demonstration -> the record that it holds."""
-_LISTED: dict[str, type] = {"failed": FailedAttempt, "legs": LegReport}
+_LISTED: dict[str, type] = {"failed": FailedAttempt, "segments": SegmentReport}
 """Field -> the record of which it holds a tuple."""
 
 

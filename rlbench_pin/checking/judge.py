@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rlbench_pin.environment import TaskEnvironment
-from rlbench_pin.environment.demonstrate import EXTRA_TICKS, DemoPlayer, try_play
+from rlbench_pin.environment.demos import EXTRA_TICKS, DemoPlayer, try_play
 from rlbench_pin.environment.replay import reaches_goal, replay_succeeds
 from rlbench_pin.observation import Demo
 from rlbench_pin.robot import geometry

@@ -10,7 +10,7 @@ import numpy as np
 from rlbench_pin.environment.episode import EpisodeRandom
 from rlbench_pin.environment.reset import check_arm_is_free, lay_out
 from rlbench_pin.environment.runtime import Runtime
-from rlbench_pin.environment.turns import poses_of, runs
+from rlbench_pin.environment.waypoint_planning import grasp_groups, poses_of
 from rlbench_pin.errors import BoundaryError, NoIkSolution
 from rlbench_pin.planning.planner import MotionPlanner
 from rlbench_pin.spatial import FloatArray, pose_to_se3
@@ -68,7 +68,7 @@ def _reached(planner: MotionPlanner, waypoints: Sequence[Waypoint], q: FloatArra
     """Visit the waypoints one after the other, each run with the turn of the hand that reaches most of it."""
     found: list[bool] = []
     previous = planner.model.tip_pose(q)
-    for run in runs(waypoints):
+    for run in grasp_groups(waypoints):
         tries = [_visit(planner, run, 2.0 * np.pi * k / run[0].symmetry, q, previous, rng) for k in range(run[0].symmetry)]
         reached, _, q = max(tries, key=lambda tried: (sum(tried[0]), -tried[1]))
         previous = planner.model.tip_pose(q)

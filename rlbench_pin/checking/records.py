@@ -8,7 +8,7 @@ from typing import ClassVar, Literal, Self, TypeVar
 
 from rlbench_pin.checking.judge import Rest
 from rlbench_pin.checking.reach import Reach
-from rlbench_pin.environment.demonstrate import LegReport
+from rlbench_pin.environment.demos import SegmentReport
 
 Part = Literal["words", "demos", "unseen", "repeat", "idle", "random", "reach", "key_frames"]
 
@@ -96,8 +96,8 @@ class SolvedDemo:
     """Whether the goal was still reached 1 s later, the arm at rest, the hand as it was."""
     left_over: tuple[str, ...] = ()
     """What the episode left behind in the next one."""
-    legs: tuple[LegReport, ...] = ()
-    """Planning and length of each leg."""
+    segments: tuple[SegmentReport, ...] = ()
+    """Planning and length of each segment."""
     cost: Cost = Cost()
 
     def incidents(self, attempt: int) -> Iterator[Incident]:

@@ -24,7 +24,7 @@ from rlbench_pin.checking.records import (
     of_kind,
     ordered,
 )
-from rlbench_pin.checking.speed import LegStatistics, Speed, leg_statistics, speed_of
+from rlbench_pin.checking.speed import SegmentStatistics, Speed, segment_statistics, speed_of
 from rlbench_pin.rates import Rate
 from rlbench_pin.values import as_flag, as_record, as_several, as_text
 
@@ -107,7 +107,7 @@ class TaskReport:
     planning: float
     """Median planning time of a demonstration [s]."""
     speed: Speed
-    legs: tuple[LegStatistics, ...]
+    segments: tuple[SegmentStatistics, ...]
     by_chance: bool = False
     """Whether random actions may succeed now and then."""
     shared_goals: bool = False
@@ -145,7 +145,7 @@ class TaskReport:
             "median_planning_s": round(self.planning, 3),
             "times_real_time": round(self.speed.times_real_time, 1),
             "speed": self.speed.as_dict(),
-            "legs": [leg.as_dict() for leg in self.legs],
+            "segments": [segment.as_dict() for segment in self.segments],
             "failures": [vars(failure) for failure in self.failures],
             "errors": list(self.errors),
         }
@@ -194,9 +194,9 @@ def _of_demos(trials: Sequence[DemoTrial]) -> dict[str, Any]:
         "frames": _median([demo.frames for demo in demos]),
         "simulated": _median(lengths),
         "simulated_p95": float(np.percentile(lengths, 95)) if lengths else 0.0,
-        "planning": _median([sum(leg.planning_time for leg in demo.legs) for demo in demos]),
+        "planning": _median([sum(segment.planning_time for segment in demo.segments) for demo in demos]),
         "speed": speed_of(demos),
-        "legs": leg_statistics(demos),
+        "segments": segment_statistics(demos),
     }
 
 

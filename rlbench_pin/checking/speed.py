@@ -1,4 +1,4 @@
-"""How long demonstrations and their legs take, and where the time goes."""
+"""How long demonstrations and their segments take, and where the time goes."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from rlbench_pin.checking.records import SolvedDemo
-from rlbench_pin.environment.demonstrate import LegReport
+from rlbench_pin.environment.demos import SegmentReport
 
 
 @dataclass(frozen=True)
-class LegStatistics:
-    """The leg to one waypoint, over all demonstrations that went there."""
+class SegmentStatistics:
+    """The segment to one waypoint, over all demonstrations that went there."""
 
     waypoint: int
     count: int
@@ -54,10 +54,10 @@ class Speed:
     """Share of the process time."""
     tick: float = 0.0
     """Process time of the physics of one control tick [s]."""
-    slowest_leg: int | None = None
-    """Waypoint whose legs take most planning in all."""
-    slowest_leg_planning: float = 0.0
-    """Mean planning time of a demonstration's legs to it [s]."""
+    slowest_segment: int | None = None
+    """Waypoint whose segments take most planning in all."""
+    slowest_segment_planning: float = 0.0
+    """Mean planning time of a demonstration's segments to it [s]."""
 
     @property
     def other(self) -> float:
@@ -67,10 +67,14 @@ class Speed:
     @property
     def reason(self) -> str:
         """What the time is spent on, the largest share first."""
-        leg = "" if self.slowest_leg is None else f", {self.slowest_leg_planning:.2f} s of it at waypoint {self.slowest_leg}"
+        segment = (
+            ""
+            if self.slowest_segment is None
+            else f", {self.slowest_segment_planning:.2f} s of it at waypoint {self.slowest_segment}"
+        )
         parts = [
             (self.physics, f"physics {self.physics:.0%} ({1000 * self.tick:.1f} ms a tick)"),
-            (self.planning, f"planning {self.planning:.0%}{leg}"),
+            (self.planning, f"planning {self.planning:.0%}{segment}"),
             (self.observing, f"observing {self.observing:.0%}"),
             (self.other, f"saving, restoring and the rest {self.other:.0%}"),
         ]
@@ -96,8 +100,8 @@ def speed_of(demos: Sequence[SolvedDemo]) -> Speed:
     if not total:
         return Speed()
     spent: dict[int, float] = {}
-    for leg in (leg for demo in demos for leg in demo.legs):
-        spent[leg.waypoint] = spent.get(leg.waypoint, 0.0) + leg.planning_time
+    for segment in (segment for demo in demos for segment in demo.segments):
+        spent[segment.waypoint] = spent.get(segment.waypoint, 0.0) + segment.planning_time
     slowest = max(spent, key=spent.__getitem__, default=None)
     on_the_wall = [demo.simulated / demo.cost.wall for demo in demos if demo.cost.wall]
     return Speed(
@@ -107,25 +111,25 @@ def speed_of(demos: Sequence[SolvedDemo]) -> Speed:
         physics=sum(c.physics for c in costs) / total,
         observing=sum(c.observing for c in costs) / total,
         tick=sum(c.physics for c in costs) / ticks if ticks else 0.0,
-        slowest_leg=slowest,
-        slowest_leg_planning=0.0 if slowest is None else spent[slowest] / len(demos),
+        slowest_segment=slowest,
+        slowest_segment_planning=0.0 if slowest is None else spent[slowest] / len(demos),
     )
 
 
-def leg_statistics(demos: Sequence[SolvedDemo]) -> tuple[LegStatistics, ...]:
-    """Group the legs of demonstrations by waypoint, rounds of a repeated list together."""
-    groups: dict[int, list[LegReport]] = {}
-    for leg in (leg for demo in demos for leg in demo.legs):
-        groups.setdefault(leg.waypoint, []).append(leg)
+def segment_statistics(demos: Sequence[SolvedDemo]) -> tuple[SegmentStatistics, ...]:
+    """Group the segments of demonstrations by waypoint, rounds of a repeated list together."""
+    groups: dict[int, list[SegmentReport]] = {}
+    for segment in (segment for demo in demos for segment in demo.segments):
+        groups.setdefault(segment.waypoint, []).append(segment)
     return tuple(
-        LegStatistics(
+        SegmentStatistics(
             waypoint,
-            len(legs),
-            _spread([leg.planning_time for leg in legs]),
-            _spread([leg.duration for leg in legs]),
-            dict(sorted(Counter(leg.method for leg in legs).items())),
+            len(segments),
+            _spread([segment.planning_time for segment in segments]),
+            _spread([segment.duration for segment in segments]),
+            dict(sorted(Counter(segment.method for segment in segments).items())),
         )
-        for waypoint, legs in sorted(groups.items())
+        for waypoint, segments in sorted(groups.items())
     )
 
 

@@ -6,8 +6,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from rlbench_pin.environment.listener import Listener
-from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.environment.runtime import Listener, Runtime
 from rlbench_pin.errors import PlanningError
 from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.plan import Plan

@@ -142,7 +142,7 @@ def demo_trial(
         if outcome.demo is not None:
             demo = _solved(task, outcome, _cost(watch, wall), replay)
             break
-        failed.append(FailedAttempt(outcome.cause, outcome.leg))
+        failed.append(FailedAttempt(outcome.cause, outcome.waypoint))
     again = solved_by_other_plans(task, seed, variation, max_attempts - 1) if failed else None
     return kind(task=task.get_name(), seed=seed, variation=variation, failed=tuple(failed), demo=demo, other_plans=again)
 
@@ -158,7 +158,7 @@ def _solved(task: TaskEnvironment, outcome: DemoOutcome, cost: Cost, replay: boo
         replayed=replay_succeeds(task, demo) if replay else None,
         lasts=lasts,
         left_over=remains,
-        legs=outcome.legs,
+        segments=outcome.segments,
         cost=cost,
     )
 

@@ -53,7 +53,7 @@ class Problems:
 
     def _export(self, chosen: type[Task]) -> ProblemRecorder:
         from rlbench_pin.environment.presets import low_dim_config, make_environment
-        from rlbench_pin.planning.problems.problem import write_problem
+        from rlbench_pin.planning.problems import write_problem
         from rlbench_pin.recording.problems import ProblemRecorder
 
         name = chosen.get_name()

@@ -15,7 +15,7 @@ from pyrep.robots.configuration_paths import ArmConfigurationPath, Configuration
 from rlbench_pin.compat.simulator import SceneLike, runtime_of
 from rlbench_pin.environment.actions import RelativeFrame as NativeFrame
 from rlbench_pin.environment.actions import calculate_delta_pose as native_delta_pose
-from rlbench_pin.environment.actions.mode import PartMode, as_action, checked
+from rlbench_pin.environment.actions.mode import Mode, as_action
 from rlbench_pin.environment.motion import follow
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import InvalidActionError
@@ -169,7 +169,7 @@ def setting(name: str) -> property:
     return property(read, write)
 
 
-class ScenePart(PartMode):
+class ScenePart(Mode):
     """Goes in front of one of our modes in the bases of a class."""
 
     def action(self, scene: SceneLike, action: object) -> None:
@@ -188,35 +188,35 @@ class ScenePart(PartMode):
 
     def action_step(self, scene: SceneLike, action: object) -> None:
         """Step the simulation until the action is done."""
-        self.execute(runtime_of(scene), self.values(scene, action))
+        self.steps(runtime_of(scene), self.values(scene, action))
 
     def action_post_step(self, scene: SceneLike, action: object) -> None:
         """Come to rest."""
 
     def action_shape(self, scene: SceneLike | None = None) -> tuple[int]:
         """Return the shape of an action."""
-        return (self.action_spec(runtime_of(scene)).size,)
+        return (self.spec(runtime_of(scene)).size,)
 
     def action_bounds(self, scene: SceneLike | None = None) -> tuple[FloatArray, FloatArray]:
         """Return lowest and highest values of an action, each of shape (n,)."""
-        spec = self.action_spec(runtime_of(scene))
+        spec = self.spec(runtime_of(scene))
         return spec.low.copy(), spec.high.copy()
 
     def values(self, scene: SceneLike, action: object) -> FloatArray:
         """Return the numbers (n,) of an action, or raise InvalidActionError when it is refused."""
         runtime = runtime_of(scene)
-        numbers = as_action(action, self.action_spec(runtime).size, type(self).__name__)
-        return checked(self, runtime, numbers)
+        numbers = as_action(action, self.spec(runtime).size, type(self).__name__)
+        return self.check(runtime, numbers)
 
 
 class OneStepPart(ScenePart):
     """A mode that commands something and steps the simulation once, through the scene."""
 
     def action_pre_step(self, scene: SceneLike, action: object) -> None:
-        super(ScenePart, self).action_pre_step(runtime_of(scene), self.values(scene, action))  # type: ignore[misc]  # native mode
+        self.pre_step(runtime_of(scene), self.values(scene, action))
 
     def action_step(self, scene: SceneLike, action: object) -> None:
         scene.step()
 
     def action_post_step(self, scene: SceneLike, action: object) -> None:
-        super(ScenePart, self).action_post_step(runtime_of(scene), self.values(scene, action))  # type: ignore[misc]
+        self.post_step(runtime_of(scene), self.values(scene, action))

@@ -30,23 +30,6 @@ class Requested:
     """Force caps (n,)."""
 
 
-@dataclass(frozen=True)
-class RequestedOf:
-    """Keeps what was requested of the arm or of the fingers, with its runtime."""
-
-    fingers: bool
-
-    def bind(self, runtime: Runtime) -> Requested:
-        """Start with no velocity and all the force that the motors have."""
-        if not self.fingers:
-            return Requested(np.zeros(runtime.model.size), runtime.robot.effort_limits.copy())
-        count = len(runtime.description.gripper_joints)
-        return Requested(np.zeros(count), np.full(count, runtime.description.gripper_force))
-
-
-_OF_ARM, _OF_FINGERS = RequestedOf(fingers=False), RequestedOf(fingers=True)  # a runtime knows them by identity
-
-
 def _vector(numbers: Numbers, size: int, what: str) -> FloatArray:
     """Return `size` finite numbers, or raise ValueError."""
     values = np.array(numbers, dtype=float)
@@ -64,7 +47,9 @@ class ArmMotors:
 
     @property
     def _requested(self) -> Requested:
-        return self._runtime.bound(_OF_ARM)
+        """At first no velocity, and all the force that the motors have."""
+        runtime = self._runtime
+        return runtime.kept(ArmMotors, lambda: Requested(np.zeros(runtime.model.size), runtime.robot.effort_limits.copy()))
 
     def positions(self) -> FloatArray:
         """Measured positions."""
@@ -155,7 +140,9 @@ class FingerMotors:
 
     @property
     def _requested(self) -> Requested:
-        return self._runtime.bound(_OF_FINGERS)
+        """At first no velocity, and all the force that the motors have."""
+        force = self._runtime.description.gripper_force
+        return self._runtime.kept(FingerMotors, lambda: Requested(np.zeros(self._count), np.full(self._count, force)))
 
     @property
     def _count(self) -> int:

@@ -1,9 +1,5 @@
 """Environments that run tasks: Environment, TaskEnvironment, action modes, observations, demonstrations."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from rlbench_pin.environment.actions import (
     ActionMode,
     ActionSpec,
@@ -24,11 +20,9 @@ from rlbench_pin.environment.actions import (
     SafeArm,
     calculate_delta_pose,
 )
-from rlbench_pin.environment.demonstrate import DemoOutcome, LegReport
-from rlbench_pin.environment.demos import library_versions
+from rlbench_pin.environment.demos import DemoOutcome, SegmentReport, library_versions
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import EnvironmentState
-from rlbench_pin.environment.listener import Listener
 from rlbench_pin.environment.observations import (
     Camera,
     CameraConfig,
@@ -44,9 +38,8 @@ from rlbench_pin.environment.observations import (
 from rlbench_pin.environment.presets import clear_view, low_dim_config, make_environment, picture_config
 from rlbench_pin.environment.randomization import DynamicsRandomizationConfig, RandomizeEvery, VisualRandomizationConfig
 from rlbench_pin.environment.replay import key_frame_actions, key_frames_succeed
-from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.environment.runtime import Listener, Runtime
 from rlbench_pin.environment.task_environment import TaskEnvironment
-from rlbench_pin.front_door import front_door
 
 __all__ = [
     "ActionMode",
@@ -73,7 +66,6 @@ __all__ = [
     "JointPositionActionMode",
     "JointTorque",
     "JointVelocity",
-    "LegReport",
     "Listener",
     "ModelObservationConfig",
     "MoveArmThenGripper",
@@ -83,6 +75,7 @@ __all__ = [
     "RelativeFrame",
     "Runtime",
     "SafeArm",
+    "SegmentReport",
     "TaskEnvironment",
     "VisualRandomizationConfig",
     "calculate_delta_pose",
@@ -95,6 +88,3 @@ __all__ = [
     "picture_config",
     "rgb_handles_to_mask",
 ]
-
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)

@@ -1,20 +1,247 @@
-"""Live demonstrations: one try, tries until one succeeds, and what becomes a `Demo`, with the versions that made it."""
+"""Live demonstrations: waypoints become planned, timed and tracked motion, with one observation per tick; retries; `Demo`."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
-from rlbench_pin.environment.demonstrate import DemoOutcome, DemoPlayer, try_play
 from rlbench_pin.environment.episode import EpisodeOrigin, checked_seed
+from rlbench_pin.environment.motion import follow, move_gripper
 from rlbench_pin.environment.runtime import Runtime
-from rlbench_pin.errors import DemoError, InvalidArgument, TaskEnvironmentError
+from rlbench_pin.environment.waypoint_planning import WaypointPlanner, grasp_groups
+from rlbench_pin.errors import (
+    DemoError,
+    InvalidArgument,
+    NoWaypointsError,
+    PlanningError,
+    TaskEnvironmentError,
+    WaypointError,
+)
 from rlbench_pin.observation import Demo, Observation, RandomState
-from rlbench_pin.tasks import Task
+from rlbench_pin.spatial import FloatArray
+from rlbench_pin.tasks import Task, Waypoint
 from rlbench_pin.values import as_record
+
+EXTRA_TICKS = 10
+"""Control ticks that a demonstration waits for its success after the last segment."""
+MAX_ROUNDS = 40
+"""How often the waypoints of a task are visited at most."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Omission:
+    """What a demonstration leaves out, to show that it fails without."""
+
+    waypoints: tuple[int, ...] = ()
+    """Numbers of waypoints that are not visited."""
+    grasps: bool = False
+    """The gripper does not close on anything."""
+
+
+@dataclass(frozen=True)
+class SegmentReport:
+    """One segment of a demonstration: the motion to a waypoint."""
+
+    waypoint: int
+    """Number of the waypoint that it leads to."""
+    method: str
+    """How it was planned: straight, direct, sampled or curve."""
+    planning_time: float
+    """Time of this process [s]."""
+    duration: float
+    """Length of the motion [s]."""
+
+
+@dataclass(frozen=True)
+class DemoOutcome:
+    """One try at a demonstration."""
+
+    success: bool
+    """Whether the goal was reached."""
+    cause: str
+    """Empty, or why it failed."""
+    waypoint: int | None
+    """Waypoint at which it failed; None when it succeeded."""
+    demo: Demo | None
+    """The demonstration, None when it failed."""
+    planning_time: float
+    """Time of this process [s]."""
+    duration: float
+    """Simulated time [s]."""
+    segments: tuple[SegmentReport, ...] = field(default=())
+    """The segments that were run."""
+
+
+class DemoPlayer:
+    """Plays the waypoints of the running task once.
+
+    Args:
+        runtime: A task at the start of an episode.
+        record: Keep observations.
+        record_gripper: Keep one observation per tick of finger motion, not only the last.
+        on_frame: Called with every observation kept.
+        omit: What to leave out.
+
+    Attributes:
+        frames: Observations kept so far.
+        segments: The segments run so far.
+        waypoint: The waypoint that is being visited; None before the first.
+    """
+
+    def __init__(
+        self,
+        runtime: Runtime,
+        *,
+        record: bool = True,
+        record_gripper: bool = False,
+        on_frame: Callable[[Observation], None] | None = None,
+        omit: Omission = Omission(),
+    ) -> None:
+        self.runtime, self.record, self.record_gripper, self.on_frame = runtime, record, record_gripper, on_frame
+        self.omit = omit
+        self.frames: list[Observation] = []
+        self.segments: list[SegmentReport] = []
+        self.waypoint: Waypoint | None = None
+        self._planner = WaypointPlanner(runtime)
+        self._amount = 1.0
+        self._target = runtime.robot.joint_positions
+        self._succeeded = False
+        self._ignores_collisions: bool | None = None
+
+    @property
+    def planning_time(self) -> float:
+        """Time of this process spent planning so far [s]."""
+        return sum(segment.planning_time for segment in self.segments)
+
+    def play(self) -> list[Observation]:
+        """Run the demonstration and return its observations.
+
+        Raises:
+            NoWaypointsError: The task has none.
+            DemoError: The goal was not reached, or the fail list ended the episode.
+            WaypointError: A waypoint is out of reach.
+            PlanningError: A segment could not be planned.
+        """
+        task = self.runtime.task
+        if not task.get_waypoints():
+            raise NoWaypointsError(f"Task '{task.get_name()}' has no waypoints, so it cannot be demonstrated.", task)
+        self._frame()
+        for _ in range(MAX_ROUNDS):
+            self._succeeded = False
+            for waypoint, rest, angles in self._segments():
+                if waypoint.index not in self.omit.waypoints:
+                    self._run_segment(waypoint, rest, angles)
+            repeat = task.should_repeat_waypoints()
+            if self._succeeded or not repeat:
+                break
+        self._wait_for_success()
+        return self.frames
+
+    def _segments(self) -> Iterator[tuple[Waypoint, list[Waypoint], list[float]]]:
+        """Yield each waypoint that is not skipped, those after it in its group, and the grasp angles to try, best first.
+
+        Start hooks run here, before the poses of their segment are read.
+        """
+        for group in grasp_groups(self.runtime.task.get_waypoints()):
+            angles: list[float] | None = None
+            for number, waypoint in enumerate(group, start=1):
+                self.waypoint = waypoint
+                waypoint.run_start_hook()
+                if waypoint.skip:
+                    continue
+                if angles is None:
+                    angles = self._planner.rank(group)
+                yield waypoint, group[number:], angles
+                angles = [self._planner.angle]
+
+    def _run_segment(self, waypoint: Waypoint, rest: Sequence[Waypoint], angles: Sequence[float]) -> None:
+        self._succeeded = False
+        began = time.process_time()
+        plan = self._planner.plan(waypoint, rest, angles)
+        seconds = time.process_time() - began
+        self.segments.append(SegmentReport(waypoint.index, plan.report.method, seconds, plan.trajectory.duration))
+        self.runtime.listeners.segment(waypoint, plan)
+        self._ignores_collisions = waypoint.ignore_collisions
+        if len(self.frames) == 1:
+            self._flag(self.frames[0])
+        follow(self.runtime, plan.trajectory, on_tick=self._arm_tick)
+        if waypoint.gripper is not None and (waypoint.releases or not self.omit.grasps):
+            self._operate_gripper(waypoint)
+        waypoint.run_end_hook()
+
+    def _operate_gripper(self, waypoint: Waypoint) -> None:
+        self._amount = waypoint.gripper_amount
+        move_gripper(
+            self.runtime,
+            self._amount,
+            release=waypoint.releases,
+            speed=self.runtime.description.grip_speed,
+            on_tick=self._gripper_tick,
+        )
+        if not self.record_gripper:
+            self._frame()
+        self._check()
+
+    def _arm_tick(self, target: FloatArray) -> None:
+        self._target = target
+        self._frame()
+        self._check()
+
+    def _gripper_tick(self) -> None:
+        self._check()
+        if self.record_gripper:
+            self._frame()
+
+    def _check(self) -> None:
+        """Note success; raise when the fail list ends the episode."""
+        success, terminate = self.runtime.task.success()
+        if terminate and not success:
+            raise DemoError("The fail list of the task was met.", self.runtime.task)
+        self._succeeded = self._succeeded or success
+
+    def _wait_for_success(self) -> None:
+        """Hold until the goal is reached, but never for two ticks alone: the last frame is a key frame, as is the one before."""
+        self._check()
+        for ticks in range(EXTRA_TICKS):
+            if self._succeeded and ticks != 2:
+                return
+            self.runtime.drive_to(self._target)
+            self._frame()
+            self._check()
+        if not self._succeeded:
+            raise DemoError("All waypoints were visited but the goal was not reached.", self.runtime.task)
+
+    def _frame(self) -> None:
+        if not self.record:
+            return
+        observation = self.runtime.get_observation()
+        if self.frames:
+            observation.misc["joint_position_action"] = np.append(self._target, self._amount)
+            self._flag(observation)
+        self.frames.append(observation)
+        if self.on_frame is not None:
+            self.on_frame(observation)
+
+    def _flag(self, observation: Observation) -> None:
+        """Note on a frame how its segment was planned; the first frame belongs to the first segment."""
+        if self.runtime.observer.config.record_ignore_collisions:
+            observation.ignore_collisions = self._ignores_collisions
+
+
+def try_play(player: DemoPlayer) -> tuple[str, int | None]:
+    """Play and return the cause of failure, empty on success, and the waypoint it happened at."""
+    try:
+        player.play()
+    except (PlanningError, WaypointError, DemoError) as error:
+        kind = error.reason if isinstance(error, PlanningError) else type(error).__name__
+        return f"{kind}: {error}", None if player.waypoint is None else player.waypoint.index
+    return "", None
+
 
 LIBRARIES = ("rlbench_pin", "pin", "coal", "pybullet", "ompl", "toppra", "placo", "osqp", "numpy")
 """Distributions that shape a demonstration."""
@@ -52,24 +279,22 @@ def play_demo(
     """
     state, began = runtime.world.arrays(exact=False), runtime.world.time
     player = DemoPlayer(runtime, record=record, record_gripper=record_gripper, on_frame=on_frame)
-    cause, leg = try_play(player)
-    demo = None if cause else _as_demo(runtime, origin, player.frames, state)
+    cause, waypoint = try_play(player)
+    demo = None
+    if not cause:
+        demo = Demo(
+            player.frames,
+            random_seed=origin.seed,
+            num_reset_attempts=origin.reset_attempts,
+            variation_number=runtime.variation,
+            instructions=origin.instructions,
+            state=state,
+            versions=library_versions(),
+            attempt=origin.attempt,
+            task_name=runtime.task.get_name(),
+        )
     duration = runtime.world.time - began
-    return DemoOutcome(not cause, cause, leg, demo, player.planning_time, duration, tuple(player.legs))
-
-
-def _as_demo(runtime: Runtime, origin: EpisodeOrigin, frames: list[Observation], state: dict[str, np.ndarray]) -> Demo:
-    return Demo(
-        frames,
-        random_seed=origin.seed,
-        num_reset_attempts=origin.reset_attempts,
-        variation_number=runtime.variation,
-        instructions=origin.instructions,
-        state=state,
-        versions=library_versions(),
-        attempt=origin.attempt,
-        task_name=runtime.task.get_name(),
-    )
+    return DemoOutcome(not cause, cause, waypoint, demo, player.planning_time, duration, tuple(player.segments))
 
 
 def live_demos(play: Callable[[int, int], DemoOutcome], task: Task, seeds: Iterable[int], max_attempts: int) -> list[Demo]:
@@ -87,17 +312,18 @@ def live_demos(play: Callable[[int, int], DemoOutcome], task: Task, seeds: Itera
     """
     if max_attempts < 1:
         raise TaskEnvironmentError(f"max_attempts={max_attempts} tries nothing; it must be at least 1.")
-    return [_live_demo(play, task, seed, max_attempts) for seed in seeds]
-
-
-def _live_demo(play: Callable[[int, int], DemoOutcome], task: Task, seed: int, max_attempts: int) -> Demo:
-    causes: list[str] = []
-    for attempt in range(max_attempts):
-        outcome = play(seed, attempt)
-        if outcome.demo is not None:
-            return outcome.demo
-        causes.append(outcome.cause)
-    raise LiveDemoFailed(task.get_name(), seed, causes, task)
+    demos: list[Demo] = []
+    for seed in seeds:
+        causes: list[str] = []
+        for attempt in range(max_attempts):
+            outcome = play(seed, attempt)
+            if outcome.demo is not None:
+                demos.append(outcome.demo)
+                break
+            causes.append(outcome.cause)
+        else:
+            raise LiveDemoFailed(task.get_name(), seed, causes, task)
+    return demos
 
 
 def check_start(demo: Demo, task_name: str) -> int:

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from rlbench_pin.datasets.layout import MANIFEST
-from rlbench_pin.environment.actions.action_mode import ActionMode
+from rlbench_pin.environment.actions.mode import ActionMode
+from rlbench_pin.environment.observations.cameras import Camera, CameraPlaces, Cameras
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import camera_misc
-from rlbench_pin.environment.observations.placing import Camera, CameraPlaces, Cameras
 from rlbench_pin.environment.randomization.config import (
     DynamicsRandomizationConfig,
     RandomizeEvery,
@@ -52,12 +52,12 @@ class Environment:
         frequency: Randomize every n-th event.
         visual_randomization_config: Visual randomization.
         dynamics_randomization_config: Dynamics randomization.
-        attach_grasped_objects: Fix grasped bodies to the hand, unless the gripper mode says otherwise.
+        attach_grasped_objects: Fix grasped bodies to the gripper, unless the gripper mode says otherwise.
         shaped_rewards: Return the tasks' own rewards.
         arm_max_velocity: Cap on the speed of planned motions along the joint-space path, the norm of the joint velocity [rad/s].
         arm_max_acceleration: Cap on how fast that speed changes, and on the acceleration of each joint [rad/s^2].
         seed: Seed of everything that is drawn and not seeded by a call.
-        renderer: Who draws pictures: `cpu`, `egl`, or `auto` for EGL where there is one. Pictures of the two differ a little.
+        renderer: Who draws images: `cpu`, `egl`, or `auto` for EGL where there is one. Images of the two differ a little.
 
     Raises:
         DatasetError: `dataset_root` does not exist (also a RuntimeError).
@@ -227,7 +227,7 @@ class Environment:
     @property
     def action_size(self) -> int:
         """How many numbers an action has; known after `launch()`."""
-        return self._action_mode.action_shape(self._launched("The shape of actions is"))
+        return self._action_mode.shape(self._launched("The shape of actions is"))[0]
 
     def action_bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest values of an action, each of shape (n,); known after `launch()`.
@@ -235,7 +235,7 @@ class Environment:
         Raises:
             NotLaunched: Before `launch()` (also a RuntimeError).
         """
-        return self._action_mode.action_bounds(self._launched("The bounds of actions are"))
+        return self._action_mode.bounds(self._launched("The bounds of actions are"))
 
     def _launched(self, what: str) -> Runtime:
         """Return the present runtime; before the first task, one of the arm at an empty table."""

@@ -28,7 +28,7 @@ class EpisodeRandom:
     variation: np.random.Generator
     """Variation of the task, where none is set."""
     placement: np.random.Generator
-    """Where things stand, and what else a task draws."""
+    """Where objects stand, and what else a task draws."""
     planning: np.random.Generator
     """Starts of inverse kinematics and samples of the planner."""
     noise: np.random.Generator

@@ -1,4 +1,4 @@
-"""Running a planned motion and operating the hand, tick by tick; shared by action modes and demonstrations."""
+"""Running a planned motion and operating the gripper, tick by tick; shared by action modes and demonstrations."""
 
 from __future__ import annotations
 
@@ -67,14 +67,14 @@ def move_gripper(
     """Drive the fingers to an opening fraction and attach or release bodies. Ends early where the episode is over.
 
     Closing runs by physics until the fingers stall; then every registered graspable body between them that both touch is fixed to
-    the hand.
+    the gripper.
 
     Args:
         runtime: What moves.
         amount: Opening fraction, 0 shut to 1 open.
         release: Let go of what is held (an opening motion); otherwise hold what lies between the fingers afterwards.
         speed: Finger speed [m/s].
-        attach: Fix bodies to the hand; otherwise friction alone holds them.
+        attach: Fix bodies to the gripper; otherwise friction alone holds them.
         detach_before_open: Release before the fingers move; otherwise after.
         on_tick: Called after every tick.
     """
@@ -97,7 +97,7 @@ def move_gripper(
 
 
 def hold_or_release(runtime: Runtime, *, release: bool, attach: bool) -> None:
-    """Let everything go, or fix every graspable body that both fingers touch to the hand."""
+    """Let everything go, or fix every graspable body that both fingers touch to the gripper."""
     if release:
         runtime.gripper.release()
     elif attach:
@@ -106,7 +106,7 @@ def hold_or_release(runtime: Runtime, *, release: bool, attach: bool) -> None:
 
 
 def success_lasts(runtime: Runtime) -> bool:
-    """Whether the goal is reached now and still is 1 s later, the arm at rest, the hand as it is.
+    """Whether the goal is reached now and still is 1 s later, the arm stationary, the gripper as it is.
 
     Afterwards everything is as it was (measured torques from the next tick on); observers and callbacks notice nothing.
     """

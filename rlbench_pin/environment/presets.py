@@ -6,14 +6,12 @@ from collections.abc import Collection
 
 import numpy as np
 
-from rlbench_pin.environment.actions.action_mode import MoveArmThenGripper
 from rlbench_pin.environment.actions.gripper import Discrete
 from rlbench_pin.environment.actions.joint import JointPosition
+from rlbench_pin.environment.actions.mode import MoveArmThenGripper
 from rlbench_pin.environment.actions.pose import EndEffectorPoseViaPlanning
 from rlbench_pin.environment.environment import Environment
-from rlbench_pin.environment.observations.camera_config import CameraConfig
-from rlbench_pin.environment.observations.config import ObservationConfig
-from rlbench_pin.environment.observations.extra_cameras import ExtraCamera
+from rlbench_pin.environment.observations.config import CameraConfig, ExtraCamera, ObservationConfig
 from rlbench_pin.errors import InvalidCamera
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.sim import RendererName, look_at
@@ -35,7 +33,7 @@ def low_dim_config() -> ObservationConfig:
 def picture_config(
     image_size: tuple[int, int], cameras: Collection[str] = CAMERAS, *, depth: bool = True, mask: bool = True
 ) -> ObservationConfig:
-    """All joint, gripper and task data, and pictures of some cameras.
+    """All joint, gripper and task data, and images of some cameras.
 
     Point clouds are left out: they follow from depth and the camera matrices in `misc`.
     """
@@ -49,8 +47,8 @@ def picture_config(
 def clear_view(image_size: tuple[int, int] = (128, 128)) -> dict[str, ExtraCamera]:
     """Two cameras for all who are not bound to the known poses; assigned to `extra_cameras`, they stand beside the five.
 
-    At the reset `front` cuts the hand off and `overhead` looks over the arm's shoulder. `clear_front` has the whole arm and the
-    whole table top, `clear_overhead` stands ahead of the arm and looks back down, so that the arm hides little.
+    At the reset `front` cuts the gripper off and `overhead` looks over the arm's shoulder. `clear_front` has the whole arm and
+    the whole table top, `clear_overhead` stands ahead of the arm and looks back down, so that the arm hides little.
 
     Args:
         image_size: Width and height [px].
@@ -67,7 +65,7 @@ def clear_view(image_size: tuple[int, int] = (128, 128)) -> dict[str, ExtraCamer
 def make_environment(
     config: ObservationConfig, renderer: RendererName = "cpu", max_velocity: float = 1.0, max_acceleration: float = 4.0
 ) -> Environment:
-    """An environment whose actions are the ones that demonstrations record: absolute joint positions and the hand."""
+    """An environment whose actions are the ones that demonstrations record: absolute joint positions and the gripper."""
     return Environment(
         MoveArmThenGripper(JointPosition(), Discrete()),
         obs_config=config,
@@ -79,8 +77,8 @@ def make_environment(
 
 
 def key_frame_mode() -> MoveArmThenGripper:
-    """Return the actions of agents that predict key frames: a tip pose that is planned for, then the hand.
+    """Return the actions of agents that predict key frames: a tip pose that is planned for, then the gripper.
 
-    A leg that is refused is planned again without collision checks.
+    A segment that is refused is planned again without collision checks.
     """
     return MoveArmThenGripper(EndEffectorPoseViaPlanning(retry_without_checks=True), Discrete())

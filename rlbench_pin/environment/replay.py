@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from rlbench_pin.datasets import key_frames
-from rlbench_pin.environment.demonstrate import EXTRA_TICKS
+from rlbench_pin.environment.demos import EXTRA_TICKS
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError, InvalidActionError
 from rlbench_pin.observation import Demo
@@ -39,7 +39,7 @@ def replay_succeeds(task: TaskEnvironment, demo: Demo) -> bool:
 
 
 def key_frame_actions(demo: Demo) -> list[np.ndarray]:
-    """Return one action for each key frame of a demonstration: tip pose, hand, and whether collisions are ignored, shape (9,).
+    """Return one action for each key frame of a demonstration: tip pose, gripper, and whether collisions are ignored, shape (9,).
 
     Args:
         demo: A demonstration with `gripper_pose` and `ignore_collisions`.
@@ -63,7 +63,7 @@ def key_frames_succeed(task: TaskEnvironment, demo: Demo) -> bool:
 
     Args:
         task: The environment of its task, at the start of the demonstration, whose actions are tip poses by planning. With
-            `EndEffectorPoseViaPlanning(retry_without_checks=True)` a leg that is refused is planned without collision checks.
+            `EndEffectorPoseViaPlanning(retry_without_checks=True)` a segment that is refused is planned without collision checks.
         demo: The demonstration.
 
     Raises:

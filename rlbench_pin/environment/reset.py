@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rlbench_pin.environment.demonstrate import MAX_ROUNDS
+from rlbench_pin.environment.demos import MAX_ROUNDS
 from rlbench_pin.environment.episode import EpisodeRandom
 from rlbench_pin.environment.runtime import Runtime
-from rlbench_pin.environment.turns import check_feasible
+from rlbench_pin.environment.waypoint_planning import check_feasible
 from rlbench_pin.errors import BoundaryError, PlanningError, ResetError, WaypointError
 from rlbench_pin.tasks import at_rest
 

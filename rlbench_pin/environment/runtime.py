@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
-from rlbench_pin.environment.listener import Listener, Listeners, timed_ticks
+from rlbench_pin.environment.observations.cameras import CameraPlaces, Cameras
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import Observer
-from rlbench_pin.environment.observations.placing import CameraPlaces, Cameras
-from rlbench_pin.errors import InvalidActionError
+from rlbench_pin.errors import InvalidActionError, NoShapedReward
 from rlbench_pin.observation import Observation
+from rlbench_pin.planning.listener import ListenerList, PlanningListener
+from rlbench_pin.planning.plan import Plan
 from rlbench_pin.planning.planner import MotionPlanner, PlannerConfig
 from rlbench_pin.planning.requests import FORGIVEN
 from rlbench_pin.robot.description import RobotDescription
@@ -22,24 +24,79 @@ from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import RendererName, World
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray
-from rlbench_pin.tasks import Task, task_scene
-from rlbench_pin.tasks.task import Verdict
+from rlbench_pin.tasks import Task, Waypoint, task_scene
 
 TIP_WORKSPACE = np.array([[-0.274, -0.655, TABLE_HEIGHT], [0.774, 0.655, TABLE_HEIGHT + 1.0]])
 """Lowest and highest corner of the box that tip targets must lie in [m]."""
 OVERSHOOT = 0.05
 """How far motors may carry a joint beyond its limit [rad]."""
 
-BoundT = TypeVar("BoundT", covariant=True)
+KeptT = TypeVar("KeptT")
 RuntimeT = TypeVar("RuntimeT", bound="Runtime")
+TickFunction = Callable[[], None]
 
 
-class Bindable(Protocol[BoundT]):
-    """Something that keeps data of its own for every runtime, such as an action mode its solver."""
+class Listener(PlanningListener):
+    """Is called for what a runtime does, and changes nothing. The methods do nothing: override those that matter."""
 
-    def bind(self, runtime: Runtime) -> BoundT:
-        """Make the data for one runtime."""
-        ...
+    def on_tick(self, seconds: float) -> None:
+        """`Runtime.step` has simulated a control tick, in `seconds` [s] of process time."""
+
+    def on_observe(self, seconds: float) -> None:
+        """An observation was made, in `seconds` [s] of process time."""
+
+    def on_segment(self, waypoint: Waypoint, plan: Plan) -> None:
+        """The motion to a waypoint of a demonstration was chosen and is about to begin."""
+
+
+class Listeners(ListenerList[Listener]):
+    """The listeners of one runtime."""
+
+    def observe(self) -> AbstractContextManager[None]:
+        """Report the block as one observation."""
+        return self.timed(lambda listener, seconds, _: listener.on_observe(seconds))
+
+    def segment(self, waypoint: Waypoint, plan: Plan) -> None:
+        """Report that the motion to a waypoint is about to begin."""
+        for listener in self._listeners:
+            listener.on_segment(waypoint, plan)
+
+
+class ActionResult:
+    """Success and end of the episode during one action; the first tick that ends the episode counts.
+
+    Args:
+        task: The running task.
+
+    Attributes:
+        success: Whether the goal was reached.
+        over: Whether the episode has ended, by success or by the fail list.
+    """
+
+    def __init__(self, task: Task) -> None:
+        self._task, self.evaluated = task, False
+        self.success = self.over = False
+
+    def evaluate(self) -> None:
+        """Evaluate all conditions of the task at the end of a tick; once the episode is over nothing changes."""
+        if self.over:
+            return
+        self.evaluated = True
+        success, over = self._task.success()
+        self.success, self.over = bool(success), bool(over)
+
+    def reward(self, shaped: bool = False) -> float:
+        """Return 1 when the goal was reached, else 0; when `shaped`, the task's own reward at the present instant.
+
+        Raises:
+            NoShapedReward: The task gives none (also a RuntimeError).
+        """
+        if not shaped:
+            return float(self.success)
+        reward = self._task.reward()
+        if reward is None:
+            raise NoShapedReward(self._task.get_name())
+        return float(reward)
 
 
 @dataclass(frozen=True)
@@ -66,8 +123,11 @@ class Runtime:
         task: The task that is running.
         model: Analytic model of the arm.
         planner: Motion planner over `model`.
-        attach_grasped_objects: Whether closing the hand fixes grasped bodies to it, unless the gripper mode says otherwise.
-        listeners: Called for ticks, observations and legs; see `listening`.
+        attach_grasped_objects: Whether closing the gripper fixes grasped bodies to it, unless the gripper mode says otherwise.
+        listeners: Called for ticks, observations and segments; see `listening`.
+        before_tick: Functions that `step` calls before each control tick, in order.
+        after_tick: Functions that `step` calls after each control tick, in order: listeners, the step of the task, randomization,
+            callbacks of users, and during an action the evaluation of success.
     """
 
     def __init__(
@@ -90,11 +150,11 @@ class Runtime:
         self.instructions: tuple[str, ...] = ()
         self.noise_rng = np.random.default_rng(0)
         self.listeners = Listeners()
-        self._parts: list[Callable[[], None]] = []
-        self._callbacks: list[Callable[[], None]] = []
-        self._command_filter: Callable[[Runtime], None] | None = None
-        self._verdict: Verdict | None = None
-        self._bound: dict[int, tuple[object, Any]] = {}
+        self.before_tick: list[TickFunction] = []
+        self.after_tick: list[TickFunction] = [lambda: task.step()]
+        self._callbacks: list[TickFunction] = []
+        self._result: ActionResult | None = None
+        self._kept: dict[object, Any] = {}
 
     def begin(self, variation: int, planning: np.random.Generator, noise: np.random.Generator) -> None:
         """Take over what an episode is given.
@@ -133,67 +193,71 @@ class Runtime:
         """The cameras by name: `cameras["front"].set_pose(...)` puts one elsewhere."""
         return self.observer.cameras
 
-    def bound(self, mode: Bindable[BoundT]) -> BoundT:
-        """Return what `mode` keeps for this runtime; it is bound when first asked for."""
-        if id(mode) not in self._bound:
-            self._bound[id(mode)] = (mode, mode.bind(self))  # with the mode, so that no other gets its id
-        bound: BoundT = self._bound[id(mode)][1]
-        return bound
+    def kept(self, owner: object, make: Callable[[], KeptT]) -> KeptT:
+        """Return the data that `owner`, such as an action mode, keeps for this runtime; `make` creates it at the first call."""
+        if owner not in self._kept:
+            self._kept[owner] = make()
+        kept: KeptT = self._kept[owner]
+        return kept
 
-    def call_each_tick(self, part: Callable[[], None]) -> None:
-        """Call a part of the environment after every control tick, before the callbacks of users; nothing removes it."""
-        self._parts.append(part)
-
-    def register_step_callback(self, callback: Callable[[], None] | None) -> None:
+    def register_step_callback(self, callback: TickFunction | None) -> None:
         """Call `callback` after every control tick, beside those registered before, once however often it is registered.
 
         Args:
             callback: Takes no argument; None removes all.
         """
         if callback is None:
-            self._callbacks.clear()
+            for registered in tuple(self._callbacks):
+                self.remove_step_callback(registered)
         elif callback not in self._callbacks:
             self._callbacks.append(callback)
+            last = len(self.after_tick) - (self._result is not None)  # success is evaluated last
+            self.after_tick.insert(last, callback)
 
-    def remove_step_callback(self, callback: Callable[[], None]) -> None:
+    def remove_step_callback(self, callback: TickFunction) -> None:
         """Undo `register_step_callback`; nothing happens when it is not registered."""
         if callback in self._callbacks:
             self._callbacks.remove(callback)
+            self.after_tick.remove(callback)
+
+    @contextmanager
+    def calling(self, *, before: TickFunction | None = None, after: TickFunction | None = None) -> Iterator[None]:
+        """Call functions first before and first after each control tick of a block."""
+        added = [(functions, new) for functions, new in ((self.before_tick, before), (self.after_tick, after)) if new is not None]
+        for functions, new in added:
+            functions.insert(0, new)
+        try:
+            yield
+        finally:
+            for functions, new in added:
+                functions.remove(new)
 
     def step(self) -> None:
-        """Advance one control tick: physics, then the task's own step, the callbacks, and the verdict on an action."""
-        if self._command_filter is not None:
-            self._command_filter(self)
+        """Advance one control tick: the functions of `before_tick`, the physics, the functions of `after_tick`."""
+        for function in tuple(self.before_tick):
+            function()
         self.world.step()
-        self.task.step()
-        for callback in (*self._parts, *self._callbacks):
-            callback()
-        if self._verdict is not None:
-            self._verdict.ask()
+        for function in tuple(self.after_tick):
+            function()
 
     @property
     def over(self) -> bool:
         """Whether a tick of the present action has ended the episode; then the rest of the action is left out."""
-        return self._verdict is not None and self._verdict.over
+        return self._result is not None and self._result.over
 
     @contextmanager
-    def judging(self) -> Iterator[Verdict]:
-        """Ask the task after every tick of a block, one action, whether the goal is reached and whether the episode is over."""
-        before, self._verdict = self._verdict, Verdict(self.task)
+    def acting(self) -> Iterator[ActionResult]:
+        """Evaluate success and end of the episode after every tick of a block, which is one action, and at least once."""
+        before, result = self._result, ActionResult(self.task)
+        self._result = result
+        self.after_tick.append(result.evaluate)
         try:
-            yield self._verdict
-            self._verdict.ask_at_least_once()
+            yield result
+            if not result.evaluated:
+                result.evaluate()
         finally:
-            self._verdict = before
-
-    @contextmanager
-    def filtering(self, command_filter: Callable[[Runtime], None]) -> Iterator[None]:
-        """Let `command_filter` check the motor command before every tick, for the duration of a block."""
-        before, self._command_filter = self._command_filter, command_filter
-        try:
-            yield
-        finally:
-            self._command_filter = before
+            self._result = before
+            self.after_tick.remove(result.evaluate)
 
     def drive_to(self, target: FloatArray) -> None:
         """Move the arm towards joint positions `target` [rad] for one tick, then hold where it is."""
@@ -216,9 +280,21 @@ class Runtime:
 
     @contextmanager
     def listening(self, listener: Listener) -> Iterator[None]:
-        """Call `listener` for plans, control ticks, observations and legs, for the duration of a block."""
-        planner, world = self.planner, self.world
-        with planner.listeners.including(listener), self.listeners.including(listener), timed_ticks(world, listener.on_tick):
+        """Call `listener` for plans, control ticks, observations and segments, for the duration of a block."""
+        began = 0.0
+
+        def before() -> None:
+            nonlocal began
+            began = time.process_time()
+
+        def after() -> None:
+            listener.on_tick(time.process_time() - began)
+
+        with (
+            self.planner.listeners.including(listener),
+            self.listeners.including(listener),
+            self.calling(before=before, after=after),
+        ):
             yield
 
     def refresh_planner(self) -> None:

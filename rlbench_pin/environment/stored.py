@@ -5,16 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from rlbench_pin.datasets import Episode, checked_task_name, stored_demos
 from rlbench_pin.datasets.formats.rlbench_reader import folder_demos, folder_descriptions, folder_episodes
 from rlbench_pin.datasets.reader import check_there, counted_files
-from rlbench_pin.environment.observations.config import ObservationConfig
-from rlbench_pin.environment.observations.stored_pictures import fit, wanted_fields
+from rlbench_pin.environment.observations.config import CameraConfig, ObservationConfig
+from rlbench_pin.environment.observations.observe import spread_mask
 from rlbench_pin.errors import DatasetError, InvalidArgument
-from rlbench_pin.observation import Demo
+from rlbench_pin.observation import CAMERAS, LOW_DIM, PRODUCTS, Demo, Observation
 from rlbench_pin.values import as_flag, as_whole
 
 
@@ -27,7 +28,7 @@ class StoredSelection:
     variation: int
     """Of which variation; -1 is any."""
     image_paths: bool
-    """Leave pictures unread: fields hold the paths of PNG files, or what `datasets.read_picture` reads."""
+    """Leave images unread: fields hold the paths of PNG files, or what `datasets.read_picture` reads."""
     random_selection: bool
     """Pick at random."""
     from_episode_number: int
@@ -52,7 +53,7 @@ def read_stored_demos(
         dataset_root: Folder of the dataset.
         task_name: Name of the task.
         wanted: Which of them.
-        config: Which fields are wanted, and how pictures are.
+        config: Which fields are wanted, and how images are.
         rng: Draws the episodes.
 
     Raises:
@@ -99,3 +100,85 @@ def _checked_root(dataset_root: str, what: str, otherwise: str = "") -> Path:
 def _holds_folders(root: Path, task: str) -> bool:
     """Whether a task is stored as RLBench-style folders."""
     return not (root / checked_task_name(task) / "manifest.json").exists() and bool(folder_episodes(root, task))
+
+
+def wanted_fields(config: ObservationConfig) -> list[str]:
+    """Return the fields to read from the disk; depth comes along where a point cloud may have to be computed from it."""
+    fields = [name for name in (*LOW_DIM, "gripper_matrix") if getattr(config, name)]
+    for name, camera in config.cameras().items():
+        products = {product for product in PRODUCTS if getattr(camera, product)}
+        if camera.point_cloud:
+            products.add("depth")
+        fields += [f"{name}_{product}" for product in sorted(products)]
+    return fields + [f"{name}_{product}" for name in config.extra_cameras for product in PRODUCTS]
+
+
+def fit(observation: Observation, config: ObservationConfig) -> None:
+    """Bring the images of one stored observation to what a config asks for, in place.
+
+    Pictures are scaled by taking the nearest pixel, so that depth and ids stay true, and the intrinsics in `misc` follow.
+    """
+    for name in CAMERAS:
+        _fit_camera(observation, name, config.camera(name))
+
+
+def _fit_camera(observation: Observation, name: str, config: CameraConfig) -> None:
+    rgb, depth, mask, cloud = (getattr(observation, f"{name}_{product}") for product in PRODUCTS)
+    stored = next((p for p in (rgb, depth, mask, cloud) if p is not None), None)
+    if stored is None:
+        return
+    if stored.shape[:2] != config.image_size[::-1]:
+        rgb, depth, mask, cloud = (None if p is None else resize(p, config.image_size) for p in (rgb, depth, mask, cloud))
+        _scale_intrinsics(observation.misc, name, stored.shape[1::-1], config.image_size)
+    if config.point_cloud and cloud is None and depth is not None:
+        cloud = cloud_from_depth(_in_metres(depth, observation.misc, name), observation.misc, name)
+    if config.depth and config.depth_in_meters and depth is not None:
+        depth = _in_metres(depth, observation.misc, name)
+    if mask is not None and not config.masks_as_one_channel and mask.ndim == 2:
+        mask = spread_mask(mask)
+    for product, image in zip(PRODUCTS, (rgb, depth if config.depth else None, mask, cloud), strict=True):
+        setattr(observation, f"{name}_{product}", image)
+
+
+def resize(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """Return an image of another width and height [px], each pixel the nearest of the original."""
+    (h, w), (width, height) = image.shape[:2], size
+    rows = ((np.arange(height) + 0.5) * h / height).astype(int)
+    columns = ((np.arange(width) + 0.5) * w / width).astype(int)
+    return np.ascontiguousarray(image[rows][:, columns])
+
+
+def cloud_from_depth(metres: np.ndarray, misc: dict[str, Any], name: str) -> np.ndarray:
+    """Return the world coordinates [m] of every pixel, float32 (h, w, 3).
+
+    world = extrinsics * (inverse(intrinsics) * (u, v, 1) * depth)
+    """
+    extrinsics, intrinsics = _matrix(misc, name, "extrinsics"), _matrix(misc, name, "intrinsics")
+    v, u = np.indices(metres.shape)
+    rays = np.stack([u, v, np.ones_like(u)], axis=-1) @ np.linalg.inv(intrinsics).T
+    points = rays * metres[..., None].astype(float) @ extrinsics[:3, :3].T + extrinsics[:3, 3]
+    return points.astype(np.float32)
+
+
+def _in_metres(depth: np.ndarray, misc: dict[str, Any], name: str) -> np.ndarray:
+    """Return depth in [m]; stored depth is 0..1 between the clipping planes, unless a value is above 1."""
+    if np.max(depth) > 1.0:
+        return depth
+    near, far = float(_matrix(misc, name, "near")), float(_matrix(misc, name, "far"))
+    return (near + depth.astype(float) * (far - near)).astype(np.float32)
+
+
+def _scale_intrinsics(misc: dict[str, Any], name: str, before: tuple[int, int], after: tuple[int, int]) -> None:
+    key = f"{name}_camera_intrinsics"
+    if key in misc:
+        misc[key] = np.diag([after[0] / before[0], after[1] / before[1], 1.0]) @ np.asarray(misc[key], dtype=float)
+
+
+def _matrix(misc: dict[str, Any], name: str, what: str) -> np.ndarray:
+    key = f"{name}_camera_{what}"
+    if key not in misc:
+        raise DatasetError(
+            f"The stored images of '{name}' lack '{key}', which metres and point clouds need. "
+            f"Switch `point_cloud` and `depth_in_meters` of that camera off."
+        )
+    return np.asarray(misc[key], dtype=float)

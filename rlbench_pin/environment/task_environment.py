@@ -8,8 +8,8 @@ import numpy as np
 
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.environment import demos
-from rlbench_pin.environment.actions.action_mode import ActionMode
-from rlbench_pin.environment.demonstrate import DemoOutcome
+from rlbench_pin.environment.actions.mode import ActionMode
+from rlbench_pin.environment.demos import DemoOutcome
 from rlbench_pin.environment.episode import MOST_DEMOS, EnvironmentState, EpisodeOrigin, EpisodeRandom, checked_seed, demo_seeds
 from rlbench_pin.environment.motion import success_lasts
 from rlbench_pin.environment.observations.config import ObservationConfig
@@ -38,7 +38,7 @@ class TaskEnvironment:
         dataset_root: Folder of stored demonstrations.
         static_positions: Leave the task where its scene file puts it.
         shaped_rewards: Return the task's own reward.
-        randomizer: Changes looks and physics, or None.
+        randomizer: Changes appearance and physics, or None.
     """
 
     def __init__(
@@ -176,19 +176,19 @@ class TaskEnvironment:
             NoShapedReward: Shaped rewards are on and the task gives none (also a RuntimeError).
         """
         self._started("step")
-        with self._runtime.judging() as verdict:
+        with self._runtime.acting() as result:
             self._action_mode.action(self._runtime, action)
-        self._succeeded = verdict.success
-        return self.get_observation(), verdict.reward(self._shaped_rewards), verdict.over
+        self._succeeded = result.success
+        return self.get_observation(), result.reward(self._shaped_rewards), result.over
 
     def success_lasts(self) -> bool:
-        """Whether the goal, reached now, lasts 1 s with the arm at rest, the hand as it is. Afterwards all is as it was."""
+        """Whether the goal, reached now, lasts 1 s with the arm stationary, the gripper as it is. Afterwards all is as it was."""
         self._started("success_lasts")
         return success_lasts(self._runtime)
 
     def action_bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Return lowest and highest values of an action, each of shape (n,)."""
-        return self._action_mode.action_bounds(self._runtime)
+        return self._action_mode.bounds(self._runtime)
 
     def get_observation(self) -> Observation:
         """Observe without stepping."""
@@ -234,7 +234,7 @@ class TaskEnvironment:
         Args:
             amount: How many; -1 is all stored ones.
             live_demos: Plan them now; otherwise read them from the dataset root.
-            image_paths: Leave pictures unread (stored demonstrations).
+            image_paths: Leave images unread (stored demonstrations).
             callable_each_step: Called with every recorded observation.
             max_attempts: Tries per live demonstration.
             random_selection: Pick stored demonstrations at random.

@@ -2,35 +2,182 @@
 
 from __future__ import annotations
 
+import importlib
+import importlib.util
+import os
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from os import PathLike
+from types import ModuleType
 from typing import Any, ClassVar, Literal
 
 import gymnasium
 import numpy as np
+from gymnasium import spaces
 from gymnasium.utils import EzPickle
 
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
-from rlbench_pin.environment.actions.action_mode import ActionMode, JointPositionActionMode
+from rlbench_pin.environment.actions import ActionMode, JointPositionActionMode
+from rlbench_pin.environment.actions.mode import ActionSpec
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import checked_seed
-from rlbench_pin.environment.observations.boxes import boxed_settings
+from rlbench_pin.environment.observations.config import LOW_DIM_FIELDS, Instant
+from rlbench_pin.environment.observations.observe import boxed, boxed_settings
+from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.task_environment import TaskEnvironment
-from rlbench_pin.errors import InvalidActionError, InvalidArgument, InvalidCamera, TaskEnvironmentError, UnknownName
-from rlbench_pin.gym.spaces import (
-    VISION_CAMERAS,
-    GymObservation,
-    action_space,
-    as_gym_observation,
-    checked_action,
-    observation_space,
+from rlbench_pin.errors import (
+    InvalidActionError,
+    InvalidArgument,
+    InvalidCamera,
+    InvalidValue,
+    TaskEnvironmentError,
+    UnknownName,
+    install_hint,
+    shown,
 )
-from rlbench_pin.gym.window import Window, why_no_window
-from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.observation import LOW_DIM, Demo, Observation
 from rlbench_pin.sim import CameraView, RendererName, World, look_at
+from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Task
-from rlbench_pin.values import as_picture_size, as_record, as_whole
+from rlbench_pin.values import as_array, as_picture_size, as_record, as_whole
+
+VISION_CAMERAS = ("left_shoulder", "right_shoulder", "wrist", "front")
+"""Cameras of vision observations unless others are asked for."""
+
+_QUATERNION = ("qx", "qy", "qz", "qw")
+
+GymObservation = dict[str, np.ndarray]
+
+
+def observation_space(runtime: Runtime, cameras: Sequence[str], image_size: tuple[int, int]) -> spaces.Dict:
+    """Return the space of the observations of a running task: float32 boxes, and a uint8 image (h, w, 3) for each camera.
+
+    The bounds are those of the simulation: joint torques are capped at the effort limits, joint speeds by the simulator.
+    """
+    instant = Instant(runtime.world, runtime.model, runtime.task)
+    boxes: dict[str, spaces.Space[Any]] = {
+        name: spaces.Box(*_float32(*part.bounds(instant))) for name, part in LOW_DIM_FIELDS.items() if name in LOW_DIM
+    }
+    width, height = image_size
+    for name in cameras:
+        boxes[f"{name}_rgb"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
+    return spaces.Dict(boxes)
+
+
+def _float32(low: FloatArray, high: FloatArray) -> tuple[np.ndarray, np.ndarray]:
+    return low.astype(np.float32), high.astype(np.float32)
+
+
+def as_gym_observation(observation: Observation, space: spaces.Dict) -> GymObservation:
+    """Return an observation as a member of its space.
+
+    Numbers beyond their bound, which only an unstable simulation gives, are clipped. A task state that is shorter
+    than the space, as when a variation has fewer objects, is filled up with zeros.
+
+    Raises:
+        TaskError: The task state is longer than the space.
+    """
+    return {name: _fitted(name, getattr(observation, name), box) for name, box in space.spaces.items()}  # type: ignore[arg-type]
+
+
+def _fitted(name: str, value: object, box: spaces.Box) -> np.ndarray:
+    return np.asarray(value) if box.dtype == np.uint8 else boxed(name, value, box.low, box.high)
+
+
+def action_space(spec: ActionSpec) -> spaces.Box:
+    """Return the box (n,), float32, that an action specification spans."""
+    return spaces.Box(*_float32(spec.low, spec.high))
+
+
+def checked_action(action: object, spec: ActionSpec) -> FloatArray:
+    """Return an action as float64 (n,), its quaternion, where it has one, brought to unit length.
+
+    A box cannot say that four numbers are a rotation, so that no policy over a box could name one.
+
+    Raises:
+        InvalidActionError: The shape is wrong, or a number is NaN or infinite. That is the caller's mistake, not the robot's.
+    """
+    try:
+        values = as_array(action, "An action").copy()
+    except InvalidValue as error:
+        raise InvalidActionError(f"{error} Check the policy's output.") from error
+    if values.shape != (spec.size,) or not np.isfinite(values).all():
+        names = ", ".join(spec.names)
+        raise InvalidActionError(
+            f"An action is {spec.size} finite numbers ({names}), not {shown(action)}. Check the policy's output."
+        )
+    where = _quaternion_index(spec.names)
+    norm = np.linalg.norm(values[where])
+    if where and norm > 1e-6:
+        values[where] /= norm
+    return values
+
+
+def _quaternion_index(names: Sequence[str]) -> list[int]:
+    return [names.index(name) for name in _QUATERNION if name in names]
+
+
+_SCREENS = ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")
+
+
+class WindowMissing(TaskEnvironmentError):
+    """No window can be opened here."""
+
+
+def why_no_window() -> str | None:
+    """Say what a window lacks here and what to do about it, or None when one can be opened."""
+    if not any(os.environ.get(name) for name in _SCREENS):
+        return "there is no screen (DISPLAY and WAYLAND_DISPLAY are unset). Use render_mode='rgb_array', or run under `xvfb-run`."
+    if importlib.util.find_spec("pygame") is None:
+        return f"pygame is not installed. {install_hint('human')} brings it, or use render_mode='rgb_array'."
+    return None
+
+
+class Window:
+    """Shows one image after the other; opens with the first.
+
+    Args:
+        title: Stands above the pictures.
+
+    Raises:
+        WindowMissing: There is no screen, or no pygame.
+    """
+
+    def __init__(self, title: str) -> None:
+        reason = why_no_window()
+        if reason is not None:
+            raise WindowMissing(f"render_mode='human' opens a window, but {reason}")
+        os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+        self._pygame: ModuleType = importlib.import_module("pygame")
+        self._title, self._open = title, False
+
+    def show(self, image: np.ndarray) -> None:
+        """Show an image, uint8 (h, w, 3).
+
+        Raises:
+            WindowMissing: The screen that the environment variables name does not answer.
+        """
+        pygame = self._pygame
+        height, width = image.shape[:2]
+        if not self._open:
+            try:
+                pygame.display.init()
+                pygame.display.set_mode((width, height))
+            except pygame.error as error:
+                raise WindowMissing(f"The screen does not answer: {error}. Use render_mode='rgb_array'.") from error
+            pygame.display.set_caption(self._title)
+            self._open = True
+        surface = pygame.surfarray.make_surface(image.swapaxes(0, 1))
+        pygame.display.get_surface().blit(surface, (0, 0))
+        pygame.event.pump()
+        pygame.display.flip()
+
+    def close(self) -> None:
+        """Close the window; may be called again."""
+        if self._open:
+            self._open = False
+            self._pygame.display.quit()
+
 
 OBSERVATION_MODES = ("state", "vision")
 RENDER_MODES = ("rgb_array", "human")
@@ -46,7 +193,7 @@ CINEMATIC = CameraView(
 class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
     """One task behind gymnasium's interface. Every instance has a world of its own.
 
-    Observations are a dict of float32 boxes, and of four pictures with `observation_mode="vision"`. Quaternions in actions are
+    Observations are a dict of float32 boxes, and of four images with `observation_mode="vision"`. Quaternions in actions are
     brought to unit length. `info` holds `success`, `is_success` (the same), `text_descriptions`, `variation`, and `error` when
     the action was refused.
 
@@ -55,14 +202,14 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
 
     Args:
         task: Name or class of the task, or a task file outside the package.
-        observation_mode: `state`, or `vision` for pictures as well.
+        observation_mode: `state`, or `vision` for images as well.
         render_mode: `rgb_array`, `human`, or None.
         action_mode: What actions mean; copied. None is joint differences and a finger position in one tick.
         variation: Variation of every episode; -1 draws one for each.
         shaped_rewards: The task's own reward instead of 1 for success; few tasks have one.
         invalid_action: What a refused action does, such as a pose that cannot be reached: `continue` (nothing moves, reward 0),
             `terminate` (likewise, and the episode ends), or `raise`.
-        image_size: Width and height of pictures [px].
+        image_size: Width and height of images [px].
         renderer: Who draws: `cpu`, `egl` or `auto`.
         cameras: Cameras of vision observations.
 
@@ -117,7 +264,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         self._task = self._environment.get_task(task)
         self._task.set_variation(variation)
         self._variation = variation
-        self._spec = self._task.action_mode.action_spec(self._task.runtime)
+        self._spec = self._task.action_mode.spec(self._task.runtime)
         self.action_space = action_space(self._spec)
         self._dict_space = observation_space(self._task.runtime, seen, size)
         self.observation_space = self._dict_space  # type: ignore[assignment]
@@ -192,10 +339,10 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
             "variation": self._task.runtime.variation,
         }
 
-    # Pictures and the end ---------------------------------------------------------------------------------------
+    # Images and the end ---------------------------------------------------------------------------------------
 
     def render(self) -> np.ndarray | None:  # type: ignore[override]
-        """Return a picture from the side, uint8 (360, 640, 3), or show it with `render_mode="human"`."""
+        """Return an image from the side, uint8 (360, 640, 3), or show it with `render_mode="human"`."""
         return render_from_side(self._task.world, self.render_mode, self._window)
 
     def _show(self) -> None:
@@ -210,17 +357,17 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
 
 
 def render_from_side(world: World, render_mode: str | None, window: Window | None) -> np.ndarray | None:
-    """Return a picture of a world from the side, uint8 (360, 640, 3), or show it when there is a window.
+    """Return an image of a world from the side, uint8 (360, 640, 3), or show it when there is a window.
 
-    Without a render mode there is no picture, and a warning of gymnasium instead.
+    Without a render mode there is no image, and a warning of gymnasium instead.
     """
     if render_mode is None:
         gymnasium.logger.warn("render() without a render_mode shows nothing. Pass render_mode='rgb_array' to make().")
         return None
-    picture = world.renderer.image(CINEMATIC)
+    image = world.renderer.image(CINEMATIC)
     if window is None:
-        return picture
-    window.show(picture)
+        return image
+    window.show(image)
     return None
 
 

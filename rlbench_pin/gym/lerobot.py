@@ -17,14 +17,13 @@ from gymnasium import spaces
 from gymnasium.utils import EzPickle
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
-from rlbench_pin.environment.actions.action_mode import ActionMode, MoveArmThenGripper
 from rlbench_pin.environment.actions.gripper import Discrete
 from rlbench_pin.environment.actions.joint import JointPosition
+from rlbench_pin.environment.actions.mode import ActionMode, MoveArmThenGripper
 from rlbench_pin.environment.episode import checked_seed
 from rlbench_pin.errors import InvalidArgument, InvalidCamera
-from rlbench_pin.gym.environment import GymnasiumEnv
+from rlbench_pin.gym.environment import VISION_CAMERAS, GymnasiumEnv, GymObservation
 from rlbench_pin.gym.ids import MAX_EPISODE_STEPS
-from rlbench_pin.gym.spaces import VISION_CAMERAS, GymObservation
 from rlbench_pin.gym.vector import LazyAsyncVectorEnv
 from rlbench_pin.sim import RendererName
 from rlbench_pin.tasks import find_task, task_names, task_reference, usable_task_names
@@ -58,7 +57,7 @@ class LimitsEpisodes(Protocol):
 class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
     """One task in the form that LeRobot evaluates.
 
-    Observations: `pixels`, a dict of pictures uint8 (h, w, 3) by camera, and `agent_pos`, float32 (n + 1,): joint positions [rad]
+    Observations: `pixels`, a dict of images uint8 (h, w, 3) by camera, and `agent_pos`, float32 (n + 1,): joint positions [rad]
     and 1 or 0 for an open or closed gripper. Actions are those of recorded demonstrations: absolute joint positions and the
     gripper, above 0.5 to open it.
 
@@ -67,7 +66,7 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
         max_episode_steps: Steps after which an episode is cut off.
         variation: Variation of every episode; -1 draws one for each from the seed.
         cameras: Names of the cameras.
-        image_size: Width and height of pictures [px]; those that the policy was trained on.
+        image_size: Width and height of images [px]; those that the policy was trained on.
         render_mode: `rgb_array` or `human`.
         action_mode: What actions mean; None is as above.
         renderer: Who draws: `cpu`, `egl` or `auto`.
@@ -160,7 +159,7 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
         return {**info, "task": self.task}
 
     def render(self) -> Any:
-        """Return or show a picture from the side; see `GymnasiumEnv.render`."""
+        """Return or show an image from the side; see `GymnasiumEnv.render`."""
         return self.world.render()
 
     def close(self) -> None:

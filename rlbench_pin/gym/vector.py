@@ -94,7 +94,7 @@ class LazyAsyncVectorEnv(VectorEnv[Any, Any, Any]):
         self.running.set_attr(name, values)
 
     def render(self) -> Any:
-        """Return a picture of each environment."""
+        """Return an image of each environment."""
         return self.running.render()
 
     def close(self, **kwargs: Any) -> None:

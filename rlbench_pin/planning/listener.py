@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import Generic, Literal, TypeVar
 
 from rlbench_pin.errors import PlanningError
-from rlbench_pin.planning.kinematics.goals import PoseRegion
-from rlbench_pin.planning.plan import Plan
-from rlbench_pin.planning.stages import Stages
+from rlbench_pin.planning.kinematics import PoseRegion
+from rlbench_pin.planning.plan import Plan, Stages
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray, PoseLike
 

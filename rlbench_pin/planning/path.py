@@ -47,14 +47,14 @@ class JointPath:
         return self(1.0)
 
     @cached_property
-    def _knots(self) -> FloatArray:
+    def knots(self) -> FloatArray:
         """Parameters where the cubic pieces begin, and 1, shape (m,)."""
         return np.unique(self._orders[0].t)
 
     @cached_property
     def _measured(self) -> tuple[FloatArray, FloatArray]:
         """Parameters, eight to a piece, and the joint distances travelled until there, both (m,), the latter [rad]."""
-        knots = self._knots
+        knots = self.knots
         s = np.append((knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(_TO_A_PIECE) / _TO_A_PIECE)).ravel(), 1.0)
         return s, np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self(s), axis=0)).max(axis=1))])
 
@@ -75,11 +75,6 @@ class JointPath:
                 return float(s[i])
         return None
 
-    @property
-    def knots(self) -> FloatArray:
-        """Parameters where the cubic pieces begin, and 1, shape (m,)."""
-        return self._knots
-
     def bezier(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """Return the path between parameters `low` and `high` (m,), with no knot between them, as cubic Bezier pieces.
 
@@ -97,7 +92,7 @@ class JointPath:
 
     def length(self) -> float:
         """Return the length in joint space [rad]."""
-        return self._length
+        return float(np.linalg.norm(np.diff(self._points, axis=0), axis=1).sum())
 
     def points(self) -> FloatArray:
         """Return configurations (m, n) along the path, its ends among them, about 0.05 rad of joint motion apart."""
@@ -106,10 +101,6 @@ class JointPath:
     @cached_property
     def _points(self) -> FloatArray:
         return self.spread(0.05)[1]
-
-    @cached_property
-    def _length(self) -> float:
-        return float(np.linalg.norm(np.diff(self._points, axis=0), axis=1).sum())
 
 
 def through(points: FloatArray, s: FloatArray | None = None) -> JointPath:

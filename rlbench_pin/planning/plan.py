@@ -1,17 +1,24 @@
-"""Input and output of planning: settings, plan, report."""
+"""Input and output of planning: settings, plan, report, and the time of each stage."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from functools import partial
-from typing import Literal
+from typing import Literal, get_args
 
 from rlbench_pin.errors import InvalidValue
-from rlbench_pin.planning.search.sampling import ALGORITHMS, Algorithm
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import FLAG, NOT_NEGATIVE, POSITIVE, as_number, check_settings, counted, ruled
 
+Algorithm = Literal[
+    "rrt_connect", "ompl_rrt_connect", "rrt", "rrt_star", "informed_rrt_star", "sorrt_star", "bit_star",
+    "kpiece", "bkpiece", "lbkpiece",
+]  # fmt: skip
+ALGORITHMS: tuple[str, ...] = get_args(Algorithm)
 Method = Literal["straight", "direct", "sampled", "curve"]
 _RULES = ruled(
     (POSITIVE, "max_velocity max_acceleration"),
@@ -34,7 +41,7 @@ class PlannerConfig:
     max_acceleration: float = 4.0
     """Largest change of that norm, and largest acceleration of a joint [rad/s^2]."""
     torque_limits: bool = True
-    """Keep the joint torques within their limits, with what the hand holds."""
+    """Keep the joint torques within their limits, with the bodies that the gripper holds."""
     jerk_time: float = 0.0
     """How long a change of acceleration takes at least [s]; 0 lets it jump."""
     margin: float = 0.003
@@ -58,9 +65,9 @@ class PlannerConfig:
     check_step: float = 0.02
     """Resolution of the check of the final path [rad]."""
     certify: bool = True
-    """Accept a path only when it is proven free between its samples, too."""
+    """Accept a path only when it is certified free between its samples, too."""
     certify_checks: int = 6000
-    """Budget of state checks of one proof."""
+    """Budget of state checks of one continuous check."""
     clearance: float = 0.0
     """Clearance that paths around obstacles keep if they can, at most tried before `margin` [m]."""
     measure_clearance: bool = False
@@ -100,7 +107,7 @@ class PlanReport:
     certified: bool = False
     """Proven free of collisions as a continuum."""
     doubts: int = 0
-    """Paths that were dropped because no proof was found."""
+    """Paths that were dropped because they could not be certified."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,3 +120,24 @@ class Plan:
     """Configurations along the way (m, n), [rad]."""
     report: PlanReport
     """How it came about."""
+
+
+@dataclass(eq=False)
+class Stages:
+    """Measures how long each stage takes."""
+
+    seconds: dict[str, float] = field(default_factory=dict)
+    """Stage -> time spent in it [s]."""
+    checks: int = 0
+    """Collision checks that the model had counted before."""
+    plan: Plan | None = None
+    """What came of it; None while planning, and when it fails."""
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Add the time until the block ends to stage `name`."""
+        begin = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - begin

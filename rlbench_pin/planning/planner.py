@@ -9,20 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from rlbench_pin.errors import GoalInCollision, InvalidRequest, NoIkSolution, NoPath, NotStraight
-from rlbench_pin.planning.kinematics.goals import PoseRegion, self_motions
-from rlbench_pin.planning.kinematics.ik import cost, solve_ik
+from rlbench_pin.planning.continuous_collision import ArmShapes, ContinuousCheck, Rules
+from rlbench_pin.planning.kinematics import PoseRegion, cost, self_motions, solve_ik
 from rlbench_pin.planning.listener import PlanningListeners, PlanRequest
 from rlbench_pin.planning.path import JointPath, along, edge_is_free, through
-from rlbench_pin.planning.plan import Method, Plan, PlannerConfig, PlanReport
-from rlbench_pin.planning.proof import ArmShapes, Prover
+from rlbench_pin.planning.plan import Method, Plan, PlannerConfig, PlanReport, Stages
 from rlbench_pin.planning.requests import as_configuration, as_goal_poses, check_options, check_switches
-from rlbench_pin.planning.rules import Rules
-from rlbench_pin.planning.search.around import path_around
-from rlbench_pin.planning.stages import Stages
+from rlbench_pin.planning.search import path_around
 from rlbench_pin.planning.straight import curve_path, straight_path
-from rlbench_pin.planning.timing.arc import ArcLimits
-from rlbench_pin.planning.timing.retime import retime
-from rlbench_pin.planning.timing.torque import TorqueLimits
+from rlbench_pin.planning.timing import ArcLimits, TorqueLimits, retime
 from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.robot.dynamics import payload_inertia
 from rlbench_pin.robot.model import RobotModel
@@ -183,7 +178,7 @@ class MotionPlanner:
         config, world = self.config, not ignore_collisions
         with stages.stage("rules"):
             self.collision.begin(q, margin=config.margin, own=config.own_margin, allowed=allowed, world=world)
-        return Rules(self.collision, config, Prover(self._arm_shapes, self.collision), world)
+        return Rules(self.collision, config, ContinuousCheck(self._arm_shapes, self.collision), world)
 
     def _straight(
         self, stages: Stages, q: FloatArray, poses: list[FloatArray], rules: Rules, limit: int, must: bool

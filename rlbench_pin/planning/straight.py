@@ -11,8 +11,8 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, RotationSpline
 
 from rlbench_pin.errors import NotStraight
-from rlbench_pin.planning.kinematics.ik import descend
-from rlbench_pin.planning.path import IsFree, JointPath, through
+from rlbench_pin.planning.kinematics import descend
+from rlbench_pin.planning.path import IsFree
 from rlbench_pin.planning.requests import as_configuration, as_goal_pose, as_goal_poses, check_callable
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3
@@ -52,12 +52,6 @@ def curve_path(model: RobotModel, q_start: FloatArray, poses: Sequence[PoseLike]
     check_callable(is_free, "is_free")
     targets = _curve([model.tip_se3(q_start), *(pose_to_se3(pose) for pose in poses)])
     return _follow(model, q_start, targets, is_free)
-
-
-def straight_spline(model: RobotModel, q_start: FloatArray, goal: PoseLike, is_free: IsFree | None = None) -> JointPath:
-    """Return `straight_path` as a smooth path, parametrised by the distance along the line."""
-    points = straight_path(model, q_start, goal, is_free)
-    return through(points, np.linspace(0.0, 1.0, len(points)))
 
 
 def _line(start: pin.SE3, goal: pin.SE3) -> list[pin.SE3]:

@@ -11,8 +11,7 @@ from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.datasets.writer import Compression
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import drawn_variations
-from rlbench_pin.environment.observations.camera_config import RenderMode
-from rlbench_pin.environment.observations.config import ObservationConfig
+from rlbench_pin.environment.observations.config import ObservationConfig, RenderMode
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import InvalidArgument, InvalidCamera, TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS, PRODUCTS

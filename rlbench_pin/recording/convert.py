@@ -14,14 +14,12 @@ import numpy as np
 import pinocchio as pin
 
 from rlbench_pin.control.differential_ik import DifferentialIK, DifferentialIKConfig
-from rlbench_pin.environment.actions.action_mode import ActionMode
-from rlbench_pin.environment.actions.arm_mode import RelativeFrame
 from rlbench_pin.environment.actions.gripper import GripperJointPosition
-from rlbench_pin.environment.actions.joint import JointPosition, JointTorque, JointVelocity
+from rlbench_pin.environment.actions.joint import EndEffectorVelocity, JointPosition, JointTorque, JointVelocity
+from rlbench_pin.environment.actions.mode import ActionMode, RelativeFrame
 from rlbench_pin.environment.actions.pose import ERJointViaIK, PoseMode
 from rlbench_pin.environment.actions.safe_arm import unwrapped
-from rlbench_pin.environment.actions.twist import EndEffectorVelocity
-from rlbench_pin.environment.demonstrate import EXTRA_TICKS
+from rlbench_pin.environment.demos import EXTRA_TICKS
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError, InvalidActionError
 from rlbench_pin.observation import Demo

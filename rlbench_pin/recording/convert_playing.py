@@ -19,11 +19,10 @@ from typing import Literal
 
 import numpy as np
 
-from rlbench_pin.environment.actions.arm_mode import RelativeFrame
-from rlbench_pin.environment.actions.joint import JointPosition, JointTorque, JointVelocity
+from rlbench_pin.environment.actions.joint import EndEffectorVelocity, JointPosition, JointTorque, JointVelocity
+from rlbench_pin.environment.actions.mode import RelativeFrame
 from rlbench_pin.environment.actions.pose import ERJointViaIK, PoseMode
 from rlbench_pin.environment.actions.safe_arm import unwrapped
-from rlbench_pin.environment.actions.twist import EndEffectorVelocity
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import InvalidActionError

@@ -6,11 +6,11 @@ from collections import Counter
 
 import numpy as np
 
-from rlbench_pin.environment.listener import Listener
+from rlbench_pin.environment.runtime import Listener
 from rlbench_pin.errors import PlanningError
 from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.plan import Plan
-from rlbench_pin.planning.problems.problem import PlanningProblem
+from rlbench_pin.planning.problems import PlanningProblem
 from rlbench_pin.scene.snapshot import WorldSnapshot
 
 

@@ -41,7 +41,6 @@ class World(Contents):
         texture_overrides: Textures over the colours of robot, bodies and room.
         dynamics_overrides: Scaled masses, friction, damping and gains.
         resting: Bodies that sleep until something comes near them.
-        on_step: Called after every tick.
         on_physics: Called before every physics step; may command the arm.
         keepers: What others keep beside the world and want saved and restored with it.
         client: The physics server, for modules of this folder only.
@@ -59,7 +58,6 @@ class World(Contents):
     ) -> None:
         self.timestep, self.control_dt = timestep, control_dt
         self._substeps = whole_ratio(control_dt, timestep)
-        self.on_step: list[Callable[[], None]] = []
         self.on_physics: list[Callable[[], None]] = []
         client = open_client(timestep, renderer)
         self._finalizer = weakref.finalize(self, client.close)
@@ -91,8 +89,6 @@ class World(Contents):
         self.resting.end_tick()
         self._ticks += 1
         self.robot.forget_measurements()
-        for callback in self.on_step:
-            callback()
 
     # Rendering -------------------------------------------------------------------------------------------------------
 

@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rlbench_pin.datasets import key_frames
-from rlbench_pin.environment.demonstrate import DemoPlayer
-from rlbench_pin.environment.listener import Listener
-from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.environment.demos import DemoPlayer
+from rlbench_pin.environment.runtime import Listener, Runtime
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import (
     DatasetError,
@@ -277,7 +276,7 @@ class FrameRecorder(Listener):
             colors=_painted_links(runtime.world),
         )
 
-    def on_leg(self, waypoint: Waypoint, plan: Plan) -> None:
+    def on_segment(self, waypoint: Waypoint, plan: Plan) -> None:
         """Add a segment of a demonstration."""
         self.segments.append(Segment(waypoint.frame.name, len(self.frames) - 1, plan.report.method))
         if self._on_segment is not None:

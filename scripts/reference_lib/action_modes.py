@@ -23,11 +23,11 @@ from rlbench_pin.environment import (
     SafeArm,
 )
 from rlbench_pin.environment.actions import ActionSpec
-from rlbench_pin.environment.actions.mode import SpecifiedMode
+from rlbench_pin.environment.actions.mode import Mode
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.environment.runtime import TIP_WORKSPACE, Runtime
 
-Variants = Mapping[str, SpecifiedMode]
+Variants = Mapping[str, Mode]
 """What is written in Python -> the mode."""
 
 ARM: Variants = {
@@ -81,7 +81,7 @@ def _workspace() -> str:
 def _overview(runtime: Runtime) -> str:
     rows = []
     for name, mode in {**ARM, **GRIPPER, **WHOLE}.items():
-        spec = mode.action_spec(runtime)
+        spec = mode.spec(runtime)
         units = ", ".join(dict.fromkeys(unit for unit in spec.units))
         rows.append((f"`{name}`", str(spec.size), units, spec.frame, _ticks(spec)))
     return table(("Mode", "Numbers", "Units", "Frame", "Ticks"), rows, "lrlll")
@@ -92,13 +92,13 @@ def _ticks(spec: ActionSpec) -> str:
 
 
 def _sections(variants: Variants, runtime: Runtime) -> str:
-    by_class: dict[type, list[tuple[str, SpecifiedMode]]] = {}
+    by_class: dict[type, list[tuple[str, Mode]]] = {}
     for name, mode in variants.items():
         by_class.setdefault(type(mode), []).append((name, mode))
     return "\n\n".join("\n\n".join(_section(cls, modes, runtime)) for cls, modes in by_class.items())
 
 
-def _section(cls: type, modes: list[tuple[str, SpecifiedMode]], runtime: Runtime) -> Iterator[str]:
+def _section(cls: type, modes: list[tuple[str, Mode]], runtime: Runtime) -> Iterator[str]:
     yield f"### {cls.__name__}"
     yield doc_of(cls).text
     if settings := settings_table(cls):
@@ -107,7 +107,7 @@ def _section(cls: type, modes: list[tuple[str, SpecifiedMode]], runtime: Runtime
         return  # the numbers are those of its parts
     alike: dict[tuple[tuple[str, ...], ...], list[str]] = {}
     for name, mode in modes:
-        alike.setdefault(tuple(_rows(mode.action_spec(runtime))), []).append(f"`{name}`")
+        alike.setdefault(tuple(_rows(mode.spec(runtime))), []).append(f"`{name}`")
     rows = [(", ".join(names), *row) for numbers, names in alike.items() for row in numbers]
     yield table(("Mode", "Numbers", "Unit", "Lowest", "Highest"), rows, "lllrr")
 

@@ -10,7 +10,7 @@ import pytest
 from rlbench_pin.checking.explain import evidence_lines, explain_failure
 from rlbench_pin.cli.main import main
 from rlbench_pin.errors import NoIkSolution
-from rlbench_pin.planning.problems.problem import read_problem
+from rlbench_pin.planning.problems import read_problem
 
 
 def test_success_needs_no_explanation() -> None:

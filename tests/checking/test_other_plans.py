@@ -6,8 +6,8 @@ import pytest
 
 from rlbench_pin.checking.judge import demo_bytes, solved_by_other_plans
 from rlbench_pin.environment import TaskEnvironment
-from rlbench_pin.environment.listener import Listener
 from rlbench_pin.environment.presets import low_dim_config, make_environment
+from rlbench_pin.environment.runtime import Listener
 from rlbench_pin.errors import DemoError
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.tasks import Waypoint
@@ -21,7 +21,7 @@ class _FailsTwice(Listener):
         self.worlds: list[bytes] = []
         self.draws: list[float] = []
 
-    def on_leg(self, waypoint: Waypoint, plan: Plan) -> None:
+    def on_segment(self, waypoint: Waypoint, plan: Plan) -> None:
         """Note, or fail."""
         if waypoint.index == 0:
             self.worlds.append(self._task.world.bodies["block"].position.tobytes())

@@ -25,12 +25,12 @@ from rlbench_pin.checking.records import (
     WordsTrial,
 )
 from rlbench_pin.checking.report import TaskReport, summarise
-from rlbench_pin.environment.demonstrate import LegReport
+from rlbench_pin.environment.demos import SegmentReport
 from rlbench_pin.environment.episode import drawn_variations
 
-LEGS = (LegReport(0, "straight", 0.06, 2.0), LegReport(1, "search", 0.04, 3.0))
+SEGMENTS = (SegmentReport(0, "straight", 0.06, 2.0), SegmentReport(1, "search", 0.04, 3.0))
 DEMO = SolvedDemo(
-    frames=100, simulated=5.0, replayed=True, lasts=True, legs=LEGS,
+    frames=100, simulated=5.0, replayed=True, lasts=True, segments=SEGMENTS,
     cost=Cost(0.5, process=0.25, planning=0.1, physics=0.125, ticks=50),
 )  # fmt: skip
 GOOD = DemoTrial(task="push_button", seed=0, variation=0, demo=DEMO)
@@ -179,9 +179,9 @@ def test_each_variation_has_its_rates() -> None:
 
 def test_legs_and_shares_of_time_add_up() -> None:
     """By waypoint: how long planning takes and how long the motion is; and what the whole is spent on."""
-    slower = replace(GOOD, seed=99, demo=replace(DEMO, legs=(LegReport(0, "search", 0.16, 4.0),)))
+    slower = replace(GOOD, seed=99, demo=replace(DEMO, segments=(SegmentReport(0, "search", 0.16, 4.0),)))
     report = summarise("push_button", [GOOD, slower])
-    first, second = report.legs
+    first, second = report.segments
     assert (first.waypoint, first.count, first.methods) == (0, 2, {"search": 1, "straight": 1})
     assert first.planning == pytest.approx((0.11, 0.155))
     assert first.duration == pytest.approx((3.0, 3.9))
@@ -204,7 +204,7 @@ def test_reach_is_counted_by_waypoint() -> None:
 
 
 def test_the_page_shows_what_the_json_holds() -> None:
-    """Tables of tasks, variations and legs, the slowest with the reason, and pictures where there are some."""
+    """Tables of tasks, variations and segments, the slowest with the reason, and pictures where there are some."""
     slower = replace(DEMO, cost=replace(DEMO.cost, process=1.0, physics=0.8))
     demos = [replace(GOOD, task="stack_blocks", seed=i, variation=i % 3, demo=slower) for i in range(20)]
     slow = [*demos, *(replace(t, task="stack_blocks") for t in _trials(0))]
@@ -228,7 +228,7 @@ def test_the_json_keeps_its_format() -> None:
         "passed", "faults", "variations", "first_try", "within_tries", "same_scene", "unseen", "lasting", "replay", "key_frames",
         "idle", "random", "repeat", "tidy", "accepted", "per_variation", "drift", "penetration", "held", "left_over",
         "instructions", "reach", "median_frames", "median_simulated_s", "p95_simulated_s", "median_planning_s", "times_real_time",
-        "speed", "legs", "failures", "errors",
+        "speed", "segments", "failures", "errors",
     ]  # fmt: skip
     where = {"seed": 50, "variation": 0}
     assert plain["failures"] == [

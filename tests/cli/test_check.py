@@ -28,8 +28,8 @@ def _without_times(report: dict[str, Any]) -> dict[str, Any]:
     for task in report["tasks"].values():
         for key in ("median_planning_s", "times_real_time", "speed"):
             del task[key]
-        for leg in task["legs"]:
-            del leg["planning_median_ms"], leg["planning_p95_ms"]
+        for segment in task["segments"]:
+            del segment["planning_median_ms"], segment["planning_p95_ms"]
     return report
 
 
@@ -42,7 +42,7 @@ def test_a_report_folder_holds_page_data_and_pictures(tmp_path: Path, capsys: Ca
     assert [report[rate]["of"] for rate in ("first_try", "idle", "random", "repeat", "tidy", "accepted")] == [6, 1, 1, 1, 6, 10]
     assert len(report["instructions"]) == 20
     assert set(report["per_variation"]) == {"0", "1", "2", "3", "4", "5"}
-    assert [(leg["waypoint"], leg["count"]) for leg in report["legs"]] == [(0, 6)]
+    assert [(segment["waypoint"], segment["count"]) for segment in report["segments"]] == [(0, 6)]
     assert report["speed"]["physics_share"] + report["speed"]["planning_share"] < 1.0
     page = (tmp_path / "report.md").read_text()
     for picture in ("pictures/reach_target.jpg", "pictures/reach_target_reach.png"):

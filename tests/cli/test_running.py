@@ -13,7 +13,7 @@ from rlbench_pin.cli import options
 from rlbench_pin.cli.main import main
 from rlbench_pin.cli.running import COMMANDS, run, summary
 from rlbench_pin.datasets import Compression
-from rlbench_pin.environment.observations.camera_config import RenderMode
+from rlbench_pin.environment.observations.config import RenderMode
 from rlbench_pin.evaluation import FOLLOWERS
 from rlbench_pin.recording.export import ExportFormat
 

@@ -30,7 +30,7 @@ from rlbench.task_environment import TaskEnvironment
 from rlbench.tasks import OpenDrawer, ReachTarget, TakeLidOffSaucepan
 from rlbench_pin.assets import asset_path
 from rlbench_pin.errors import AssetNotFound
-from rlbench_pin.gym.window import WindowMissing
+from rlbench_pin.gym.environment import WindowMissing
 from tests.compat import paper_tasks
 
 REMEMBERING = """

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.environment import TaskEnvironment
-from rlbench_pin.environment.demonstrate import DemoPlayer, Omission, try_play
+from rlbench_pin.environment.demos import DemoPlayer, Omission, try_play
 from rlbench_pin.tasks import Task, task_class
 
 

@@ -105,13 +105,13 @@ def test_a_missing_field_is_named() -> None:
 
 @pytest.mark.simulation
 def test_a_live_demonstration() -> None:
-    """Key frames are where the leg above the lid ends, where the hand has closed on it, and the end."""
+    """Key frames are where the segment above the lid ends, where the hand has closed on it, and the end."""
     with Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=low_dim_config()) as environment:
         outcome = environment.get_task("take_lid_off_saucepan").try_demo(seed=0)
     assert outcome.demo is not None
-    demo, legs = outcome.demo, outcome.legs
-    above = round(legs[0].duration / 0.05)
-    at_lid = above + round(legs[1].duration / 0.05)
+    demo, segments = outcome.demo, outcome.segments
+    above = round(segments[0].duration / 0.05)
+    at_lid = above + round(segments[1].duration / 0.05)
     (closed,) = (i for i in range(1, len(demo)) if demo[i].gripper_open != demo[i - 1].gripper_open)
     keys = key_frames(demo)
     assert keys[1:] == [closed, len(demo) - 1]

@@ -107,7 +107,7 @@ def test_lights_change_by_default() -> None:
         ) as environment:
             task = environment.get_task("reach_target")
             task.reset(seed=1)
-            lights.append(task.runtime.observer.look.lighting)
+            lights.append(task.runtime.observer.appearance.lighting)
     assert lights[0] not in (None, ObservationConfig().lighting) and lights[1] in (None, ObservationConfig().lighting)
 
 

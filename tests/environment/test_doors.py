@@ -10,7 +10,7 @@ from rlbench_pin.environment.actions.mode import as_action
 from rlbench_pin.environment.episode import checked_seed, demo_seeds
 from rlbench_pin.environment.stored import StoredSelection
 from rlbench_pin.errors import InvalidActionError, InvalidArgument, InvalidValue, OutsideJointLimits, RlbenchPinError
-from rlbench_pin.gym.spaces import checked_action
+from rlbench_pin.gym.environment import checked_action
 
 NO_ACTIONS = {
     "complex": np.zeros(3, dtype=complex),
@@ -122,7 +122,7 @@ def test_checkered_actions_move_nothing(reach: TaskEnvironment) -> None:
         with pytest.raises(InvalidActionError):
             reach.step(action)
         with pytest.raises(InvalidActionError):
-            checked_action(action, reach.action_mode.action_spec(reach.runtime))
+            checked_action(action, reach.action_mode.spec(reach.runtime))
     assert reach.get_observation().get_low_dim_data().tobytes() == before
 
 

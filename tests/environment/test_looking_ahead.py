@@ -1,4 +1,4 @@
-"""Resets and legs take the later waypoints into account."""
+"""Resets and segments take the later waypoints into account."""
 
 from __future__ import annotations
 
@@ -37,4 +37,4 @@ def test_a_leg_ends_where_the_next_can_go_straight() -> None:
         task = environment.get_task(find_task("place_cups"))
         outcome = task.try_demo(seed=22, variation=1, record=False)
         assert outcome.success, outcome.cause
-        assert all(leg.method == "straight" for leg in outcome.legs if leg.waypoint in (4, 5))
+        assert all(segment.method == "straight" for segment in outcome.segments if segment.waypoint in (4, 5))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.environment import TaskEnvironment
-from rlbench_pin.environment.demonstrate import EXTRA_TICKS
+from rlbench_pin.environment.demos import EXTRA_TICKS
 from rlbench_pin.environment.replay import reaches_goal, replay_succeeds
 from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import Demo, Observation

@@ -29,7 +29,7 @@ SKIPPED = frozenset({
     "RepeatTrial", "WordsTrial",
     "Rate", "Rest", "Move", "TaskInfo", "StoredEpisode", "RecordReport", "ReplayResult", "Command", "ControllerSummary", "Leg",
     "LegTrial", "CheckProgress", "Failure", "Item", "Reach", "TaskReport", "TaskState", "DemoOutcome", "EnvironmentState",
-    "LegReport", "ActionSpec", "EpisodeItem", "EpisodeOutcome", "EvaluationProgress", "PolicyContext",
+    "SegmentReport", "ActionSpec", "EpisodeItem", "EpisodeOutcome", "EvaluationProgress", "PolicyContext",
     "Reference", "TaskSet", "TaskSelection", "Comparison", "Pairs", "TaskComparison", "PValues", "Summary",
     "TaskSummary", "Estimate", "Table",  # records that doors return, or policies are given
     "Follower", "TrackingProblem", "Waypoint", "Task",  # what the package makes itself; users read them

@@ -46,7 +46,7 @@ MODES = (
 
 def good_action(task: TaskEnvironment, rng: np.random.Generator) -> np.ndarray:
     """Draw an action within its bounds, which are brought to 1 where they are none; quaternions have length 1."""
-    spec = task.action_mode.action_spec(task.runtime)
+    spec = task.action_mode.spec(task.runtime)
     low, high = np.nan_to_num(spec.low, neginf=-1.0, posinf=1.0), np.nan_to_num(spec.high, neginf=-1.0, posinf=1.0)
     action = rng.uniform(low, high)
     if "qx" in spec.names:

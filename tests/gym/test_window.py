@@ -6,8 +6,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from rlbench_pin.gym.environment import GymnasiumEnv
-from rlbench_pin.gym.window import Window, WindowMissing
+from rlbench_pin.gym.environment import GymnasiumEnv, Window, WindowMissing
 
 SCREENS = ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from rlbench_pin.errors import NotStraight
-from rlbench_pin.planning.straight import curve_path, straight_path, straight_spline
+from rlbench_pin.planning.path import through
+from rlbench_pin.planning.straight import curve_path, straight_path
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import above_table, compose, pose_at, rotation_distance
 
@@ -29,7 +30,8 @@ def distance_to_line(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.nda
 def test_the_tip_keeps_to_the_line(model: RobotModel, goal: np.ndarray) -> None:
     """Between the solved configurations too, the tip is within 1 mm of the line, and its turn never exceeds the whole."""
     start = model.tip_pose(model.home)
-    _, configurations = straight_spline(model, model.home, goal).spread(0.004)
+    line = straight_path(model, model.home, goal)
+    _, configurations = through(line, np.linspace(0.0, 1.0, len(line))).spread(0.004)
     poses = np.array([model.tip_pose(q) for q in configurations])
     assert distance_to_line(poses[:, :3], start[:3], goal[:3]).max() < 1e-3
     whole = rotation_distance(start, goal)

@@ -8,7 +8,7 @@ from reference_lib.action_modes import ARM, GRIPPER, WHOLE
 
 from rlbench_pin import environment
 from rlbench_pin.environment import ActionMode, Discrete, Environment, JointVelocity, MoveArmThenGripper, TaskEnvironment
-from rlbench_pin.environment.actions.mode import SpecifiedMode
+from rlbench_pin.environment.actions.mode import Mode
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import InvalidActionError
 from tests.reference.support import part, rows
@@ -37,7 +37,7 @@ def whole(name: str) -> tuple[ActionMode, int, int | None]:
 def stay(task: TaskEnvironment, mode: ActionMode) -> np.ndarray:
     """Return an action that asks for what is there, by the names of its numbers."""
     low, high = task.action_bounds()
-    names = mode.action_spec(task.runtime).names
+    names = mode.spec(task.runtime).names
     absolute = getattr(mode.arm_action_mode, "absolute_mode", True) and getattr(mode.arm_action_mode, "frame", 0) == 0
     robot = task.world.robot
     pose = dict(
@@ -50,8 +50,8 @@ def stay(task: TaskEnvironment, mode: ActionMode) -> np.ndarray:
 
 def test_every_mode_is_on_the_page() -> None:
     """Each class at the front door that has a specification, abstract ones apart."""
-    public = {n for n in environment.__all__ if isinstance(c := getattr(environment, n), type) and issubclass(c, SpecifiedMode)}
-    assert public - {name.split("(")[0] for name in LISTED} == {"ActionMode"}
+    public = {n for n in environment.__all__ if isinstance(c := getattr(environment, n), type) and issubclass(c, Mode)}
+    assert public - {name.split("(")[0] for name in LISTED} == {"ActionMode", "ArmActionMode", "GripperActionMode"}
 
 
 @pytest.mark.simulation

@@ -63,12 +63,13 @@ def test_mask_ids_are_stable(furniture):
 
 
 def test_time_counts_ticks():
-    """Each step is one control tick and calls the callbacks once."""
+    """Each step is one control tick of twelve physics steps."""
     with build() as world:
         calls = []
-        world.on_step.append(lambda: calls.append(world.time))
+        world.on_physics.append(lambda: calls.append(world.time))
         steps(world, 3)
-        assert calls == pytest.approx([0.05, 0.10, 0.15])
+        assert calls[::12] == pytest.approx([0.0, 0.05, 0.10])
+        assert (len(calls), world.time) == (36, pytest.approx(0.15))
 
 
 def test_a_tick_is_a_whole_number_of_physics_steps():

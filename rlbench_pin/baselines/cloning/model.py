@@ -13,7 +13,7 @@ import torch
 from torch import Tensor, nn
 
 from rlbench_pin.datasets import stored_demos
-from rlbench_pin.environment.observations.stored_pictures import resize
+from rlbench_pin.environment.stored import resize
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.spatial import FloatArray

@@ -14,9 +14,9 @@ import numpy as np
 
 from rlbench_pin.builder.contracts import PlannedPath, Standing, WaypointVerdict
 from rlbench_pin.environment.runtime import Runtime
-from rlbench_pin.environment.turns import poses_of, runs
+from rlbench_pin.environment.waypoint_planning import grasp_groups, poses_of
 from rlbench_pin.errors import GoalInCollision, NoIkSolution, NotStraight, PlanningError
-from rlbench_pin.planning.kinematics.ik import solve_ik
+from rlbench_pin.planning.kinematics import solve_ik
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.scene.snapshot import WorldSnapshot
@@ -85,7 +85,7 @@ class Reacher:
         """Return the visits of all waypoints that this episode does not skip, in order."""
         home = np.array(self._runtime.description.home)
         walk = _Walk(home, self._model.tip_pose(home))
-        for run in runs([w for w in self._runtime.task.get_waypoints() if not w.skip]):
+        for run in grasp_groups([w for w in self._runtime.task.get_waypoints() if not w.skip]):
             walk = self._best(run, walk)
         return tuple(walk.visits)
 

@@ -119,15 +119,15 @@ def _legs(task: Plain) -> str:
     head = ["Waypoint", "Legs", "Planning, median", "95 %", "Length, median", "95 %", "Found by"]
     rows = [
         [
-            leg["waypoint"],
-            leg["count"],
-            f"{leg['planning_median_ms']:.0f} ms",
-            f"{leg['planning_p95_ms']:.0f} ms",
-            f"{leg['length_median_s']:.2f} s",
-            f"{leg['length_p95_s']:.2f} s",
-            ", ".join(f"{method} {count}" for method, count in leg["methods"].items()),
+            segment["waypoint"],
+            segment["count"],
+            f"{segment['planning_median_ms']:.0f} ms",
+            f"{segment['planning_p95_ms']:.0f} ms",
+            f"{segment['length_median_s']:.2f} s",
+            f"{segment['length_p95_s']:.2f} s",
+            ", ".join(f"{method} {count}" for method, count in segment["methods"].items()),
         ]
-        for leg in task.get("legs", ())
+        for segment in task.get("segments", task.get("legs", ()))  # `legs` in older reports
     ]
     return markdown_table(head, rows) if rows else ""
 

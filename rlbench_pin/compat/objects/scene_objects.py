@@ -382,7 +382,7 @@ class Cameras:
 
     def view(self, name: str) -> CameraView:
         """Return what a camera sees now."""
-        return self._runtime.observer.look.moved(name, self._runtime.cameras[name].view())
+        return self._runtime.observer.appearance.moved(name, self._runtime.cameras[name].view())
 
     def place(self, name: str, pose: FloatArray) -> None:
         """Put a camera at a pose (7,) in the world; the one on the gripper keeps its place there. Observations follow."""

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from rlbench_pin.environment.actions.action_mode import ActionMode, JointPositionActionMode, MoveArmThenGripper
-from rlbench_pin.environment.actions.arm_mode import ArmActionMode, RelativeFrame, calculate_delta_pose
-from rlbench_pin.environment.actions.gripper import Discrete, GripperActionMode, GripperJointPosition
-from rlbench_pin.environment.actions.joint import JointPosition, JointTorque, JointVelocity
+from rlbench_pin.environment.actions.gripper import Discrete, GripperJointPosition
+from rlbench_pin.environment.actions.joint import (
+    EndEffectorVelocity,
+    JointPosition,
+    JointPositionActionMode,
+    JointTorque,
+    JointVelocity,
+)
+from rlbench_pin.environment.actions.mode import (
+    ActionMode,
+    ActionSpec,
+    ArmActionMode,
+    GripperActionMode,
+    MoveArmThenGripper,
+    RelativeFrame,
+    calculate_delta_pose,
+)
 from rlbench_pin.environment.actions.pose import EndEffectorPoseViaIK, EndEffectorPoseViaPlanning, ERJointViaIK
 from rlbench_pin.environment.actions.safe_arm import SafeArm, unwrapped
-from rlbench_pin.environment.actions.specification import ActionSpec
-from rlbench_pin.environment.actions.twist import EndEffectorVelocity
-from rlbench_pin.front_door import front_door
 
 __all__ = [
     "ActionMode",
@@ -35,6 +43,3 @@ __all__ = [
     "calculate_delta_pose",
     "unwrapped",
 ]
-
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Protocol
+from dataclasses import dataclass
 
 import numpy as np
 
-from rlbench_pin.environment.actions.mode import ActionPart, BoundMode, PartMode
-from rlbench_pin.environment.actions.specification import ActionSpec
+from rlbench_pin.environment.actions.mode import ActionSpec, GripperActionMode
 from rlbench_pin.environment.motion import hold_or_release, move_gripper
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import InvalidActionError
@@ -16,15 +14,11 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_flag
 
 
-class GripperActionMode(ActionPart, Protocol):
-    """Turns numbers into finger motion."""
-
-
-class GripperMode(PartMode):
-    """What gripper modes share.
+class GripperMode(GripperActionMode):
+    """Base class of the gripper modes of this package.
 
     Args:
-        attach_grasped_objects: Fix graspable bodies between the fingers to the hand; None leaves it to the environment.
+        attach_grasped_objects: Fix graspable bodies between the fingers to the gripper; None leaves it to the environment.
         detach_before_open: Release before the fingers open; otherwise after.
     """
 
@@ -35,19 +29,23 @@ class GripperMode(PartMode):
         self.detach_before_open = as_flag(detach_before_open, "detach_before_open")
 
     def attaches(self, runtime: Runtime) -> bool:
-        """Whether bodies are fixed to the hand."""
+        """Whether bodies are fixed to the gripper."""
         return runtime.attach_grasped_objects if self.attach_grasped_objects is None else self.attach_grasped_objects
 
 
 class Discrete(GripperMode):
-    """One number: above 0.5 opens the hand, otherwise closes it. Does nothing when the hand is already as asked.
+    """One number: above 0.5 opens the gripper, otherwise closes it. Does nothing when the gripper is already as asked.
 
     A number below 0 or above 1 is refused.
     """
 
-    def make_spec(self, runtime: Runtime) -> ActionSpec:
+    def spec(self, runtime: Runtime) -> ActionSpec:
         """From 0, closed, to 1, open."""
         return ActionSpec(("gripper",), ("1",), np.zeros(1), np.ones(1), "joint", None)
+
+    def shape(self, runtime: Runtime) -> tuple[int]:
+        """One number."""
+        return (1,)
 
     def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
         """Return the number, or raise InvalidActionError when it does not lie between 0 and 1."""
@@ -57,7 +55,7 @@ class Discrete(GripperMode):
             )
         return values
 
-    def execute(self, runtime: Runtime, values: FloatArray) -> None:
+    def steps(self, runtime: Runtime, values: FloatArray) -> None:
         """Open or close when that changes something."""
         wants_open = bool(values[0] > 0.5)
         if wants_open == runtime.gripper.is_open:
@@ -73,22 +71,14 @@ class Discrete(GripperMode):
         )
 
 
-@dataclass(frozen=True)
-class FingerMove:
-    """A finger motion of one tick."""
-
-    target: float
-    """Commanded position of the fingers [m]."""
-    opens: bool
-    """Whether that is farther open than they were."""
-
-
 @dataclass
-class BoundFingers(BoundMode):
-    """A finger position mode in one runtime."""
+class FingerMove:
+    """The finger motion of the present tick, from `pre_step` to `post_step`."""
 
-    move: FingerMove | None = field(default=None, init=False)
-    """The motion of the present tick, from `action_pre_step` to `action_post_step`."""
+    target: float | None = None
+    """Commanded position of the fingers [m]."""
+    opens: bool = False
+    """Whether that is farther open than they were."""
 
 
 class GripperJointPosition(GripperMode):
@@ -102,48 +92,51 @@ class GripperJointPosition(GripperMode):
         absolute_mode: A position; otherwise a difference to the measured one.
     """
 
+    ticks = 1
+
     def __init__(
         self, attach_grasped_objects: bool | None = None, detach_before_open: bool = True, absolute_mode: bool = True
     ) -> None:
         super().__init__(attach_grasped_objects, detach_before_open)
         self.absolute_mode = as_flag(absolute_mode, "absolute_mode")
 
-    def make_spec(self, runtime: Runtime) -> ActionSpec:
+    def shape(self, runtime: Runtime) -> tuple[int]:
+        """One number."""
+        return (1,)
+
+    def spec(self, runtime: Runtime) -> ActionSpec:
         """From 0, shut, to the range of a finger; differences span it both ways."""
         high = np.array([runtime.description.gripper_open])
         return ActionSpec(("finger",), ("m",), np.zeros(1) if self.absolute_mode else -high, high, "joint", 1)
 
-    def bind(self, runtime: Runtime) -> BoundFingers:
-        """Keep the motion between the hooks of an action."""
-        return BoundFingers()
-
-    def action_pre_step(self, runtime: Runtime, action: FloatArray) -> None:
+    def pre_step(self, runtime: Runtime, values: FloatArray) -> None:
         """Command the finger motors, without stepping; opening lets go."""
         here, reach = runtime.robot.fingers, runtime.description.gripper_open
-        target = float(np.clip(action[0] if self.absolute_mode else here.mean() + action[0], 0.0, reach))
+        target = float(np.clip(values[0] if self.absolute_mode else here.mean() + values[0], 0.0, reach))
         opens = bool(target > here.mean() + 1e-4)
         if opens and self.detach_before_open:
             runtime.gripper.release()
         if not runtime.gripper.grasped or opens:
             runtime.gripper.set_target(target / reach, runtime.description.finger_speed)
-        runtime.bound(self).move = FingerMove(target, opens)
+        move = runtime.kept(self, FingerMove)
+        move.target, move.opens = target, opens
 
-    def action_step(self, runtime: Runtime, action: FloatArray) -> None:
+    def steps(self, runtime: Runtime, values: FloatArray) -> None:
         """One tick, in which the arm holds still."""
         if runtime.robot.mode == "torque":
             runtime.hold()
         runtime.step()
 
-    def action_post_step(self, runtime: Runtime, action: FloatArray) -> None:
+    def post_step(self, runtime: Runtime, values: FloatArray) -> None:
         """Attach what stopped the fingers, or let go; then hold.
 
         Raises:
-            InvalidActionError: No `action_pre_step` came before.
+            InvalidActionError: No `pre_step` came before.
         """
-        bound = runtime.bound(self)
-        move, bound.move = bound.move, None
-        if move is None:
-            raise InvalidActionError("`action_post_step` of the fingers was called without `action_pre_step`. Call that first.")
-        stalled = runtime.robot.fingers.mean() > move.target + 1e-3 and not runtime.gripper.moving
+        move = runtime.kept(self, FingerMove)
+        target, move.target = move.target, None
+        if target is None:
+            raise InvalidActionError("`post_step` of the fingers was called without `pre_step`. Call that first.")
+        stalled = runtime.robot.fingers.mean() > target + 1e-3 and not runtime.gripper.moving
         hold_or_release(runtime, release=move.opens, attach=self.attaches(runtime) and stalled)
         runtime.gripper.hold()

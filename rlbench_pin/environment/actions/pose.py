@@ -6,20 +6,22 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rlbench_pin.environment.actions.arm_mode import (
+from rlbench_pin.environment.actions.mode import (
+    POSE_NAMES,
+    POSE_UNITS,
+    ActionSpec,
+    ArmActionMode,
     FrameChoice,
     RelativeFrame,
+    as_action,
     as_frame,
     assert_unit_quaternion,
     calculate_delta_pose,
 )
-from rlbench_pin.environment.actions.mode import PartMode, as_action, checked
-from rlbench_pin.environment.actions.specification import POSE_NAMES, POSE_UNITS, ActionSpec
 from rlbench_pin.environment.motion import follow
 from rlbench_pin.environment.runtime import TIP_WORKSPACE, Runtime
 from rlbench_pin.errors import InvalidActionError, PlanningError, shown
-from rlbench_pin.planning.kinematics.ik import solve_ik
-from rlbench_pin.planning.kinematics.pinned_ik import solve_pinned_ik
+from rlbench_pin.planning.kinematics import solve_ik, solve_pinned_ik
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_flag, as_number, as_whole, items_of
@@ -32,8 +34,8 @@ IK_TICKS = 200
 """Ticks after which it ends in any case."""
 
 
-class PoseMode(PartMode):
-    """What modes share whose numbers begin with a tip pose (7,).
+class PoseMode(ArmActionMode):
+    """Base class of modes whose numbers begin with a tip pose (7,).
 
     Args:
         absolute_mode: World pose; otherwise a delta to the present tip pose.
@@ -52,7 +54,7 @@ class PoseMode(PartMode):
         """Whether the pose is a delta."""
         return not self.absolute_mode or self.frame is RelativeFrame.EE
 
-    def make_spec(self, runtime: Runtime) -> ActionSpec:
+    def spec(self, runtime: Runtime) -> ActionSpec:
         """Position and quaternion; positions span the workspace."""
         extent = TIP_WORKSPACE[1] - TIP_WORKSPACE[0]
         low, high = (-extent, extent) if self.is_relative else (TIP_WORKSPACE[0], TIP_WORKSPACE[1])
@@ -108,10 +110,10 @@ class EndEffectorPoseViaPlanning(PoseMode):
         Raises:
             InvalidActionError: The action is refused; nothing has moved.
         """
-        values = as_action(action, 7, type(self).__name__, self.optional_values)
         if ignore_collisions is not None:
-            values = np.append(values[:7], float(ignore_collisions))
-        self.execute(runtime, checked(self, runtime, values))
+            values = as_action(action, 7, type(self).__name__, self.optional_values)
+            action = np.append(values[:7], float(ignore_collisions))
+        super().action(runtime, action)
 
     def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
         """Return the numbers, or raise InvalidActionError when the eighth does not lie between 0 and 1."""
@@ -121,7 +123,7 @@ class EndEffectorPoseViaPlanning(PoseMode):
             )
         return values
 
-    def execute(self, runtime: Runtime, values: FloatArray) -> None:
+    def steps(self, runtime: Runtime, values: FloatArray) -> None:
         """Plan and execute."""
         target = self.target(runtime, values[:7])
         runtime.check_target_in_workspace(target[:3])
@@ -149,7 +151,7 @@ class EndEffectorPoseViaIK(PoseMode):
     At most 200 ticks. A pose that no joint positions near the present ones reach is refused.
     """
 
-    def execute(self, runtime: Runtime, values: FloatArray) -> None:
+    def steps(self, runtime: Runtime, values: FloatArray) -> None:
         """Solve and move until the joints arrive or stall."""
         target = self.target(runtime, values)
         q = runtime.robot.joint_positions
@@ -194,7 +196,7 @@ class ERJointViaIK(PoseMode):
         if delta_angle and absolute_mode:
             raise InvalidActionError("delta_angle=True needs absolute_mode=False.")
 
-    def make_spec(self, runtime: Runtime) -> ActionSpec:
+    def spec(self, runtime: Runtime) -> ActionSpec:
         """The pose, then the pinned angles."""
         joints, last = list(self.commanded_joints), runtime.model.size - 1
         if self.delta_angle and joints not in ([0], [last]):
@@ -207,9 +209,9 @@ class ERJointViaIK(PoseMode):
         if not self.absolute_mode:
             low, high = low - high, high - low
         angles = ActionSpec(names, ("rad",) * len(joints), low, high, "joint", None)
-        return super().make_spec(runtime).joined(angles)
+        return super().spec(runtime).joined(angles)
 
-    def execute(self, runtime: Runtime, values: FloatArray) -> None:
+    def steps(self, runtime: Runtime, values: FloatArray) -> None:
         """Solve with the pinned joints and move there, at most 50 ticks."""
         target = self.target(runtime, values[:7])
         q = runtime.robot.joint_positions

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rlbench_pin.control.safety_filter import FilterCounts, SafeCommand, SafetyConfig, SafetyFilter
-from rlbench_pin.environment.actions.arm_mode import ArmActionMode
-from rlbench_pin.environment.actions.mode import BoundMode, PartMode, checked, execute
-from rlbench_pin.environment.actions.specification import ActionSpec
+from rlbench_pin.environment.actions.mode import ActionSpec, ArmActionMode
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray
@@ -30,10 +28,10 @@ UNSEEN = 2e-5
 
 
 @dataclass
-class Guard(BoundMode):
+class Guard:
     """The safety filter of one runtime."""
 
-    filter: SafetyFilter = field(kw_only=True)
+    filter: SafetyFilter
     seen: WorldSnapshot | None = None
     """The world as the filter has it."""
 
@@ -44,7 +42,7 @@ class Guard(BoundMode):
             self.seen = snapshot
 
 
-class SafeArm(PartMode):
+class SafeArm(ArmActionMode):
     """Runs another arm mode, each control tick of which passes the safety filter first.
 
     The filter looks at the joint velocity that the motors are commanded to reach in the next tick, and replaces it when a
@@ -65,71 +63,76 @@ class SafeArm(PartMode):
         self.counts = FilterCounts()
         self.last: SafeCommand | None = None
 
-    def bind(self, runtime: Runtime) -> Guard:
-        """Make the filter of this arm and tick."""
+    def guard(self, runtime: Runtime) -> Guard:
+        """Return the filter of this arm and tick, with the world as it is now."""
+        guard = runtime.kept(self, lambda: self.make_guard(runtime))
+        guard.look_at(runtime.world.snapshot())
+        return guard
+
+    def make_guard(self, runtime: Runtime) -> Guard:
+        """Make the filter of one runtime."""
         limits, arm = runtime.model.limits, runtime.description
         shares = np.where(np.arange(len(limits.acceleration)) < arm.loaded_joints, arm.loaded_share, ACCELERATION_SHARE)
         reduced = replace(limits, velocity=SHARE * limits.velocity, acceleration=shares * limits.acceleration)
         config = replace(self.config, dt=runtime.world.control_dt, hold="any")
-        return Guard(filter=SafetyFilter(runtime.model, config, limits=reduced, counts=self.counts))
+        return Guard(SafetyFilter(runtime.model, config, limits=reduced, counts=self.counts))
+
+    @property
+    def ticks(self) -> int | None:  # type: ignore[override]
+        """Control ticks that an action of the inner mode takes."""
+        return self.mode.ticks
 
     @property
     def optional_values(self) -> int:
         """How many numbers may follow in an action of the inner mode."""
-        return self.mode.optional_values if isinstance(self.mode, PartMode) else 0
+        return self.mode.optional_values
 
-    def action_shape(self, runtime: Runtime) -> tuple[int]:
+    def spec(self, runtime: Runtime) -> ActionSpec:
+        """Return the specification of the inner mode."""
+        return self.mode.spec(runtime)
+
+    def shape(self, runtime: Runtime) -> tuple[int]:
         """Return the shape of an action of the inner mode."""
-        return self.mode.action_shape(runtime)
+        return self.mode.shape(runtime)
 
-    def action_bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
+    def bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
         """Return the bounds of the inner mode."""
-        return self.mode.action_bounds(runtime)
-
-    def action_spec(self, runtime: Runtime) -> ActionSpec:
-        """Return what the inner mode's numbers mean."""
-        return self.mode.action_spec(runtime)
+        return self.mode.bounds(runtime)
 
     def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
-        """Return `values`, shape (n,), or raise InvalidActionError when the inner mode refuses them."""
-        return checked(self.mode, runtime, values)
+        """Return the numbers as the inner mode wants them, or raise InvalidActionError when it refuses them."""
+        return self.mode.check(runtime, values)
 
-    def execute(self, runtime: Runtime, values: FloatArray) -> None:
-        """Run the inner action with every tick filtered."""
-        runtime.bound(self).look_at(runtime.world.snapshot())
-        with runtime.filtering(self._command):
-            execute(self.mode, runtime, values)
+    def pre_step(self, runtime: Runtime, values: FloatArray) -> None:
+        """Command the motors as the inner mode does; filter the command where it takes one tick, which others may share."""
+        guard = self.guard(runtime)
+        self.mode.pre_step(runtime, values)
+        if self.mode.ticks == 1:
+            self.filter_command(runtime, guard)
 
-    @property
-    def takes_one_tick(self) -> bool:
-        """Whether an action of the inner mode takes one control tick."""
-        return isinstance(self.mode, PartMode) and self.mode.takes_one_tick
-
-    def action_pre_step(self, runtime: Runtime, action: FloatArray) -> None:
-        """Command the motors as the inner mode does and filter that, so that the coming tick is safe whoever steps."""
-        runtime.bound(self).look_at(runtime.world.snapshot())
-        if isinstance(self.mode, PartMode) and self.takes_one_tick:
-            self.mode.action_pre_step(runtime, action)
-            self._command(runtime)
-
-    def action_step(self, runtime: Runtime, action: FloatArray) -> None:
+    def steps(self, runtime: Runtime, values: FloatArray) -> None:
         """Run the ticks of the inner action; those of a motion are filtered one by one."""
-        if self.takes_one_tick:
-            runtime.step()
-            return
-        with runtime.filtering(self._command):
-            execute(self.mode, runtime, action)
+        guard: Guard = runtime.kept(self, lambda: self.make_guard(runtime))
+        filtered = self.mode.ticks == 1  # by `pre_step`, for the first tick
 
-    def action_post_step(self, runtime: Runtime, action: FloatArray) -> None:
-        """Do what the inner mode does after its tick."""
-        if isinstance(self.mode, PartMode) and self.takes_one_tick:
-            self.mode.action_post_step(runtime, action)
+        def before_tick() -> None:
+            nonlocal filtered
+            if not filtered:
+                self.filter_command(runtime, guard)
+            filtered = False
 
-    def _command(self, runtime: Runtime) -> None:
-        """Replace the motors' command of the coming tick by a safe one where needed."""
+        with runtime.calling(before=before_tick):
+            self.mode.steps(runtime, values)
+
+    def post_step(self, runtime: Runtime, values: FloatArray) -> None:
+        """Do what the inner mode does after its ticks."""
+        self.mode.post_step(runtime, values)
+
+    def filter_command(self, runtime: Runtime, guard: Guard) -> None:
+        """Replace the command of the motors for the coming tick by a safe one where needed."""
         robot = runtime.robot
         q, v = robot.joint_positions, robot.joint_velocities
-        self.last = runtime.bound(self).filter.filter(q, v, wanted_velocity(runtime, q, v))
+        self.last = guard.filter.filter(q, v, wanted_velocity(runtime, q, v))
         if self.last.intervened:
             robot.set_velocity_targets(self.last.velocity)
 

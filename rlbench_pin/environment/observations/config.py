@@ -1,24 +1,258 @@
-"""Which parts of an observation are delivered, and how; what low-dimensional data are read from, and in which bounds."""
+"""Settings of observations: noise, cameras, low-dimensional fields with their bounds, and model-based quantities."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar
+from functools import partial
+from typing import ClassVar, Literal, Protocol, runtime_checkable
 
 import numpy as np
 
-from rlbench_pin.environment.observations.camera_config import CameraConfig
-from rlbench_pin.environment.observations.extra_cameras import ExtraCamera
-from rlbench_pin.environment.observations.model_based import ModelObservationConfig
-from rlbench_pin.environment.observations.noise import Identity, NoiseModel, as_noise
-from rlbench_pin.errors import CameraError, InvalidCamera, UnknownName, shown
+from rlbench_pin.errors import CameraError, InvalidCamera, InvalidValue, UnknownName, shown
 from rlbench_pin.observation import CAMERAS
-from rlbench_pin.robot import RobotModel
-from rlbench_pin.sim import Lighting, World
-from rlbench_pin.spatial import FloatArray, pose_to_matrix
+from rlbench_pin.robot.description import RobotDescription
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.sim import CameraView, Lighting, World
+from rlbench_pin.spatial import FloatArray, compose, pose_to_matrix, se3_to_pose
 from rlbench_pin.tasks import Task
-from rlbench_pin.values import FLAG, Rule, Settings, as_choice, as_text, record_of, ruled
+from rlbench_pin.values import (
+    FLAG,
+    NOT_NEGATIVE,
+    Rule,
+    Settings,
+    as_choice,
+    as_interval,
+    as_number,
+    as_picture_size,
+    as_pose,
+    as_text,
+    check_settings,
+    counted,
+    record_of,
+    ruled,
+)
+
+
+@runtime_checkable
+class NoiseModel(Protocol):
+    """Changes a measured array; must not modify its argument."""
+
+    def apply(self, value: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        """Return `value` with noise, drawing only from `rng`."""
+        ...
+
+
+class Identity:
+    """No noise."""
+
+    def apply(self, value: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        """Return `value` itself."""
+        return value
+
+
+def as_noise(value: object, what: str) -> NoiseModel:
+    """Return `value`, or raise InvalidValue when it is no noise model."""
+    if isinstance(value, type) or not isinstance(value, NoiseModel):
+        hint = "`GaussianNoise(0.01)` is one, `Identity()` is none at all."
+        raise InvalidValue(what, value, "has to be a noise model, an object with `apply(value, rng)`", hint)
+    return value
+
+
+def _as_clip(value: object, what: str) -> tuple[float, float] | None:
+    return None if value is None else as_interval(value, what, finite=False)
+
+
+class GaussianNoise(Settings):
+    """Additive normal noise.
+
+    Args:
+        variance: Standard deviation, in the unit of the value; the name is the one existing code uses.
+        min_max_clip: Bounds that the noisy value is clipped to, the lower first.
+
+    Raises:
+        InvalidValue: The deviation is NaN, infinite or negative, or the bounds are exchanged.
+    """
+
+    rules: ClassVar[Mapping[str, Rule]] = {"variance": NOT_NEGATIVE, "min_max_clip": _as_clip}
+    variance: float
+    min_max_clip: tuple[float, float] | None
+
+    def __init__(self, variance: float, min_max_clip: tuple[float, float] | None = None) -> None:
+        self.variance, self.min_max_clip = variance, min_max_clip
+
+    def apply(self, value: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        """Return a noisy copy of `value`, of its dtype."""
+        value = np.asarray(value)
+        noisy = value + rng.normal(0.0, self.variance, value.shape)
+        return (noisy if self.min_max_clip is None else np.clip(noisy, *self.min_max_clip)).astype(value.dtype)
+
+
+RenderMode = Literal["opengl", "opengl3"]
+"""With shadows, `opengl3`, or without."""
+
+PICTURE_SIZE: Rule = partial(as_picture_size, error=InvalidCamera)
+
+
+@dataclass(kw_only=True)
+class CameraConfig(Settings):
+    """What one camera delivers at each observation.
+
+    Raises:
+        InvalidValue: A setting is given a value that makes no sense, at any time.
+        UnknownSetting: There is no such setting (also an AttributeError).
+    """
+
+    rules: ClassVar[Mapping[str, Rule]] = ruled(
+        (FLAG, "rgb depth point_cloud mask masks_as_one_channel depth_in_meters antialiasing"),
+        (as_noise, "rgb_noise depth_noise"),
+        (PICTURE_SIZE, "image_size"),
+    )
+
+    rgb: bool = True
+    """Colours, uint8 (h, w, 3)."""
+    rgb_noise: NoiseModel = field(default_factory=Identity)
+    """Applied to colours in 0..1."""
+    depth: bool = True
+    """Depth along the optical axis, float32 (h, w): 0..1 from the near to the far plane, or [m] with `depth_in_meters`."""
+    depth_noise: NoiseModel = field(default_factory=Identity)
+    """Applied to depth in [m], before the point cloud."""
+    point_cloud: bool = True
+    """World coordinates of every pixel, float32 (h, w, 3) [m]."""
+    mask: bool = True
+    """Id of the object seen by every pixel, int32 (h, w); `misc["mask_names"]` has the names."""
+    image_size: tuple[int, int] = (128, 128)
+    """Width and height [px]; one number stands for both."""
+    render_mode: RenderMode = "opengl3"
+    """`opengl3` draws shadows, `opengl` is faster without."""
+    antialiasing: bool = False
+    """Each colour is the mean of two by two, so that edges and thin lines are smooth, and with shadows the table is darker around
+    what stands on it; depth and masks stay as they are. Colours take about four times as long."""
+    masks_as_one_channel: bool = True
+    """Masks as one integer per pixel; otherwise (h, w, 3) float32 in 0..1 with the id spread over the channels."""
+    depth_in_meters: bool = False
+    """Depth in [m]; otherwise 0..1, linear between the near and the far plane."""
+
+    def set_all(self, value: bool) -> None:
+        """Switch rgb, depth, point cloud and mask together."""
+        self.rgb = self.depth = self.point_cloud = self.mask = value
+
+    @property
+    def is_used(self) -> bool:
+        """Whether any product is wanted."""
+        return self.rgb or self.depth or self.point_cloud or self.mask
+
+    @property
+    def draws_shadows(self) -> bool:
+        """Whether objects cast shadows on each other."""
+        return self.render_mode == "opengl3"
+
+    def noise_of(self, product: Literal["rgb", "depth"]) -> NoiseModel:
+        """Return the noise of colours or of depth."""
+        return self.rgb_noise if product == "rgb" else self.depth_noise
+
+    def check(self, name: str) -> None:
+        """Raise CameraError when the settings make no image."""
+        width, height = self.image_size
+        if width < 1 or height < 1:
+            raise CameraError(f"Camera '{name}' has image_size {self.image_size}; width and height must be at least 1 px.")
+        if not isinstance(self.render_mode, str) or self.render_mode not in ("opengl", "opengl3"):
+            raise UnknownName("render mode", self.render_mode, ("opengl", "opengl3"))
+
+
+HAND = "hand"
+"""Parent of cameras that ride on the gripper."""
+
+_LENGTH: Rule = partial(as_number, error=InvalidCamera, above=0.0)
+
+
+@dataclass(kw_only=True)
+class ExtraCamera(Settings):
+    """One more camera. Assign to its fields to move or change it; the next observation follows.
+
+    Its products are the attributes `<name>_rgb`, `<name>_depth`, `<name>_mask` and `<name>_point_cloud` of an observation.
+    """
+
+    rules: ClassVar[Mapping[str, Rule]] = ruled(
+        (_LENGTH, "near far"),
+        (partial(as_number, error=InvalidCamera, above=0.0, most=float(np.pi)), "fov"),
+        (partial(as_pose, error=InvalidCamera), "pose"),
+        (partial(as_text, error=InvalidCamera), "parent"),
+        (record_of(CameraConfig), "config"),
+    )
+
+    pose: Sequence[float] | FloatArray
+    """Pose (7,) in its parent: camera z forward, x left, y up. `look_at` makes one."""
+    config: CameraConfig = field(default_factory=CameraConfig)
+    """What it delivers."""
+    fov: float = float(np.radians(40.0))
+    """Field of view of the longer side [rad]."""
+    near: float = 0.01
+    """Near plane [m]."""
+    far: float = 4.5
+    """Far plane [m]."""
+    parent: str = "world"
+    """`world`, `hand`, or a body, link or frame of the scene that it rides on."""
+
+    def check(self, name: str) -> None:
+        """Raise CameraError when no image can be taken."""
+        as_pose(self.pose, f"The pose of camera '{name}'", InvalidCamera)
+        self.config.check(name)
+        CameraView(pose=np.array(self.pose, dtype=float), fov=self.fov, size=self.config.image_size, near=self.near, far=self.far)
+
+    def view(self, world: World, robot: RobotDescription) -> CameraView:
+        """Return what it sees at this instant."""
+        pose = np.array(self.pose, dtype=float)
+        if self.parent == HAND:
+            pose = compose(world.robot.link_pose(robot.hand_link), pose)
+        elif self.parent != "world":
+            pose = compose(se3_to_pose(world.placement(self.parent)), pose)
+        return CameraView(pose=pose, fov=self.fov, size=self.config.image_size, near=self.near, far=self.far)
+
+
+_MODEL_RULES = ruled(
+    (FLAG, "tip_jacobian tip_jacobian_dot mass_matrix gravity coriolis manipulability"),
+    (counted(0), "world_distances self_distances"),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModelObservationConfig:
+    """Which model-based quantities are delivered; none by default.
+
+    Everything is written to `Observation.misc` under the names of the settings:
+
+    | key | value |
+    |---|---|
+    | `tip_jacobian` | (6, n), `[linear, angular]` of the tip along world axes per joint velocity |
+    | `tip_jacobian_dot` | its time derivative, (6, n) |
+    | `mass_matrix` | joint-space inertia, (n, n), [kg m^2] |
+    | `gravity` | torques that carry the arm's weight, (n,), [N m] |
+    | `coriolis` | C(q, v) v, (n,), [N m] |
+    | `manipulability` | sqrt(det(J J^T)) |
+    | `world_distances`, `self_distances` | the nearest pairs as `Distance` records: names, distance [m], points, normal |
+    """
+
+    tip_jacobian: bool = False
+    tip_jacobian_dot: bool = False
+    mass_matrix: bool = False
+    gravity: bool = False
+    coriolis: bool = False
+    manipulability: bool = False
+    world_distances: int = 0
+    """How many of the nearest pairs of arm and world."""
+    self_distances: int = 0
+    """How many of the nearest pairs of the arm with itself."""
+
+    def __post_init__(self) -> None:
+        """Raise InvalidValue for a switch that is none, or a number of pairs that is no whole number >= 0."""
+        check_settings(self, _MODEL_RULES)
+
+    @property
+    def is_used(self) -> bool:
+        """Whether anything is wanted."""
+        return any(vars(self).values())
+
 
 JOINT_SPEED = 100.0
 """The simulator lets no joint turn faster [rad/s]."""
@@ -174,10 +408,10 @@ class ObservationConfig(Settings):
         return known[as_choice(name, "camera", tuple(known))]
 
     def add_camera(self, name: str, camera: ExtraCamera) -> ExtraCamera:
-        """Add a camera; its pictures become attributes `<name>_rgb` and so on of observations.
+        """Add a camera; its images become attributes `<name>_rgb` and so on of observations.
 
         Raises:
-            CameraError: The name is in use, or the camera makes no picture.
+            CameraError: The name is in use, or the camera makes no image.
         """
         if not isinstance(name, str) or not name.isidentifier() or name in CAMERAS or name in self.extra_cameras:
             raise CameraError(f"A camera cannot be called {shown(name)}: choose an identifier that no other camera has.")
@@ -223,6 +457,3 @@ class ObservationConfig(Settings):
             camera.check(name)
         for name, extra in self.extra_cameras.items():
             extra.check(name)
-
-
-__all__ = ["LOW_DIM_FIELDS", "CameraConfig", "ExtraCamera", "Instant", "LowDimField", "ObservationConfig"]

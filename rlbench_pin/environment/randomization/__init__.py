@@ -1,8 +1,4 @@
-"""Domain randomization of looks and dynamics: settings, samples, and the events that bring new ones."""
-
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+"""Domain randomization of appearance and dynamics: settings, samples, and the events that bring new ones."""
 
 from rlbench_pin.environment.randomization.config import (
     DynamicsRandomizationConfig,
@@ -15,7 +11,6 @@ from rlbench_pin.environment.randomization.config import (
 )
 from rlbench_pin.environment.randomization.randomizer import Randomizer
 from rlbench_pin.environment.randomization.sample import RandomizationSample
-from rlbench_pin.front_door import front_door
 
 __all__ = [
     "DynamicsRandomizationConfig",
@@ -28,6 +23,3 @@ __all__ = [
     "Randomizer",
     "VisualRandomizationConfig",
 ]
-
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)

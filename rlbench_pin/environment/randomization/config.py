@@ -19,7 +19,7 @@ _PICTURES = (".png", ".jpg", ".jpeg")
 
 
 class RandomizeEvery(Enum):
-    """The event that brings a new look or new dynamics."""
+    """The event that brings a new appearance or new dynamics."""
 
     EPISODE = "episode"
     """Each reset."""
@@ -71,7 +71,7 @@ def _as_factors(value: object, what: str) -> tuple[float, float]:
 
 @dataclass
 class RandomizationConfig(Settings):
-    """Which things may change. Names are those of bodies, of the room (`table`, `floor`, `wall_front`...) and of the robot."""
+    """Which objects may change. Names are those of bodies, of the room (`table`, `floor`, `wall_front`...) and of the robot."""
 
     rules: ClassVar[Mapping[str, Rule]] = ruled((_as_patterns, "whitelist blacklist"), (FLAG, "randomize_arm"))
 
@@ -83,7 +83,7 @@ class RandomizationConfig(Settings):
     """Whether the robot changes."""
 
     def should_randomize(self, name: str) -> bool:
-        """Whether the thing called `name` may change."""
+        """Whether the object called `name` may change."""
         if self.whitelist is not None and not any(fnmatchcase(name, pattern) for pattern in self.whitelist):
             return False
         return not any(fnmatchcase(name, pattern) for pattern in self.blacklist or ())
@@ -94,18 +94,18 @@ class VisualRandomizationConfig(RandomizationConfig):
     """Textures, lights and cameras.
 
     Args:
-        image_directory: Folder with PNG or JPEG pictures; None is a small set of patterns that comes with the package.
-        whitelist: Only these things get textures.
+        image_directory: Folder with PNG or JPEG images; None is a small set of patterns that comes with the package.
+        whitelist: Only these objects get textures.
         blacklist: These never do.
         randomize_arm: Whether the robot does.
-        textures: Put textures on things. A thing to which its task gave a colour keeps it; the texture only shades it.
+        textures: Put textures on objects. An object to which its task gave a colour keeps it; the texture only shades it.
         light: How much lights change: 0 not at all, 1 strongly.
         camera_shift: Standard deviation of each camera's position [m].
         camera_turn: Standard deviation of each camera's orientation [rad].
 
     Raises:
         NoTextureFolder: There is no such folder (also a NotADirectoryError).
-        NoTextures: It has no pictures (also a RuntimeError).
+        NoTextures: It has no images (also a RuntimeError).
     """
 
     rules: ClassVar[Mapping[str, Rule]] = {
@@ -137,10 +137,10 @@ class VisualRandomizationConfig(RandomizationConfig):
         super().__init__(whitelist=whitelist, blacklist=blacklist, randomize_arm=randomize_arm)
         self.image_directory = asset_path("textures") if image_directory is None else Path(image_directory)
         self.textures, self.light, self.camera_shift, self.camera_turn = textures, light, camera_shift, camera_turn
-        self._images = _pictures_in(self.image_directory)
+        self._images = _images_in(self.image_directory)
 
     def sample(self, samples: int, rng: np.random.Generator | None = None) -> list[Path]:
-        """Draw pictures, with replacement.
+        """Draw images, with replacement.
 
         Args:
             samples: How many.
@@ -150,9 +150,9 @@ class VisualRandomizationConfig(RandomizationConfig):
         return [self._images[i] for i in rng.integers(len(self._images), size=samples).tolist()]
 
 
-def _pictures_in(folder: Path) -> tuple[Path, ...]:
+def _images_in(folder: Path) -> tuple[Path, ...]:
     if not folder.is_dir():
-        raise NoTextureFolder(f"The texture folder '{folder}' does not exist. Pass a folder of PNG or JPEG pictures, or None.")
+        raise NoTextureFolder(f"The texture folder '{folder}' does not exist. Pass a folder of PNG or JPEG images, or None.")
     try:
         images = tuple(sorted(path for path in folder.iterdir() if path.suffix.lower() in _PICTURES))
     except OSError as error:

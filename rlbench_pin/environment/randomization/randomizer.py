@@ -6,20 +6,20 @@ import numpy as np
 
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.randomization.config import DynamicsRandomizationConfig, RandomizeEvery, VisualRandomizationConfig
-from rlbench_pin.environment.randomization.sample import RandomizationSample, sample_dynamics, sample_looks
+from rlbench_pin.environment.randomization.sample import RandomizationSample, sample_appearance, sample_dynamics
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.sim import read_texture
 
 
 class Randomizer:
-    """Changes looks and physics of one world at the chosen events.
+    """Changes appearance and physics of one world at the chosen events.
 
     Args:
         runtime: Holds the world.
         config: Settings of its cameras and lights.
         every: The event.
         frequency: n: the first event and every n-th after it bring a new sample.
-        visual: What may change of the looks, or None.
+        visual: What may change of the appearance, or None.
         dynamics: What may change of the physics, or None.
 
     Attributes:
@@ -41,7 +41,7 @@ class Randomizer:
         self._rng = np.random.default_rng(0)
         self.current: RandomizationSample | None = None
         if every is RandomizeEvery.TRANSITION:
-            runtime.call_each_tick(self._event)
+            runtime.after_tick.append(self._event)
 
     # Events ----------------------------------------------------------------------------------------------------------
 
@@ -73,7 +73,7 @@ class Randomizer:
         self.current = sample
         if sample is None:
             return
-        world, look = self._runtime.world, self._runtime.observer.look
+        world, appearance = self._runtime.world, self._runtime.observer.appearance
         for name, (path, repeats) in sample.bodies.items():
             if name in world.bodies:
                 world.texture_overrides.set_body(name, read_texture(path), repeats)
@@ -81,7 +81,7 @@ class Randomizer:
             world.texture_overrides.set_robot_link(link, read_texture(path), repeats)
         for name, path in sample.room.items():
             world.texture_overrides.set_room_body(name, read_texture(path))
-        look.change(sample.lighting, sample.cameras)
+        appearance.change(sample.lighting, sample.cameras)
         for name, (mass, friction, damping) in sample.factors.items():
             if name in world.bodies or name in world.room:
                 world.dynamics_overrides.scale(world.body(name).model, mass=mass, friction=friction, damping=damping)
@@ -89,13 +89,13 @@ class Randomizer:
 
     def remove(self) -> None:
         """Bring back the world as it was built; the present sample is remembered."""
-        world, look = self._runtime.world, self._runtime.observer.look
+        world, appearance = self._runtime.world, self._runtime.observer.appearance
         world.texture_overrides.clear()
         world.dynamics_overrides.clear()
-        look.change()
+        appearance.change()
 
     def sample(self, rng: np.random.Generator) -> RandomizationSample:
         """Draw a sample."""
-        looks = {} if self._visual is None else sample_looks(self._runtime, self._config, self._visual, rng)
+        appearance = {} if self._visual is None else sample_appearance(self._runtime, self._config, self._visual, rng)
         dynamics = {} if self._dynamics is None else sample_dynamics(self._runtime, self._dynamics, rng)
-        return RandomizationSample(**looks, **dynamics)
+        return RandomizationSample(**appearance, **dynamics)

@@ -36,7 +36,7 @@ class RandomizationSample:
     """Factor of the gains of the arm's motors."""
 
 
-def sample_looks(
+def sample_appearance(
     runtime: Runtime, settings: ObservationConfig, config: VisualRandomizationConfig, rng: np.random.Generator
 ) -> dict[str, Any]:
     """Draw textures, lights and camera motions, as fields of a `RandomizationSample`.

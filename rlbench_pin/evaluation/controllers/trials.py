@@ -14,10 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rlbench_pin.environment.demonstrate import DemoPlayer, try_play
-from rlbench_pin.environment.listener import Listener
+from rlbench_pin.environment.demos import DemoPlayer, try_play
 from rlbench_pin.environment.motion import REST_SPEED
-from rlbench_pin.environment.runtime import Runtime, RuntimeState
+from rlbench_pin.environment.runtime import Listener, Runtime, RuntimeState
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError, UnknownName
 from rlbench_pin.evaluation.controllers.followers import FOLLOWERS, OVERTIME, Command, Follower, TrackingProblem
@@ -98,7 +97,7 @@ class LegRecorder(Listener):
         self._runtime, self._name, self._seed = task.runtime, task.get_name(), task.seed
         self.legs: list[Leg] = []
 
-    def on_leg(self, waypoint: Waypoint, plan: Plan) -> None:
+    def on_segment(self, waypoint: Waypoint, plan: Plan) -> None:
         """Keep the leg that is about to begin."""
         free = waypoint.path != "curve" and not waypoint.ignore_collisions
         self.legs.append(Leg(self._name, self._seed, waypoint.index, free, plan.trajectory, self._runtime.save()))

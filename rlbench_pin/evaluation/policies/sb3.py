@@ -16,7 +16,7 @@ import numpy as np
 
 from rlbench_pin.environment.actions import ActionMode
 from rlbench_pin.environment.observations import ObservationConfig
-from rlbench_pin.environment.observations.boxes import boxed, boxed_settings
+from rlbench_pin.environment.observations.observe import boxed, boxed_settings
 from rlbench_pin.evaluation.policies.policy import PolicyContext
 from rlbench_pin.evaluation.policies.policy_server import NoPolicy
 from rlbench_pin.evaluation.policies.settings import make_action_mode

@@ -32,8 +32,7 @@ from rlbench_pin.environment.actions import (
     SafeArm,
 )
 from rlbench_pin.environment.observations import ExtraCamera, GaussianNoise, Identity, ModelObservationConfig, ObservationConfig
-from rlbench_pin.environment.observations.camera_config import CameraConfig
-from rlbench_pin.environment.observations.extra_cameras import HAND
+from rlbench_pin.environment.observations.config import HAND, CameraConfig
 from rlbench_pin.errors import RlbenchPinError, nearest_name
 from rlbench_pin.evaluation.policies.policy import PolicySettingsError
 from rlbench_pin.observation import CAMERAS

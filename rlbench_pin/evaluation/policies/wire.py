@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rlbench_pin.environment.observations.model_based import ModelObservationConfig
+from rlbench_pin.environment.observations.config import ModelObservationConfig
 from rlbench_pin.errors import InvalidValue
 from rlbench_pin.evaluation.policies.policy import PolicyContext, PolicyFault
 from rlbench_pin.observation import FIELDS, Observation

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rlbench_pin.environment.demonstrate import DemoPlayer, try_play
+from rlbench_pin.environment.demos import DemoPlayer, try_play
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.evaluation.policies.client import PolicyClient

@@ -50,12 +50,11 @@ class Meter:
         """Count for the duration of a block."""
         world = self.runtime.world
         world.on_physics.insert(0, self._after_physics)
-        world.on_step.append(self._after_tick)
         try:
-            yield self
+            with self.runtime.calling(after=self._after_tick):
+                yield self
         finally:
             world.on_physics.remove(self._after_physics)
-            world.on_step.remove(self._after_tick)
 
     def _after_physics(self) -> None:
         """Look at the contacts of the physics step before."""

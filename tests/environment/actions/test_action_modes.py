@@ -15,7 +15,7 @@ from rlbench_pin.environment import (
     RelativeFrame,
     TaskEnvironment,
 )
-from rlbench_pin.environment.actions.arm_mode import ArmActionMode, calculate_delta_pose
+from rlbench_pin.environment.actions.mode import ArmActionMode, calculate_delta_pose
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.environment.runtime import TIP_WORKSPACE
 from rlbench_pin.errors import InvalidActionError
@@ -141,8 +141,8 @@ def test_every_mode_states_bounds() -> None:
     """Bounds have the shape of an action and are ordered."""
     for arm in (JointVelocity(), JointPosition(), JointPosition(False), EndEffectorPoseViaPlanning()):
         task = episode(arm)
-        low, high = MoveArmThenGripper(arm, Discrete()).action_bounds(task.runtime)
-        assert low.shape == high.shape == (arm.action_shape(task.runtime)[0] + 1,)
+        low, high = MoveArmThenGripper(arm, Discrete()).bounds(task.runtime)
+        assert low.shape == high.shape == (arm.shape(task.runtime)[0] + 1,)
         assert (low < high).all()
 
 

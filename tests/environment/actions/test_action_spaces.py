@@ -21,7 +21,7 @@ from rlbench_pin.environment import (
     RelativeFrame,
     TaskEnvironment,
 )
-from rlbench_pin.environment.actions.arm_mode import ArmActionMode
+from rlbench_pin.environment.actions.mode import ArmActionMode
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.spatial import compose, pose_at, relative, rotation_distance
@@ -65,7 +65,7 @@ def still(task: TaskEnvironment, arm: ArmActionMode) -> np.ndarray:
             return runtime.robot.tip_pose()
         case EndEffectorPoseViaIK() | EndEffectorPoseViaPlanning():
             return IDENTITY
-    return np.zeros(arm.action_shape(runtime))
+    return np.zeros(arm.shape(runtime))
 
 
 @pytest.mark.parametrize("arm", TEN, ids=lambda a: f"{type(a).__name__}-{'absolute' if a.absolute_mode else 'delta'}")
@@ -74,7 +74,7 @@ def test_the_action_that_asks_for_nothing_moves_nothing(arm: ArmActionMode) -> N
     task = episode(arm)
     before = task.get_observation().joint_positions
     action = still(task, arm)
-    spec = arm.action_spec(task.runtime)
+    spec = arm.spec(task.runtime)
     assert spec.size == len(action) == len(spec.units)
     assert (spec.low < spec.high).all()
     obs, _, _ = task.step(np.append(action, 1.0))
@@ -192,7 +192,7 @@ def test_elbow_control_pins_the_named_joint() -> None:
     assert after.joint_positions[0] == pytest.approx(angle, abs=5e-3)
     assert np.linalg.norm(after.gripper_pose[:3] - obs.gripper_pose[:3]) < 5e-3
     with pytest.raises(NotImplementedError, match="0 or 6"):
-        ERJointViaIK(absolute_mode=False, commanded_joints=[3], delta_angle=True).action_spec(task.runtime)
+        ERJointViaIK(absolute_mode=False, commanded_joints=[3], delta_angle=True).spec(task.runtime)
     with pytest.raises(InvalidActionError, match="absolute_mode=False"):
         ERJointViaIK(delta_angle=True)
 

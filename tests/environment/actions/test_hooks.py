@@ -1,4 +1,4 @@
-"""What comes before, in and after the tick of an action: `action_pre_step`, `action_step`, `action_post_step`."""
+"""The three hooks of an action: `pre_step`, `steps` and `post_step`."""
 
 from __future__ import annotations
 
@@ -33,14 +33,17 @@ from rlbench_pin.spatial import FloatArray
 class Together(ActionMode):
     """Any arm and gripper modes of one tick, in the same tick."""
 
-    def action(self, runtime: Runtime, action: object) -> None:
-        """All pre-steps, one tick, all post-steps."""
-        parts = tuple(zip((self.arm_action_mode, self.gripper_action_mode), self.split(runtime, action), strict=True))
-        for mode, values in parts:
-            mode.action_pre_step(runtime, values)  # type: ignore[attr-defined]
-        runtime.step()
-        for mode, values in parts:
-            mode.action_post_step(runtime, values)  # type: ignore[attr-defined]
+    def pre_step(self, runtime: Runtime, values: FloatArray) -> None:
+        """All pre-steps."""
+        arm, gripper = self.split(runtime, values)
+        self.arm_action_mode.pre_step(runtime, arm)
+        self.gripper_action_mode.pre_step(runtime, gripper)
+
+    def post_step(self, runtime: Runtime, values: FloatArray) -> None:
+        """All post-steps."""
+        arm, gripper = self.split(runtime, values)
+        self.arm_action_mode.post_step(runtime, arm)
+        self.gripper_action_mode.post_step(runtime, gripper)
 
 
 def episode(chosen: ActionMode) -> TaskEnvironment:
@@ -73,7 +76,7 @@ def test_the_three_hooks_are_the_action(make: Callable[[], ArmActionMode]) -> No
     for _ in range(3):
         whole.action_mode.arm_action_mode.action(whole.runtime, values)
         arm = parts.action_mode.arm_action_mode
-        for hook in (arm.action_pre_step, arm.action_step, arm.action_post_step):  # type: ignore[attr-defined]
+        for hook in (arm.pre_step, arm.steps, arm.post_step):
             hook(parts.runtime, values)
     a, b = whole.get_observation(), parts.get_observation()
     assert a.get_low_dim_data().tobytes() == b.get_low_dim_data().tobytes()
@@ -81,21 +84,21 @@ def test_the_three_hooks_are_the_action(make: Callable[[], ArmActionMode]) -> No
 
 
 def test_the_step_of_a_motion_is_the_whole_motion() -> None:
-    """Planned and solved poses and the opening hand move in `action_step` alone."""
+    """Planned and solved poses and the opening hand move in `steps` alone."""
     task = episode(MoveArmThenGripper(EndEffectorPoseViaPlanning(), Discrete()))
     for arm in (EndEffectorPoseViaPlanning(), EndEffectorPoseViaIK()):
         goal = task.get_observation().gripper_pose
         goal[2] -= 0.05
         began = task.world.time
-        arm.action_pre_step(task.runtime, goal)
+        arm.pre_step(task.runtime, goal)
         assert task.world.time == began
-        arm.action_step(task.runtime, goal)
+        arm.steps(task.runtime, goal)
         assert task.world.time > began + task.world.control_dt
         after = task.world.time
-        arm.action_post_step(task.runtime, goal)
+        arm.post_step(task.runtime, goal)
         assert task.world.time == after
         np.testing.assert_allclose(task.get_observation().gripper_pose[:3], goal[:3], atol=5e-3)
-    Discrete().action_step(task.runtime, np.zeros(1))
+    Discrete().steps(task.runtime, np.zeros(1))
     assert not task.runtime.gripper.is_open
 
 
@@ -104,13 +107,13 @@ def test_a_subclass_that_replaces_a_hook_is_obeyed() -> None:
     called: list[str] = []
 
     class Slow(JointVelocity):
-        def action_pre_step(self, runtime: Runtime, action: FloatArray) -> None:
+        def pre_step(self, runtime: Runtime, values: FloatArray) -> None:
             called.append("before")
-            super().action_pre_step(runtime, 0.5 * action)
+            super().pre_step(runtime, 0.5 * values)
 
-        def action_post_step(self, runtime: Runtime, action: FloatArray) -> None:
+        def post_step(self, runtime: Runtime, values: FloatArray) -> None:
             called.append("after")
-            super().action_post_step(runtime, action)
+            super().post_step(runtime, values)
 
     fast, slow = (episode(MoveArmThenGripper(arm, Discrete())) for arm in (JointVelocity(), Slow()))
     action = np.append(np.full(7, 0.2), 1.0)
@@ -139,7 +142,7 @@ def test_hooks_of_the_filter_are_its_action() -> None:
         target = whole.get_observation().gripper_pose + [0, 0, -0.1, 0, 0, 0, 0] if values is None else values
         whole.action_mode.arm_action_mode.action(whole.runtime, target)
         arm = parts.action_mode.arm_action_mode
-        for hook in (arm.action_pre_step, arm.action_step, arm.action_post_step):  # type: ignore[attr-defined]
+        for hook in (arm.pre_step, arm.steps, arm.post_step):
             hook(parts.runtime, target)
         a, b = whole.get_observation(), parts.get_observation()
         assert a.get_low_dim_data().tobytes() == b.get_low_dim_data().tobytes()
@@ -149,5 +152,5 @@ def test_hooks_of_the_filter_are_its_action() -> None:
 def test_the_end_of_a_finger_motion_needs_its_beginning() -> None:
     """The error says which hook to call first."""
     task = episode(MoveArmThenGripper(JointPosition(), GripperJointPosition()))
-    with pytest.raises(InvalidActionError, match="action_pre_step"):
-        task.action_mode.gripper_action_mode.action_post_step(task.runtime, np.zeros(1))  # type: ignore[attr-defined]
+    with pytest.raises(InvalidActionError, match="pre_step"):
+        task.action_mode.gripper_action_mode.post_step(task.runtime, np.zeros(1))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.environment import rgb_handles_to_mask
-from rlbench_pin.environment.observations.masks import spread_mask
+from rlbench_pin.environment.observations.observe import spread_mask
 from rlbench_pin.errors import CameraError
 
 IDS = np.array([[0, 1, 61, 255], [256, 300, 65535, 2**24 - 1]], dtype=np.int32)

@@ -108,7 +108,7 @@ def test_key_frames_are_actions() -> None:
 def task() -> Iterator[TaskEnvironment]:
     """A task whose observations gymnasium delivers."""
     pytest.importorskip("stable_baselines3")
-    from rlbench_pin.environment.observations.boxes import boxed_settings
+    from rlbench_pin.environment.observations.observe import boxed_settings
 
     with Environment(JointPositionActionMode(), obs_config=boxed_settings(("front",), (48, 36))) as environment:
         yield environment.get_task("reach_target")

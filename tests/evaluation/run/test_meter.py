@@ -86,6 +86,6 @@ def test_limits_are_counted_by_ticks() -> None:
             task.world.robot.forget_measurements()
             assert np.any(np.abs(robot.joint_velocities) > limits.velocity)
             meter.violations.clear()
-            for callback in list(task.world.on_step):
+            for callback in list(task.runtime.after_tick):
                 callback()
             assert meter.violations[VELOCITY] == 1

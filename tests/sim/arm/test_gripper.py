@@ -99,7 +99,7 @@ def test_an_attached_body_neither_sags_nor_shakes(world):
     assert not world.gripper.grasp("cube")
     assert world.gripper.grasped == ("cube",)
     start, poses = in_hand(world), []
-    world.on_step.append(lambda: poses.append(in_hand(world)))
+    world.on_physics.append(lambda: poses.append(in_hand(world)))
     move(world, ABOVE)
     move(world, ABOVE + [0.8, 0, 0, 0, 0, 0, 0.5])
     assert max(np.abs(p - start)[:3].max() for p in poses) < 2e-4

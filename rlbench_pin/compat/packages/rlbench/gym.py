@@ -15,9 +15,16 @@ from rlbench.observation_config import ObservationConfig
 from rlbench.utils import name_to_task_class
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.errors import UnknownName
-from rlbench_pin.gym.environment import OBSERVATION_MODES, RENDER_MODES, render_from_side
-from rlbench_pin.gym.spaces import VISION_CAMERAS, GymObservation, as_gym_observation, observation_space
-from rlbench_pin.gym.window import Window
+from rlbench_pin.gym.environment import (
+    OBSERVATION_MODES,
+    RENDER_MODES,
+    VISION_CAMERAS,
+    GymObservation,
+    Window,
+    as_gym_observation,
+    observation_space,
+    render_from_side,
+)
 from rlbench_pin.observation import LOW_DIM, Demo, Observation
 
 

@@ -190,11 +190,11 @@ class TaskEnvironment:
         if not self._reset_called:
             raise NotReset("step")
         self._pyrep.activate()
-        with runtime_of(self._scene).judging() as verdict:
+        with runtime_of(self._scene).acting() as result:
             self._action_mode.action(self._scene, action)
-        self._succeeded = verdict.success
-        reward = verdict.reward(self._shaped_rewards)
-        return self._scene.get_observation(), reward, verdict.over
+        self._succeeded = result.success
+        reward = result.reward(self._shaped_rewards)
+        return self._scene.get_observation(), reward, result.over
 
     # Demonstrations -------------------------------------------------------------------------------------------------
 

@@ -15,8 +15,7 @@ from pyrep.objects.object import Object
 from rlbench_pin.compat.objects import CameraSettings, Element, ObjectType, Placed
 from rlbench_pin.compat.objects.scene_objects import COLOR_CODED, CameraObject
 from rlbench_pin.compat.simulator import Simulator
-from rlbench_pin.environment.observations.masks import spread_mask
-from rlbench_pin.environment.observations.observe import normalised_depth
+from rlbench_pin.environment.observations.observe import normalised_depth, spread_mask
 from rlbench_pin.sim import CameraView
 from rlbench_pin.spatial import IDENTITY
 
@@ -88,7 +87,7 @@ class VisionSensor(Object):
             mask = world.render(self.view(), rgb=False, depth=False).mask
             assert mask is not None
             return spread_mask(mask)
-        world.renderer.lighting = self.table.runtime.observer.look.lighting or self.table.cameras.config.lighting
+        world.renderer.lighting = self.table.runtime.observer.appearance.lighting or self.table.cameras.config.lighting
         image = world.render(self.view(), depth=False, mask=False, shadows=mode.startswith("OPENGL3")).rgb
         assert image is not None
         return image.astype(np.float32) / np.float32(255.0)

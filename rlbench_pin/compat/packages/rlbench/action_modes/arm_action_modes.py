@@ -30,7 +30,7 @@ from rlbench_pin.compat.actions import (
 )
 from rlbench_pin.compat.simulator import SceneLike, runtime_of
 from rlbench_pin.environment.actions import joint, pose
-from rlbench_pin.environment.actions.arm_mode import FrameChoice, as_frame, assert_unit_quaternion
+from rlbench_pin.environment.actions.mode import FrameChoice, as_frame, assert_unit_quaternion
 from rlbench_pin.observation import Observation
 from rlbench_pin.spatial import FloatArray, compose
 

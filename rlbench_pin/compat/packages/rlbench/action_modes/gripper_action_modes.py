@@ -55,7 +55,7 @@ class Discrete(GripperPart, native.Discrete, GripperActionMode):
         Raises:
             InvalidActionError: The action is refused; nothing has moved.
         """
-        self.execute(runtime_of(scene), self.values(scene, action))
+        self.steps(runtime_of(scene), self.values(scene, action))
 
     def action_pre_step(self, scene: SceneLike, action: object) -> None:
         """Send the fingers on their way, for modes that step the simulation themselves."""

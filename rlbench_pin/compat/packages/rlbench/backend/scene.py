@@ -122,7 +122,7 @@ class Scene:
     def _build(self, native: type[NativeTask]) -> SceneRuntime:
         runtime = Simulator.current().load(native, self._obs_config, kind=SceneRuntime)
         runtime.serve(self)
-        runtime.call_each_tick(self._after_step)
+        runtime.after_tick.append(self._after_step)
         return runtime
 
     def _set_camera_properties(self) -> None:

@@ -19,7 +19,7 @@ from rlbench_pin.compat.objects import Element
 from rlbench_pin.compat.paper_tasks import PaperTask, adapter_of
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment import ObservationConfig
-from rlbench_pin.environment.turns import check_feasible
+from rlbench_pin.environment.waypoint_planning import check_feasible
 from rlbench_pin.errors import RlbenchPinError, TaskError
 from rlbench_pin.observation import Observation
 from rlbench_pin.sim import Body, Frame, ObjectJoint

@@ -12,8 +12,7 @@ from pyrep.objects.cartesian_path import CartesianPath
 from pyrep.objects.object import Object
 from pyrep.robots.configuration_paths import ArmConfigurationPath
 from rlbench_pin.compat.simulator import Simulator
-from rlbench_pin.environment.leg_planning import LegPlanner
-from rlbench_pin.environment.turns import runs, turned
+from rlbench_pin.environment.waypoint_planning import WaypointPlanner, grasp_groups, rotated
 from rlbench_pin.errors import PlanningError, WaypointError
 from rlbench_pin.tasks import Task as NativeTask
 from rlbench_pin.tasks import Waypoint as NativeWaypoint
@@ -78,7 +77,7 @@ class Waypoint:
         if native is None:
             return self._asked_path(ignore_collisions or self._ignore_collisions)
         runtime = Simulator.current().runtime
-        run, planner = _rest_of_run(native, runtime.task), LegPlanner(runtime)
+        run, planner = _rest_of_run(native, runtime.task), WaypointPlanner(runtime)
         try:
             turns = planner.rank(run)
             if ignore_collisions and not self._ignore_collisions and native.path != "curve":
@@ -123,7 +122,7 @@ class Point(Waypoint):
     """One pose of the tip."""
 
     def _asked_path(self, ignore_collisions: bool, turn: float = 0.0) -> ArmConfigurationPath:
-        arm, pose = self._robot.arm, turned(np.asarray(self._waypoint.get_pose(), dtype=float), turn)
+        arm, pose = self._robot.arm, rotated(np.asarray(self._waypoint.get_pose(), dtype=float), turn)
         if self._linear_only:
             return arm.get_linear_path(pose[:3], quaternion=pose[3:], ignore_collisions=ignore_collisions)
         return arm.get_path(pose[:3], quaternion=pose[3:], ignore_collisions=ignore_collisions)
@@ -151,7 +150,7 @@ def _extension(waypoint: Object, native: NativeWaypoint | None) -> str:
 
 def _rest_of_run(native: NativeWaypoint, task: NativeTask) -> list[NativeWaypoint]:
     """Return a waypoint and those after it that share the turn of the gripper with it."""
-    for run in runs([w for w in task.get_waypoints() if w is native or not w.skip]):
+    for run in grasp_groups([w for w in task.get_waypoints() if w is native or not w.skip]):
         if native in run:
             return run[run.index(native) :]
     return [native]

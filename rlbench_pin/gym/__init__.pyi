@@ -1,0 +1,18 @@
+from .environment import GymnasiumEnv, WindowMissing
+from .ids import ANY_TASK, gym_id, register_ids
+from .lerobot import LeRobotEnv, make_env
+from .registration import register_plugin_tasks, register_task
+from .vector import LazyAsyncVectorEnv
+
+__all__ = [
+    "ANY_TASK",
+    "GymnasiumEnv",
+    "LazyAsyncVectorEnv",
+    "LeRobotEnv",
+    "WindowMissing",
+    "gym_id",
+    "make_env",
+    "register_ids",
+    "register_plugin_tasks",
+    "register_task",
+]

@@ -1,0 +1,56 @@
+"""Gymnasium ids for tasks that are not in the library: `register_task("mine/sort_two_cubes.py")`."""
+
+from __future__ import annotations
+
+import re
+from os import PathLike
+
+import gymnasium
+
+from rlbench_pin.errors import InvalidArgument, TaskEnvironmentError
+from rlbench_pin.gym.ids import MODES, register
+from rlbench_pin.tasks import (
+    Task,
+    checked_class,
+    find_task,
+    is_task_file,
+    task_names,
+    task_origin,
+    task_reference,
+    usable_task_names,
+)
+
+
+def register_task(task: type[Task] | str | PathLike[str], namespace: str = "rlbench_pin") -> tuple[str, ...]:
+    """Register a task with gymnasium, and return its ids: `<namespace>/<task>-state-v0` and `<namespace>/<task>-vision-v0`.
+
+    Args:
+        task: A class, the name of a task, or a task file.
+        namespace: What stands before the slash.
+
+    Raises:
+        TaskEnvironmentError: An id stands for another task already.
+        UnknownName: No task has this name.
+        TaskError: The file cannot be loaded.
+    """
+    if not isinstance(namespace, str) or not re.fullmatch(r"[\w-]+", namespace):
+        raise InvalidArgument("namespace", namespace, "has to be of letters, digits, '_' and '-'")
+    chosen = find_task(task) if isinstance(task, str | PathLike) else checked_class(task)
+    by_name = is_task_file(chosen) or (chosen.get_name() in task_names() and find_task(chosen.get_name()) is chosen)
+    found_by = task_reference(chosen) if by_name else chosen  # a text, where there is one: every process understands it
+    ids = tuple(f"{namespace}/{chosen.get_name()}-{mode}-v0" for mode in MODES)
+    for name, mode in zip(ids, MODES, strict=True):
+        settings = {"task": found_by, "observation_mode": mode}
+        taken = gymnasium.registry.get(name)
+        if taken is not None and taken.kwargs != settings:
+            raise TaskEnvironmentError(
+                f"The id '{name}' stands for another task already ({taken.kwargs.get('task')}). Pass another `namespace`."
+            )
+        register(name, settings)
+    return ids
+
+
+def register_plugin_tasks() -> tuple[str, ...]:
+    """Register the tasks that installed packages bring, and return their ids; broken ones are left out."""
+    names = [name for name in usable_task_names() if task_origin(name)]
+    return tuple(name for task in names for name in register_task(task))

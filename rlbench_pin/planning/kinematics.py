@@ -1,0 +1,298 @@
+"""Inverse kinematics, and sets of equally good goals.
+
+Three descents solve inverse kinematics:
+
+* `descend` (damped least squares, many starts) is what planning uses: exact to 1e-6, bounded steps, given up early, because
+  there is always another start.
+* `solve_pinned_ik` has one start and joints that must not move: damped ten times less, never given up early. With the
+  damping and the early end of `descend`, 2 % of random poses that it reaches would be lost.
+* `control.PoseIK` solves a QP in each step, by PlaCo, with joint limits and a trust region as its constraints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+import pinocchio as pin
+from scipy.linalg.lapack import dposv
+
+from rlbench_pin.errors import GoalInCollision, InvalidRequest, NoIkSolution
+from rlbench_pin.planning.requests import as_configuration, as_goal_pose, check_generator
+from rlbench_pin.robot.collision import CollisionModel
+from rlbench_pin.robot.model import RobotModel
+from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3, se3_to_pose
+from rlbench_pin.values import as_number, as_record, as_vector, as_whole
+
+TOLERANCE = 1e-6
+"""Norm of the remaining pose error, `[m, rad]` together."""
+LIMIT_MARGIN = 0.05
+"""Configurations nearer than this to a joint limit come last [rad]."""
+SAME = 0.1
+"""Solutions nearer than this to each other count once [rad]."""
+MOST_STARTS = 100_000
+"""More descents than this are a mistake."""
+_ITERATIONS = 40
+_LARGEST_STEP = 0.6
+_JOINT_WEIGHT_END = 0.4
+
+
+@dataclass(frozen=True, eq=False)
+class Descent:
+    """Where one descent ended."""
+
+    q: FloatArray
+    """Configuration (n,), [rad]."""
+    error: FloatArray
+    """Pose error `[linear, angular]` in the tip frame, shape (6,)."""
+    converged: bool
+    """Whether the pose was reached."""
+
+
+def descend(model: RobotModel, target: pin.SE3, q_start: FloatArray, iterations: int = _ITERATIONS) -> Descent:
+    """Walk from `q_start` to a configuration that reaches `target`, inside the joint limits.
+
+    Each step is dq = J^T (J J^T + w I)^-1 e with w growing with the error (Sugihara's damping); joints that would leave
+    their limits are held and the step is taken by the others.
+    """
+    arm, data, tip = model.arm, model.data, model.tip_id
+    lower, upper = model.limits.lower, model.limits.upper
+    q = np.minimum(np.maximum(q_start, lower), upper)
+    best = np.inf
+    for i in range(iterations):
+        pin.framesForwardKinematics(arm, data, q)
+        error = pin.log6(data.oMf[tip].actInv(target)).vector
+        square = float(error @ error)
+        if square < TOLERANCE * TOLERANCE:
+            return Descent(q, error, True)
+        if i % 8 == 7:
+            if square > 0.5 * best:
+                break
+            best = square
+        jacobian = pin.computeFrameJacobian(arm, data, q, tip, pin.LOCAL)
+        step = _step(jacobian, error, 0.5 * square + 1e-9)
+        outside = ((q <= lower) & (step < 0.0)) | ((q >= upper) & (step > 0.0))
+        if outside.any():
+            jacobian[:, outside] = 0.0
+            step = _step(jacobian, error, 0.5 * square + 1e-6)
+        largest = float(np.abs(step).max())
+        if largest > _LARGEST_STEP:
+            step *= _LARGEST_STEP / largest
+        q = np.minimum(np.maximum(q + step, lower), upper)
+    return Descent(q, error, False)
+
+
+def _step(jacobian: FloatArray, error: FloatArray, damping: float) -> FloatArray:
+    """Return J^T (J J^T + damping I)^-1 e."""
+    square = jacobian @ jacobian.T
+    square.flat[::7] += damping
+    _, solution, info = dposv(square, error)
+    return jacobian.T @ solution if info == 0 else np.zeros(jacobian.shape[1])
+
+
+def solve_ik(
+    model: RobotModel,
+    pose: PoseLike,
+    seed_q: FloatArray,
+    rng: np.random.Generator,
+    *,
+    starts: int = 60,
+    max_solutions: int = 1,
+    collision: CollisionModel | None = None,
+) -> list[FloatArray]:
+    """Find configurations whose tip is at `pose`, nearest to `seed_q` first, those close to a joint limit last.
+
+    Args:
+        model: The arm.
+        pose: Tip pose (7,) in the world.
+        seed_q: Where the search begins, shape (n,), [rad]; brought within the joint limits.
+        rng: Draws the other starts.
+        starts: How many descents are tried at most.
+        max_solutions: Enough solutions to stop, of different branches.
+        collision: Drops configurations that collide; None accepts all.
+
+    Raises:
+        InvalidRequest: NaN, a wrong shape, or no numbers.
+        NoIkSolution: No descent reaches the pose; carries the smallest error.
+        GoalInCollision: All configurations that reach it collide.
+    """
+    as_record(model, RobotModel, "model", InvalidRequest)
+    target, seed_q = pose_to_se3(as_goal_pose(pose)), as_vector(seed_q, model.size, "seed_q", InvalidRequest)
+    check_generator(rng)
+    counts = ((starts, "starts"), (max_solutions, "max_solutions"))
+    starts, max_solutions = (as_whole(count, what, InvalidRequest, least=1, most=MOST_STARTS) for count, what in counts)
+    if collision is not None:
+        as_record(collision, CollisionModel, "collision", InvalidRequest)
+    found, colliding, failed = _descents(model, target, seed_q, rng, starts, max_solutions, collision)
+    if not found:
+        raise _colliding(model, seed_q, collision, colliding) if collision and colliding else _unreached(model, pose, failed)
+    return sorted(found, key=lambda q: cost(model, seed_q, q))
+
+
+def _descents(
+    model: RobotModel,
+    target: pin.SE3,
+    seed_q: FloatArray,
+    rng: np.random.Generator,
+    starts: int,
+    enough: int,
+    collision: CollisionModel | None,
+) -> tuple[list[FloatArray], list[FloatArray], list[Descent]]:
+    """Descend from one start after the other; return free configurations, colliding ones, and descents that failed."""
+    found: list[FloatArray] = []
+    colliding: list[FloatArray] = []
+    failed: list[Descent] = []
+    for k in range(starts):
+        end = descend(model, target, seed_q if k == 0 else draw_start(model, seed_q, rng, k))
+        if not end.converged:
+            failed.append(end)
+        elif not any(np.abs(end.q - q).max() < SAME for q in (*found, *colliding)):
+            (colliding if collision is not None and collision.goal_in_collision(end.q) else found).append(end.q)
+            if len(found) >= enough:
+                break
+    return found, colliding, failed
+
+
+def _colliding(model: RobotModel, seed_q: FloatArray, collision: CollisionModel, reached: list[FloatArray]) -> GoalInCollision:
+    """Explain by the nearest of the configurations that reach the pose and collide."""
+    pairs, depths = collision.penetrations(min(reached, key=lambda q: cost(model, seed_q, q)))
+    return GoalInCollision(pairs, len(reached), depths)
+
+
+def _unreached(model: RobotModel, pose: PoseLike, failed: Sequence[Descent]) -> NoIkSolution:
+    """Return the error of a pose that no descent reached, with the one that came nearest."""
+    closest = min(failed, key=lambda end: float(end.error @ end.error))
+    position, rotation = (float(np.linalg.norm(part)) for part in (closest.error[:3], closest.error[3:]))
+    return NoIkSolution(np.asarray(pose), position, rotation, len(failed), model.tip_pose(closest.q))
+
+
+def cost(model: RobotModel, q_from: FloatArray, q: FloatArray) -> float:
+    """Rank a configuration: weighted joint distance [rad], the wrist counting less, plus a penalty near joint limits."""
+    lack = max(0.0, LIMIT_MARGIN - model.limits.margin(q))
+    return float(np.linalg.norm(_weights(model.size) * (q - q_from))) + (2.0 if lack > 0.0 else 0.0) + 20.0 * lack
+
+
+@cache
+def _weights(size: int) -> FloatArray:
+    """Return how much each joint counts, from the first to the last (n,)."""
+    weights = np.linspace(1.0, _JOINT_WEIGHT_END, size)
+    weights.setflags(write=False)
+    return weights
+
+
+def draw_start(model: RobotModel, seed_q: FloatArray, rng: np.random.Generator, k: int) -> FloatArray:
+    """Draw the k-th start: at first around the seed, then wider, in the end anywhere within the limits."""
+    limits = model.limits
+    anywhere = rng.uniform(limits.lower, limits.upper)
+    blend = min(1.0, 0.15 * k)
+    return seed_q + blend * (anywhere - seed_q)
+
+
+POSITION_TOLERANCE, ROTATION_TOLERANCE = 1e-4, 1e-3
+_PINNED_ITERATIONS = 100
+
+
+def solve_pinned_ik(model: RobotModel, pose: PoseLike, q_start: FloatArray, pinned: Mapping[int, float]) -> FloatArray:
+    """Find the configuration near `q_start` that reaches `pose` with some joints at given angles.
+
+    Each step is the damped least-squares step of the free joints: dq = J^T (J J^T + w I)^-1 e.
+
+    Args:
+        model: The arm.
+        pose: Tip pose (7,) in the world.
+        q_start: Where the descent begins (n,), [rad].
+        pinned: Joint index -> angle [rad].
+
+    Raises:
+        InvalidRequest: NaN, a wrong shape, no numbers, or a joint that there is not.
+        NoIkSolution: The free joints cannot bring the tip there.
+    """
+    as_record(model, RobotModel, "model", InvalidRequest)
+    as_record(pinned, Mapping, "pinned", InvalidRequest)  # type: ignore[type-abstract]
+    target, limits = pose_to_se3(as_goal_pose(pose)), model.limits
+    joints = [as_whole(joint, "pinned joint", InvalidRequest, least=0, most=model.size - 1) for joint in pinned]
+    as_vector(list(pinned.values()), len(joints), "The angles of pinned joints", InvalidRequest)
+    q = as_vector(q_start, model.size, "q_start", InvalidRequest).copy()
+    q[joints] = list(pinned.values())
+    error = np.zeros(6)
+    for _ in range(_PINNED_ITERATIONS):
+        error = pin.log6(model.tip_se3(q).actInv(target)).vector
+        if np.linalg.norm(error[:3]) < POSITION_TOLERANCE and np.linalg.norm(error[3:]) < ROTATION_TOLERANCE:
+            return q
+        jacobian = model.jacobian(q, "tip").copy()
+        jacobian[:, joints] = 0.0
+        square = jacobian @ jacobian.T + (1e-6 + 0.05 * float(error @ error)) * np.eye(6)
+        q = np.clip(q + jacobian.T @ np.linalg.solve(square, error), limits.lower, limits.upper)
+        q[joints] = list(pinned.values())
+    raise NoIkSolution(np.asarray(pose), float(np.linalg.norm(error[:3])), float(np.linalg.norm(error[3:])), 1)
+
+
+def symmetric_poses(pose: PoseLike, order: int) -> list[FloatArray]:
+    """Return the `order` poses (7,) that are alike for a gripper or an object of that symmetry about the tip's z axis.
+
+    Raises:
+        InvalidRequest: `pose` is none, or `order` no whole number from 1 to 360.
+    """
+    T, order = pose_to_se3(as_goal_pose(pose, "pose")), as_whole(order, "order", InvalidRequest, least=1, most=360)
+    turns = (pin.SE3(pin.utils.rotate("z", 2.0 * np.pi * k / order), np.zeros(3)) for k in range(order))
+    return [se3_to_pose(T * turn) for turn in turns]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PoseRegion:
+    """All poses that differ from `center` by at most some lengths and angles along and about its own axes."""
+
+    center: tuple[float, ...]
+    """Pose (7,)."""
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Half sizes of the box of positions [m]."""
+    rotation: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Largest rotation about each axis [rad]."""
+
+    def __post_init__(self) -> None:
+        """Raise InvalidRequest unless there is a centre, and no size is negative."""
+        as_goal_pose(self.center, "center of a region")
+        for name in ("position", "rotation"):
+            if as_vector(getattr(self, name), 3, f"PoseRegion.{name}", InvalidRequest).min() < 0.0:
+                raise InvalidRequest(f"PoseRegion.{name}", getattr(self, name), "has to be three numbers >= 0")
+
+    def sample(self, count: int, rng: np.random.Generator) -> list[FloatArray]:
+        """Return `count` poses of the region, its centre first."""
+        count = as_whole(count, "count", InvalidRequest, least=0, most=1_000_000)
+        check_generator(rng)
+        T = pose_to_se3(self.center)
+        half = np.concatenate([self.position, self.rotation])
+        offsets = rng.uniform(-half, half, (count, 6))
+        offsets[:1] = 0.0
+        return [se3_to_pose(T * pin.SE3(pin.exp3(offset[3:]), offset[:3])) for offset in offsets]
+
+
+def self_motions(model: RobotModel, q: FloatArray, step: float = 0.3, count: int = 4) -> list[FloatArray]:
+    """Return up to `count` configurations (n,) on each side that hold the tip of `q` (n,) where it is, by moving the elbow.
+
+    Raises:
+        InvalidRequest: NaN, a wrong shape, or no numbers.
+        OutsideJointLimits: `q` is outside the joint limits.
+    """
+    q, step = as_configuration(model, q, "configuration"), as_number(step, "step", InvalidRequest, above=0.0)
+    count = as_whole(count, "count", InvalidRequest, least=0, most=1000)
+    target = model.tip_se3(q)
+    found: list[FloatArray] = []
+    for sign in (1.0, -1.0):
+        here, direction = q, sign * _null_direction(model, q)
+        for _ in range(count):
+            end = descend(model, target, here + step * direction)
+            if not end.converged or np.abs(end.q - here).max() < 0.3 * SAME:
+                break
+            following = _null_direction(model, end.q)
+            direction = following if following @ direction > 0.0 else -following
+            here = end.q
+            found.append(here)
+    return found
+
+
+def _null_direction(model: RobotModel, q: FloatArray) -> FloatArray:
+    """Return the joint motion (n,) of length 1 that leaves the tip where it is."""
+    return np.linalg.svd(model.jacobian(q))[2][-1]
