@@ -13,8 +13,7 @@ import numpy as np
 from PIL import Image
 
 from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.recording.films.framing import framed, things_to_see
-from rlbench_pin.recording.films.grid import Reel, grid_frames
+from rlbench_pin.recording.video import Reel, framed, grid_frames, things_to_see
 from rlbench_pin.tasks import library_names
 
 OUT = Path(__file__).resolve().parents[1] / "docs" / "images" / "tasks.webp"

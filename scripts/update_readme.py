@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from rlbench_pin.checking.pages.page import interval, page, share
+from rlbench_pin.checking.page import interval, page, share
 
 CAMERAS = ("naive ", "cpu ", "egl ")
 """How benchmarks of pictures begin."""
@@ -22,7 +22,7 @@ RESULTS = ROOT / "docs" / "results"
 
 HEAD = (
     "| Task | Variations | First try (95 % interval) | Unseen seeds (95 % interval) | Same scene | Within {tries} tries | Lasts "
-    "| Replay | Key frames | Rest | Flail | Length | Planning | x real time |\n"
+    "| Replay | Key frames | NoopEpisode | Flail | Length | Planning | x real time |\n"
     "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|"
 )
 NOTE = (
@@ -73,10 +73,10 @@ def _row(name: str, task: dict[str, Any]) -> str:
         interval(task["unseen"]) if task.get("unseen", {}).get("of") else "",
         share(task.get("same_scene")),
         share(task["within_tries"]),
-        share(task.get("lasting")),
+        share(task.get("stable_success")),
         share(task["replay"]),
         share(task.get("key_frames")),
-        share(task["idle"]),
+        share(task["noop"]),
         share(task["random"]),
         f"{task['median_simulated_s']:.1f} s",
         f"{1000 * task['median_planning_s']:.0f} ms",

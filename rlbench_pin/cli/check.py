@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from rlbench_pin.checking import Item, TaskReport, Trial, TrialJournal, explain_failure, run_trials, summarise
-from rlbench_pin.checking.pages.page import page
-from rlbench_pin.checking.pages.pictures import draw_pictures
-from rlbench_pin.checking.pages.table import table
-from rlbench_pin.checking.plan import CheckPlan
+from rlbench_pin.checking.images import draw_pictures
+from rlbench_pin.checking.page import page, table
+from rlbench_pin.checking.trials import CheckPlan
 from rlbench_pin.cli.arguments import check as arguments
 from rlbench_pin.cli.list_tasks import ALL, named_tasks
 from rlbench_pin.cli.process.files import check_file, check_folder, storing, write_json, write_whole

@@ -17,10 +17,9 @@ from rlbench_pin.cli.process.words import check_at_least, checked_names
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
 from rlbench_pin.cli.record import make_engine, print_report
 from rlbench_pin.datasets import TaskInfo, merge_datasets, plan_merge, read_manifest, stored_tasks, task_faults, task_info
-from rlbench_pin.datasets.formats import stored_episodes
+from rlbench_pin.datasets.formats import export_dataset, stored_episodes
 from rlbench_pin.errors import DatasetError, TaskEnvironmentError
 from rlbench_pin.recording.config import PictureConfig
-from rlbench_pin.recording.export import export_dataset
 from rlbench_pin.recording.rerender import rerender, seeds_of, write_seeds
 from rlbench_pin.tasks import own_tasks
 

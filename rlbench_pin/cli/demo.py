@@ -18,7 +18,7 @@ from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.presets import make_environment, picture_config
 from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import Demo, Observation
-from rlbench_pin.recording.film import Film
+from rlbench_pin.recording.video import Film
 from rlbench_pin.tasks import find_task, keep_task
 
 

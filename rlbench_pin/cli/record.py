@@ -18,8 +18,8 @@ from rlbench_pin.cli.process.interrupts import INTERRUPTED
 from rlbench_pin.cli.process.words import check_at_least
 from rlbench_pin.cli.progress import RecordBar, stopping_gently
 from rlbench_pin.errors import TaskEnvironmentError
-from rlbench_pin.recording.config import PictureConfig, RecordConfig
-from rlbench_pin.recording.record import RecordReport, read_recording, record
+from rlbench_pin.recording.config import PictureConfig, RecordConfig, read_recording
+from rlbench_pin.recording.record import RecordReport, record
 
 
 class Record(arguments.Record):

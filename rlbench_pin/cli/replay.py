@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rlbench_pin.cli.arguments import replay as arguments
 from rlbench_pin.errors import DatasetError, TaskEnvironmentError
-from rlbench_pin.recording.replay_stored import replay_stored
+from rlbench_pin.recording.replay import replay_stored
 from rlbench_pin.tasks import own_tasks
 
 

@@ -25,8 +25,7 @@ from rlbench_pin.environment import (
 )
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import DemoError, TaskEnvironmentError
-from rlbench_pin.recording.films.grid import Reel, grid_frames, grid_size
-from rlbench_pin.recording.films.orbit import Orbit
+from rlbench_pin.recording.video import Orbit, Reel, grid_frames, grid_size
 from rlbench_pin.tasks import Task, find_task
 
 _CELL = (320, 240)

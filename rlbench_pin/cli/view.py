@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from pathlib import Path
 
-from rlbench_pin.checking.pages.demo_sheet import demo_sheet
+from rlbench_pin.checking.images import demo_sheet
 from rlbench_pin.cli.arguments import view as arguments
 from rlbench_pin.cli.process.files import check_file, write_whole
 from rlbench_pin.cli.process.pages import check_port, live_module, serve

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from rlbench_pin.datasets import Episode, checked_task_name, stored_demos
-from rlbench_pin.datasets.formats.rlbench_reader import folder_demos, folder_descriptions, folder_episodes
+from rlbench_pin.datasets.formats.rlbench import folder_demos, folder_descriptions, folder_episodes
 from rlbench_pin.datasets.reader import check_there, counted_files
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.stored_pictures import fit, wanted_fields

@@ -81,8 +81,7 @@ if TYPE_CHECKING:
     from rlbench_pin.evaluation.results.tables import Table, comparison_table, overview_table, task_table
     from rlbench_pin.evaluation.run.config import EpisodeItem, EvaluationConfig, evaluation_seed, plan_episodes
     from rlbench_pin.evaluation.run.episode import EpisodeOutcome
-    from rlbench_pin.evaluation.run.evaluate import EvaluationProgress, EvaluationStopped, evaluate
-    from rlbench_pin.evaluation.run.journal import EvaluationConflict
+    from rlbench_pin.evaluation.run.evaluate import EvaluationConflict, EvaluationProgress, EvaluationStopped, evaluate
     from rlbench_pin.evaluation.run.runner import EpisodeRunner
     from rlbench_pin.evaluation.sets.catalogue import (
         TaskSet,
@@ -231,7 +230,7 @@ _HOMES = {
     **dict.fromkeys((
         "EvaluationProgress", "EvaluationStopped", "evaluate",
     ), "run.evaluate"),
-    "EvaluationConflict": "run.journal",
+    "EvaluationConflict": "run.evaluate",
     "EpisodeRunner": "run.runner",
     **dict.fromkeys((
         "Estimate", "Summary", "TaskSummary", "mean_rate", "summarise", "width_note",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, fields
 
-from rlbench_pin.checking.plan import REPEATS, CheckPlan
+from rlbench_pin.checking.trials import REPEATS, CheckPlan
 from rlbench_pin.cli.arguments.check import Check
 
 
@@ -31,7 +31,7 @@ def test_each_seed_is_tried_once_in_pieces_of_any_size() -> None:
         "unseen": [100, 101, 102],
         "key_frames": [7, 8],
         "repeat": list(range(7, 7 + REPEATS)),
-        "idle": list(range(7, 16)),
+        "noop": list(range(7, 16)),
         "random": list(range(7, 16)),
         "reach": list(range(7, 67)),
     }

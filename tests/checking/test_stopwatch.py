@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rlbench_pin.checking.stopwatch import Stopwatch
+from rlbench_pin.checking.trials import Stopwatch
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 
 

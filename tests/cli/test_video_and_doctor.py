@@ -8,14 +8,12 @@ import av
 import numpy as np
 import pytest
 
-from rlbench_pin.checking.judge import demo_bytes
+from rlbench_pin.checking.validate import demo_bytes
 from rlbench_pin.cli.doctor import check_picture
 from rlbench_pin.cli.main import main
 from rlbench_pin.environment import low_dim_config, make_environment
 from rlbench_pin.errors import CameraError
-from rlbench_pin.recording.film import film_view
-from rlbench_pin.recording.films.grid import Reel, grid_frames, grid_size
-from rlbench_pin.recording.films.orbit import Orbit
+from rlbench_pin.recording.video import Orbit, Reel, film_view, grid_frames, grid_size
 
 
 def test_the_orbit_stays_inside_the_room_and_looks_at_its_centre():

@@ -25,10 +25,10 @@ from tests.fuzz.doors import Door, Fresh, functions, methods, parameters_of
 SKIPPED = frozenset({
     "RandomizeEvery", "RelativeFrame",  # enumerations of Python
     "Color", "BodySnapshot", "Shape", "WorldSnapshot",  # records that files and worlds fill
-    "EpisodeEntry", "KeptTask", "Trial", "DemoTrial", "IdleTrial", "KeyFramesTrial", "RandomTrial", "ReachTrial",
+    "EpisodeEntry", "KeptTask", "Trial", "DemoTrial", "NoopTrial", "KeyFramesTrial", "RandomTrial", "ReachTrial",
     "RepeatTrial", "WordsTrial",
-    "Rate", "Rest", "Move", "TaskInfo", "StoredEpisode", "RecordReport", "ReplayResult", "Command", "ControllerSummary", "Leg",
-    "LegTrial", "CheckProgress", "Failure", "Item", "Reach", "TaskReport", "TaskState", "DemoOutcome", "EnvironmentState",
+    "Rate", "NoopEpisode", "Move", "TaskInfo", "StoredEpisode", "RecordReport", "ReplayResult", "Command", "ControllerSummary",
+    "Leg", "LegTrial", "CheckProgress", "Failure", "Item", "Reach", "TaskReport", "TaskState", "DemoOutcome", "EnvironmentState",
     "LegReport", "ActionSpec", "EpisodeItem", "EpisodeOutcome", "EvaluationProgress", "PolicyContext",
     "Reference", "TaskSet", "TaskSelection", "Comparison", "Pairs", "TaskComparison", "PValues", "Summary",
     "TaskSummary", "Estimate", "Table",  # records that doors return, or policies are given

@@ -14,7 +14,7 @@ import pytest
 
 from rlbench_pin.errors import InvalidArgument
 from rlbench_pin.processes import Engine, GivenUp, ProcessEngine, SerialEngine, WorkerDeath, WorkersDie
-from rlbench_pin.processes.engines import MAX_DEATHS, RetryPolicy
+from rlbench_pin.processes.jobs import MAX_DEATHS, RetryPolicy
 
 
 @dataclass(frozen=True)

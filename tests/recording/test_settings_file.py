@@ -10,7 +10,7 @@ import pytest
 
 from rlbench_pin.errors import EpisodeFileError
 from rlbench_pin.recording import PictureConfig, RecordConfig, read_recording
-from rlbench_pin.recording.settings_file import write_recording
+from rlbench_pin.recording.config import write_recording
 
 CONFIG = RecordConfig(tasks=("reach_target",), episodes=3, pictures=PictureConfig(products=()))
 

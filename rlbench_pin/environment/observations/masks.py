@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rlbench_pin.datasets.formats.rlbench_pictures import decode_mask
+from rlbench_pin.datasets.formats.rlbench import decode_mask
 from rlbench_pin.errors import CameraError, shown
 
 

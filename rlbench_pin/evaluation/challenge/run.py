@@ -24,7 +24,7 @@ from rlbench_pin.evaluation.challenge.summary import LearningCurve, learning_cur
 from rlbench_pin.evaluation.policies.settings import PolicySettings
 from rlbench_pin.evaluation.results.records import Results
 from rlbench_pin.evaluation.run.evaluate import EvaluationProgress, EvaluationStopped, evaluate, journal_path
-from rlbench_pin.evaluation.run.origin import checkout_commit
+from rlbench_pin.evaluation.run.provenance import checkout_commit
 from rlbench_pin.processes import Engine, ProcessEngine
 from rlbench_pin.values import as_flag, as_function, as_path, as_record
 

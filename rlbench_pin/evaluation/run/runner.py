@@ -20,8 +20,7 @@ from rlbench_pin.evaluation.run.config import (
     found_task,
     make_environment,
 )
-from rlbench_pin.evaluation.run.episode import NO_DEMONSTRATION, Episode, EpisodeOutcome, make_context, shortened
-from rlbench_pin.evaluation.run.limits import Limits
+from rlbench_pin.evaluation.run.episode import NO_DEMONSTRATION, Episode, EpisodeOutcome, Limits, make_context, shortened
 from rlbench_pin.values import as_record
 
 Around = Callable[[TaskEnvironment], AbstractContextManager[object]]

@@ -16,9 +16,9 @@ from rlbench_pin.cli.process import words as words_of_help
 from rlbench_pin.cli.process.commands import COMMANDS
 from rlbench_pin.cli.process.running import run
 from rlbench_pin.datasets import Compression
+from rlbench_pin.datasets.formats import ExportFormat
 from rlbench_pin.environment.observations.camera_config import RenderMode
 from rlbench_pin.evaluation import FOLLOWERS
-from rlbench_pin.recording.export import ExportFormat
 
 Capture = pytest.CaptureFixture[str]
 HEAVY = ("pybullet", "ompl", "toppra", "osqp", "placo", "coal", "pinocchio", "h5py", "av", "scipy", "PIL", "tqdm")

@@ -11,10 +11,17 @@ import pytest
 from PIL import Image
 
 from rlbench_pin.datasets import DatasetWriter, episode_files, read_demo
-from rlbench_pin.datasets.formats.rlbench_folders import export_rlbench
+from rlbench_pin.datasets.formats.rlbench import (
+    decode_depth,
+    decode_mask,
+    encode_depth,
+    encode_mask,
+    export_rlbench,
+    folder_demos,
+    folder_episodes,
+    read_folder,
+)
 from rlbench_pin.datasets.formats.rlbench_pickle import PickledDemo, PickledObservation, dump
-from rlbench_pin.datasets.formats.rlbench_pictures import decode_depth, decode_mask, encode_depth, encode_mask
-from rlbench_pin.datasets.formats.rlbench_reader import folder_demos, folder_episodes, read_folder
 from rlbench_pin.errors import DatasetError, EpisodeFileError
 from rlbench_pin.observation import Demo, Observation
 

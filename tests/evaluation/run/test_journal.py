@@ -10,7 +10,7 @@ import pytest
 
 from rlbench_pin.evaluation.results.records import EpisodeRecord
 from rlbench_pin.evaluation.run import EpisodeItem, EpisodeOutcome, EvaluationConflict
-from rlbench_pin.evaluation.run.journal import Journal
+from rlbench_pin.evaluation.run.evaluate import EpisodeJournal as Journal
 
 HEAD = {"policy": "rest", "tasks": ("reach_target",), "limits": {"max_seconds": 1.0}}
 ITEMS = [EpisodeItem("reach_target", "reach_target", i, 0, 2**53 + 2 * i, 5) for i in range(3)]

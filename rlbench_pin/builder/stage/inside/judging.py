@@ -8,15 +8,14 @@ from pathlib import Path
 
 from rlbench_pin.builder.contracts import Judgement
 from rlbench_pin.checking import Item, Part, TaskReport, Trial, summarise
-from rlbench_pin.checking.judge import MAX_DRIFT, MAX_PENETRATION, poor_instructions, shared_instructions
-from rlbench_pin.checking.plan import CheckPlan
-from rlbench_pin.checking.records import DemoTrial, IdleTrial, ReachTrial, SolvedDemo
+from rlbench_pin.checking.records import DemoTrial, NoopTrial, ReachTrial, SolvedDemo
 from rlbench_pin.checking.report import FIRST_TRY_FLOOR, KEY_FRAMES_FLOOR, REPLAY_FLOOR
-from rlbench_pin.checking.trials import work
+from rlbench_pin.checking.trials import CheckPlan, work
+from rlbench_pin.checking.validate import MAX_DRIFT, MAX_PENETRATION, poor_instructions, shared_instructions
 from rlbench_pin.rates import Rate
 from rlbench_pin.tasks import find_task
 
-_ORDER: tuple[Part, ...] = ("words", "idle", "demos", "reach", "repeat", "random", "key_frames")
+_ORDER: tuple[Part, ...] = ("words", "noop", "demos", "reach", "repeat", "random", "key_frames")
 _AT_ONCE: dict[Part, int] = {"reach": 25}
 """Seeds of an item, where not 1."""
 Found = Iterator[tuple[int, int, str]]
@@ -122,32 +121,32 @@ def _left_over(trial: Trial) -> Iterator[str]:
         yield f"the next episode finds {', '.join(trial.demo.left_over)}"
 
 
-def _resting(cause: Callable[[IdleTrial], str]) -> Callable[[Trial], Iterator[str]]:
+def _resting(cause: Callable[[NoopTrial], str]) -> Callable[[Trial], Iterator[str]]:
     """Return what yields a cause of a world that was left alone, unless it is empty."""
 
     def causes(trial: Trial) -> Iterator[str]:
-        found = cause(trial) if isinstance(trial, IdleTrial) and trial.rest is not None else ""
+        found = cause(trial) if isinstance(trial, NoopTrial) and trial.episode is not None else ""
         if found:
             yield found
 
     return causes
 
 
-def _drift(trial: IdleTrial) -> str:
-    assert trial.rest is not None
-    too_far = trial.rest.drift > MAX_DRIFT
-    return f"{trial.rest.drifter} moves {1000 * trial.rest.drift:.2f} mm by itself" if too_far else ""
+def _drift(trial: NoopTrial) -> str:
+    assert trial.episode is not None
+    too_far = trial.episode.drift > MAX_DRIFT
+    return f"{trial.episode.drifter} moves {1000 * trial.episode.drift:.2f} mm by itself" if too_far else ""
 
 
-def _overlap(trial: IdleTrial) -> str:
-    assert trial.rest is not None
-    too_deep = trial.rest.penetration > MAX_PENETRATION
-    return f"things overlap by {1000 * trial.rest.penetration:.2f} mm at the reset" if too_deep else ""
+def _overlap(trial: NoopTrial) -> str:
+    assert trial.episode is not None
+    too_deep = trial.episode.penetration > MAX_PENETRATION
+    return f"things overlap by {1000 * trial.episode.penetration:.2f} mm at the reset" if too_deep else ""
 
 
-def _held(trial: IdleTrial) -> str:
-    assert trial.rest is not None
-    return f"{', '.join(trial.rest.held)} is held at the reset" if trial.rest.held else ""
+def _held(trial: NoopTrial) -> str:
+    assert trial.episode is not None
+    return f"{', '.join(trial.episode.held)} is held at the reset" if trial.episode.held else ""
 
 
 def _incidents(trial: Trial) -> Iterator[str]:
@@ -168,16 +167,16 @@ def _words_passed(report: TaskReport) -> bool:
 
 _LINES = (
     Line("instructions", "words", lambda r: f"{len(r.words)} variations", _words_passed, _incidents),
-    Line("rest", "idle", lambda r: _rate(r.idle), lambda r: r.idle.count == 0, _incidents),
-    Line("drift", "idle", lambda r: f"{1000 * r.drift.value:.2f} mm", lambda r: r.drift.value <= MAX_DRIFT, _resting(_drift)),
+    Line("rest", "noop", lambda r: _rate(r.noop), lambda r: r.noop.count == 0, _incidents),
+    Line("drift", "noop", lambda r: f"{1000 * r.drift.value:.2f} mm", lambda r: r.drift.value <= MAX_DRIFT, _resting(_drift)),
     Line(
         "overlap",
-        "idle",
+        "noop",
         lambda r: f"{1000 * r.penetration.value:.2f} mm",
         lambda r: r.penetration.value <= MAX_PENETRATION,
         _resting(_overlap),
     ),
-    Line("held", "idle", lambda r: ", ".join(r.held) or "nothing", lambda r: not r.held, _resting(_held)),
+    Line("held", "noop", lambda r: ", ".join(r.held) or "nothing", lambda r: not r.held, _resting(_held)),
     Line("first try", "demos", lambda r: _rate(r.first_try), lambda r: r.first_try.value >= FIRST_TRY_FLOOR, _first_attempts),
     Line(
         "in tries",
@@ -189,9 +188,9 @@ _LINES = (
     Line(
         "lasts",
         "demos",
-        lambda r: _rate(r.lasting),
+        lambda r: _rate(r.stable_success),
         lambda r: True,
-        _after("the goal is lost again", lambda demo: not demo.lasts),
+        _after("the goal is lost again", lambda demo: not demo.stable),
     ),
     Line(
         "replay",

@@ -20,12 +20,12 @@ import numpy as np
 from rlbench.backend.const import VARIATION_NUMBER, VARIATIONS_ALL_FOLDER
 from rlbench.demo import Demo
 from rlbench_pin.compat.scenes.errors import UnknownTasks
-from rlbench_pin.datasets.formats.rlbench_folders import Layout, export_rlbench, write_frames
+from rlbench_pin.datasets.formats.rlbench import Layout, export_rlbench, write_frames
 from rlbench_pin.datasets.formats.rlbench_pickle import dump
 from rlbench_pin.errors import DatasetConflict
 from rlbench_pin.processes import ProcessEngine, SerialEngine
-from rlbench_pin.recording.config import PictureConfig, RecordConfig
-from rlbench_pin.recording.record import RECORDING, RecordReport, read_recording, record
+from rlbench_pin.recording.config import RECORDING, PictureConfig, RecordConfig, read_recording
+from rlbench_pin.recording.record import RecordReport, record
 from rlbench_pin.tasks import task_names
 
 _LOG = logging.getLogger(__name__)

@@ -1,4 +1,4 @@
-"""The report of a check as one Markdown page, from the same data as its JSON."""
+"""The report of a check as a Markdown page and as a table for the terminal."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from rlbench_pin.checking.report import TaskReport
+from rlbench_pin.rates import Rate
+
 SLOWEST = 5
-SHARES = ("same_scene", "unseen", "lasting", "replay", "key_frames", "idle", "random", "repeat", "accepted")
+SHARES = ("same_scene", "unseen", "stable_success", "replay", "key_frames", "noop", "random", "repeat", "accepted")
 Plain = Mapping[str, Any]
 
 
@@ -41,7 +44,7 @@ def overview(content: Plain) -> str:
     """Return the table of all tasks."""
     head = [
         "Task", "Variations", "First try (95 % interval)", f"Within {content['max_attempts']} tries", "In the same scene",
-        "First try, unseen seeds", "Lasts", "Replay", "Key frames", "Rest", "Flail", "Repeat", "Reach", "Drift", "Overlap",
+        "First try, unseen seeds", "Stable", "Replay", "Key frames", "Noop", "Random", "Repeat", "Reach", "Drift", "Overlap",
         "Length", "Planning", "x real time", "Verdict",
     ]  # fmt: skip
     rows = []
@@ -160,3 +163,49 @@ def markdown_table(head: Sequence[object], rows: Sequence[Sequence[object]]) -> 
     """Return a table; bars within cells are escaped."""
     lines = ["| " + " | ".join(str(cell).replace("|", "\\|") for cell in row) + " |" for row in (head, *rows)]
     return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]])
+
+
+HEADER = (
+    "task", "var", "first try", "95 %", "in tries", "scene", "unseen", "stable", "replay", "keys", "noop", "random", "repeat",
+    "reach", "drift", "overlap", "demo", "plan", "speed", "verdict",
+)  # fmt: skip
+
+
+def table(reports: Sequence[TaskReport]) -> str:
+    """Return one line per task under a line of headings."""
+    rows = [HEADER, *map(_row, reports)]
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in rows)
+
+
+def _row(r: TaskReport) -> tuple[str, ...]:
+    low, high = r.first_try.interval
+    rates = (
+        r.within_tries,
+        r.same_scene,
+        r.unseen,
+        r.stable_success,
+        r.replay,
+        r.key_frames,
+        r.noop,
+        r.random,
+        r.repeat,
+        r.accepted,
+    )
+    return (
+        r.task,
+        str(len(r.variations)),
+        _share(r.first_try),
+        f"{low:.0%}..{high:.0%}",
+        *map(_share, rates),
+        f"{1000 * r.drift.value:.2f} mm",
+        f"{1000 * r.penetration.value:.2f} mm",
+        f"{r.simulated:.1f} s",
+        f"{1000 * r.planning:.0f} ms",
+        f"{r.speed.times_real_time:.1f} x",
+        "; ".join(r.faults) or "ok",
+    )
+
+
+def _share(rate: Rate) -> str:
+    return f"{rate.count}/{rate.of}"
