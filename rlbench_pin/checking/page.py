@@ -12,6 +12,7 @@ from rlbench_pin.rates import Rate
 
 SLOWEST = 5
 SHARES = ("same_scene", "unseen", "stable_success", "replay", "key_frames", "noop", "random", "repeat", "accepted")
+_RENAMED = {"idle": "noop", "lasting": "stable_success"}
 Plain = Mapping[str, Any]
 
 
@@ -22,10 +23,17 @@ def page(content: Plain, pictures: Mapping[str, Mapping[str, str]] | None = None
         content: What the JSON report holds; parts that an older one lacks are left out.
         pictures: Task -> what a picture shows (`sheet`, `map`) -> its file, relative to the page.
     """
+    content = current_keys(content)
     tasks = content["tasks"]
     sections = [_head(content), overview(content), _slowest(tasks)]
     sections += [_task(name, task, (pictures or {}).get(name, {})) for name, task in tasks.items()]
     return "\n\n".join(section for section in sections if section) + "\n"
+
+
+def current_keys(content: Plain) -> Plain:
+    """Return a JSON report with the keys that format 3 has; reports of format 2 are accepted."""
+    tasks = {name: {_RENAMED.get(key, key): value for key, value in task.items()} for name, task in content["tasks"].items()}
+    return {**content, "tasks": tasks}
 
 
 def _head(content: Plain) -> str:

@@ -21,7 +21,7 @@ from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.tasks import find_task, task_reference
 
-FORMAT = 2
+FORMAT = 3
 
 
 class Check(arguments.Check):

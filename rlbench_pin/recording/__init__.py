@@ -1,5 +1,6 @@
 """Demonstrations by the thousand: recorded, rendered again, converted, replayed and filmed. `RayEngine` needs the extra `ray`."""
 
+import importlib
 from typing import TYPE_CHECKING
 
 from rlbench_pin.datasets.formats import export_dataset
@@ -41,6 +42,4 @@ else:
         """Import `RayEngine` when it is used first."""
         if name != "RayEngine":
             raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-        from rlbench_pin.processes.ray_engine import RayEngine
-
-        return RayEngine
+        return importlib.import_module("rlbench_pin.processes.ray_engine").RayEngine

@@ -17,7 +17,7 @@ acceleration so far: after each tick, a share of (reached - expected velocity) /
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -42,7 +42,7 @@ from rlbench_pin.values import as_number, as_record
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
+class _Moment:
     """One tick of a demonstration."""
 
     q: FloatArray
@@ -75,20 +75,20 @@ def convert_demo(demo: Demo, action_mode: ActionMode, model: RobotModel, dt: flo
     as_record(action_mode, ActionMode, "action_mode")
     as_record(model, RobotModel, "model")
     dt = as_number(dt, "the control tick dt [s]", above=0.0)
-    moments = demo_moments(demo)
-    finger = finger_conversion(action_mode, model)
+    moments = _moments(demo)
+    finger = _finger_conversion(action_mode, model)
     mode = unwrapped(action_mode.arm_action_mode)
     return [np.append(arm, finger(m)) for arm, m in zip(_arm_actions(mode, moments, model, dt), moments, strict=True)]
 
 
-def demo_moments(demo: Demo) -> list[Moment]:
+def _moments(demo: Demo) -> list[_Moment]:
     """Return the ticks of a demonstration.
 
     Raises:
         DemoError: It lacks joint positions, velocities or actions.
     """
     as_record(demo, Demo, "demo")
-    moments: list[Moment] = []
+    moments: list[_Moment] = []
     amount = 1.0
     for before, after in zip(demo[:-1], demo[1:], strict=True):
         command = after.misc.get("joint_position_action")
@@ -98,60 +98,76 @@ def demo_moments(demo: Demo) -> list[Moment]:
             )
         now = float(command[-1])
         target = np.asarray(command[:-1], dtype=float)
-        moments.append(Moment(before.joint_positions, before.joint_velocities, target, now, now != amount))
+        moments.append(_Moment(before.joint_positions, before.joint_velocities, target, now, now != amount))
         amount = now
     return moments
 
 
-def _arm_actions(mode: object, moments: Sequence[Moment], model: RobotModel, dt: float) -> Iterator[FloatArray]:
-    if isinstance(mode, JointPosition):
-        return (m.target if mode.absolute_mode else m.target - m.q for m in moments)
-    if isinstance(mode, JointVelocity):
-        return _joint_velocities(mode, moments, dt)
+def _arm_actions(mode: object, moments: Sequence[_Moment], model: RobotModel, dt: float) -> Iterator[FloatArray]:
     if isinstance(mode, JointTorque) and mode.absolute_mode:
         return (model.inverse_dynamics(m.q, m.v, ((m.target - m.q) / dt - m.v) / dt) for m in moments)
-    if isinstance(mode, EndEffectorVelocity):
-        return _tip_velocities(mode, moments, model, dt)
+    if isinstance(mode, JointVelocity | EndEffectorVelocity):
+        return _followed_velocities(mode, moments, model, dt)
+    return (_arm_action(mode, m, model, dt) for m in moments)
+
+
+def _followed_velocities(
+    mode: JointVelocity | EndEffectorVelocity, moments: Sequence[_Moment], model: RobotModel, dt: float
+) -> Iterator[FloatArray]:
+    """Yield the actions of an arm model that follows the targets."""
+    solver = DifferentialIK(model, DifferentialIKConfig(dt=dt))
+    q, v = moments[0].q.copy(), np.zeros_like(moments[0].q)
+    for m in moments:
+        here = replace(m, q=q, v=v)
+        velocity = _velocity(mode, here, model, dt)
+        yield _velocity_action(mode, here, velocity, model)
+        if isinstance(mode, EndEffectorVelocity):
+            velocity = solver.velocity_for_twist(q, v, velocity, _axes(mode))
+        q = q + dt * velocity
+        v = np.zeros_like(v) if m.gripper_moves else velocity
+
+
+def _arm_action(mode: object, m: _Moment, model: RobotModel, dt: float) -> FloatArray:
+    """Return the action of an arm mode that brings the arm from a moment to its target.
+
+    Raises:
+        InvalidActionError: A demonstration cannot be written in this mode, or not from a single moment.
+    """
+    if isinstance(mode, JointPosition):
+        return m.target if mode.absolute_mode else m.target - m.q
+    if isinstance(mode, JointVelocity | EndEffectorVelocity):
+        return _velocity_action(mode, m, _velocity(mode, m, model, dt), model)
     if isinstance(mode, PoseMode) and not isinstance(mode, ERJointViaIK):
-        return (tip_pose_action(m, mode, model) for m in moments)
+        return _pose_action(mode, m, model)
     raise InvalidActionError(f"A demonstration cannot be written as actions of {type(mode).__name__}.")
 
 
-def _joint_velocities(mode: JointVelocity, moments: Sequence[Moment], dt: float) -> Iterator[FloatArray]:
-    """Yield velocities that follow the targets, or their changes from tick to tick."""
-    q, v = moments[0].q.copy(), np.zeros_like(moments[0].q)
-    for m in moments:
-        wanted = (m.target - q) / dt
-        yield wanted if mode.absolute_mode else wanted - v
-        q = q + dt * wanted
-        v = np.zeros_like(v) if m.gripper_moves else wanted
-
-
-def _tip_velocities(mode: EndEffectorVelocity, moments: Sequence[Moment], model: RobotModel, dt: float) -> Iterator[FloatArray]:
-    """Yield tip velocities whose ticks end at the targets: translation and rotation vector over dt."""
-    solver = DifferentialIK(model, DifferentialIKConfig(dt=dt))
-    in_tip = mode.frame is RelativeFrame.EE
-    axes: Literal["tip", "world"] = "tip" if in_tip else "world"
-    q, v = moments[0].q.copy(), np.zeros_like(moments[0].q)
-    for m in moments:
-        here, goal = model.tip_se3(q), model.tip_se3(m.target)
-        twist = tip_twist(here, goal, in_tip, dt)
-        yield twist if mode.absolute_mode else twist - model.jacobian(q, axes) @ v
-        joint_velocity = solver.velocity_for_twist(q, v, twist, axes)
-        q = q + dt * joint_velocity
-        v = np.zeros_like(v) if m.gripper_moves else joint_velocity
-
-
-def tip_twist(here: pin.SE3, goal: pin.SE3, in_tip: bool, dt: float) -> FloatArray:
-    """Return the velocity (6,), [m/s, rad/s], that brings the tip from `here` to `goal` in `dt`, along world or tip axes."""
+def _velocity(mode: JointVelocity | EndEffectorVelocity, m: _Moment, model: RobotModel, dt: float) -> FloatArray:
+    """Return the velocity of joints [rad/s] or tip [m/s, rad/s] that brings the arm to the target of a moment in `dt`."""
+    if isinstance(mode, JointVelocity):
+        return (m.target - m.q) / dt
+    here, goal = model.tip_se3(m.q), model.tip_se3(m.target)
     twist = np.concatenate([goal.translation - here.translation, pin.log3(goal.rotation @ here.rotation.T)]) / dt
-    if not in_tip:
+    if _axes(mode) == "world":
         return twist
     return np.concatenate([here.rotation.T @ twist[:3], here.rotation.T @ twist[3:]])
 
 
-def tip_pose_action(m: Moment, mode: PoseMode, model: RobotModel) -> FloatArray:
-    """Return the pose, or its difference to the tip's, that a moment leads to, as `mode` has it, shape (7,)."""
+def _velocity_action(
+    mode: JointVelocity | EndEffectorVelocity, m: _Moment, velocity: FloatArray, model: RobotModel
+) -> FloatArray:
+    """Return a velocity, or its difference to that of the moment."""
+    if mode.absolute_mode:
+        return velocity
+    return velocity - (m.v if isinstance(mode, JointVelocity) else model.jacobian(m.q, _axes(mode)) @ m.v)
+
+
+def _axes(mode: EndEffectorVelocity) -> Literal["tip", "world"]:
+    return "tip" if mode.frame is RelativeFrame.EE else "world"
+
+
+def _pose_action(mode: PoseMode, m: _Moment, model: RobotModel) -> FloatArray:
+    """Return the pose of the target, or its difference to that of the tip, shape (7,)."""
     goal, here = model.tip_pose(m.target), model.tip_pose(m.q)
     if mode.frame is RelativeFrame.EE:
         return relative(goal, here)
@@ -161,7 +177,7 @@ def tip_pose_action(m: Moment, mode: PoseMode, model: RobotModel) -> FloatArray:
     return np.append(goal[:3] - here[:3], rotation[3:])
 
 
-def finger_conversion(action_mode: ActionMode, model: RobotModel) -> Callable[[Moment], float]:
+def _finger_conversion(action_mode: ActionMode, model: RobotModel) -> Callable[[_Moment], float]:
     """Return the function from a moment to the last number of an action, for the gripper.
 
     Raises:
@@ -210,9 +226,6 @@ POSITION_SHARE = 0.5
 BIAS_SHARE = 0.5
 """Share of the unexplained acceleration of a tick that is taken as permanent."""
 
-Play = Callable[[Moment, FloatArray], FloatArray]
-"""From a moment with measured q and v, and the demonstrated velocity at its end (n,), to an arm action."""
-
 
 def convert_by_playing(task: TaskEnvironment, demo: Demo) -> list[FloatArray]:
     """Return the actions of a demonstration in the action mode of `task`, one for every frame after the first until success.
@@ -226,43 +239,20 @@ def convert_by_playing(task: TaskEnvironment, demo: Demo) -> list[FloatArray]:
         InvalidActionError: The mode cannot express a demonstration, or refused an action.
     """
     as_record(task, TaskEnvironment, "task")
-    moments, runtime = demo_moments(demo), task.runtime
-    play = _player(task)
-    finger = finger_conversion(task.action_mode, runtime.model)
+    moments, runtime = _moments(demo), task.runtime
+    mode = unwrapped(task.action_mode.arm_action_mode)
+    torques = _Torques(runtime, mode.absolute_mode) if isinstance(mode, JointTorque) else None
+    finger = _finger_conversion(task.action_mode, runtime.model)
     ends = [m.v for m in moments[1:]] + [np.zeros(runtime.model.size)]
     task.reset_to_demo(demo)
     actions: list[FloatArray] = []
     for m, end in zip(moments, ends, strict=True):
-        q, v = runtime.robot.joint_positions, runtime.robot.joint_velocities
-        actions.append(np.append(play(Moment(q, v, m.target, m.amount, m.gripper_moves), end), finger(m)))
+        now = replace(m, q=runtime.robot.joint_positions, v=runtime.robot.joint_velocities)
+        arm = torques(now, end) if torques else _arm_action(mode, now, runtime.model, runtime.world.control_dt)
+        actions.append(np.append(arm, finger(m)))
         if task.step(actions[-1])[2]:
             break
     return actions
-
-
-def _player(task: TaskEnvironment) -> Play:
-    """Return the function that computes actions of the arm mode."""
-    runtime = task.runtime
-    mode = unwrapped(task.action_mode.arm_action_mode)
-    model, dt = runtime.model, runtime.world.control_dt
-    if isinstance(mode, JointPosition):
-        return lambda m, end: m.target if mode.absolute_mode else m.target - m.q
-    if isinstance(mode, JointVelocity):
-        return lambda m, end: (m.target - m.q) / dt - (0.0 if mode.absolute_mode else m.v)
-    if isinstance(mode, JointTorque):
-        return _Torques(runtime, mode.absolute_mode)
-    if isinstance(mode, EndEffectorVelocity):
-        in_tip = mode.frame is RelativeFrame.EE
-        axes: Literal["tip", "world"] = "tip" if in_tip else "world"
-
-        def twist(m: Moment, end: FloatArray) -> FloatArray:
-            velocity = tip_twist(model.tip_se3(m.q), model.tip_se3(m.target), in_tip, dt)
-            return velocity if mode.absolute_mode else velocity - model.jacobian(m.q, axes) @ m.v
-
-        return twist
-    if isinstance(mode, PoseMode) and not isinstance(mode, ERJointViaIK):
-        return lambda m, end: tip_pose_action(m, mode, model)
-    raise InvalidActionError(f"A demonstration cannot be played as actions of {type(mode).__name__}.")
 
 
 class _Torques:
@@ -273,7 +263,7 @@ class _Torques:
         self._bias = np.zeros(runtime.model.size)
         self._expected: FloatArray | None = None
 
-    def __call__(self, m: Moment, end: FloatArray) -> FloatArray:
+    def __call__(self, m: _Moment, end: FloatArray) -> FloatArray:
         """Return the torques (n,) [N m] of a tick, or what they add to those of the last."""
         dt, model = self._dt, self._runtime.model
         if self._expected is not None:

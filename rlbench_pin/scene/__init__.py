@@ -10,7 +10,7 @@ from rlbench_pin.scene.reader import read_scene, read_scene_text
 from rlbench_pin.scene.snapshot import BodySnapshot, Shape, WorldSnapshot
 from rlbench_pin.scene.spec import (
     BodySpec,
-    DepartureSpec,
+    DeviationSpec,
     FrameSpec,
     JointSpec,
     PlacementSpec,
@@ -24,7 +24,7 @@ from rlbench_pin.scene.writer import write_scene
 __all__ = [
     "BodySnapshot",
     "BodySpec",
-    "DepartureSpec",
+    "DeviationSpec",
     "FrameSpec",
     "JointSpec",
     "PlacementSpec",

@@ -32,7 +32,7 @@ def check_scene(spec: SceneSpec) -> None:
         _check_sensor(spec, sensor)
     _check_waypoints(spec)
     _check_bounds(spec)
-    _check_departures(spec)
+    _check_deviations(spec)
 
 
 def table_of(item: PosedSpec) -> str:
@@ -161,8 +161,8 @@ def _check_bounds(spec: SceneSpec) -> None:
         raise SceneFileError(spec.file, "[placement], key 'yaw'", f"the lower bound {low} is above the upper bound {high}.")
 
 
-def _check_departures(spec: SceneSpec) -> None:
-    names = [departure.name for departure in spec.departure]
+def _check_deviations(spec: SceneSpec) -> None:
+    names = [deviation.name for deviation in spec.deviation]
     for name in names:
         if names.count(name) > 1:
-            raise SceneFileError(spec.file, f"[[departure]] '{name}'", "it is described twice.")
+            raise SceneFileError(spec.file, f"[[deviation]] '{name}'", "it is described twice.")

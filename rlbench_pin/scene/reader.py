@@ -64,6 +64,8 @@ def raw_scene(text: str, path: Path | str) -> Raw:
 def scene_from_raw(raw: Raw, path: Path) -> SceneSpec:
     """Check the tables of a scene file, which `raw_scene` returned, and return the scene."""
     _check_format(path, raw)
+    if "departure" in raw and "deviation" not in raw:  # the name of the table in older files
+        raw = {"deviation" if table == "departure" else table: content for table, content in raw.items()}
     if raw["format"] == FORMAT:
         raw = _written_out(path, raw)
     try:

@@ -219,6 +219,14 @@ def test_the_page_shows_what_the_json_holds() -> None:
     assert "physics 80%" in slowest
 
 
+def test_the_page_shows_older_reports() -> None:
+    """With the keys of format 2."""
+    content = _content(summarise("push_button", _trials()))
+    task = dict(content["tasks"]["push_button"])
+    task["idle"], task["lasting"] = task.pop("noop"), task.pop("stable_success")
+    assert page({**content, "tasks": {"push_button": task}}) == page(content)
+
+
 def test_the_json_keeps_its_format() -> None:
     """`docs/results/demo_success.json` and its readers rely on these keys and their order."""
     failed = replace(GOOD, seed=50, failed=(FailedAttempt("no path: after 7 checks", 2),), demo=replace(DEMO, replayed=False))

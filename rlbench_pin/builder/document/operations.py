@@ -204,7 +204,7 @@ def _with_new(scene: SceneText, table: str, values: Mapping[str, Any]) -> str:
 def _name_for(scene: SceneText, table: str, values: Mapping[str, Any]) -> str:
     """Return the name of a new thing: the one that is wanted, or a free one."""
     wanted = values.get("name")
-    if wanted is None and table in ("joint", "departure"):
+    if wanted is None and table in ("joint", "deviation", "departure"):
         raise InvalidValue("name", wanted, f"has to be given for a {table}")
     if wanted is None:
         stem = scene_names.name_from_asset(as_text(values.get("asset"), "asset")) if table == "body" else table

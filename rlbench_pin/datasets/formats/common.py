@@ -6,7 +6,7 @@ import fcntl
 import glob
 import os
 import shutil
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -56,6 +56,15 @@ def stored_episodes(root: Path, tasks: Sequence[str] = ()) -> list[StoredEpisode
     if not episodes:
         raise DatasetError(f"'{root}' lists no episodes. `rlbench-pin record TASK --out {root}` makes some.")
     return episodes
+
+
+def opened(episodes: Iterable[StoredEpisode], on_episode: OnEpisode | None) -> Iterator[tuple[StoredEpisode, Episode]]:
+    """Yield episodes, each open until the next one; call `on_episode` after each."""
+    for index, stored in enumerate(episodes):
+        with stored.open() as episode:
+            yield stored, episode
+        if on_episode is not None:
+            on_episode(index + 1)
 
 
 def actions(episode: Episode) -> np.ndarray:

@@ -26,6 +26,7 @@ from rlbench_pin.datasets.formats.common import (
     joint_names,
     joint_state,
     new_folder,
+    opened,
     rgb_cameras,
     stored_episodes,
 )
@@ -144,11 +145,8 @@ def export_lerobot(
     with new_folder(out) as folder:
         export = _Export(folder, {f"observation.images.{name}": shape for name, shape in shapes.items()}, robot_type)
         try:
-            for index, stored in enumerate(episodes):
-                with stored.open() as episode:
-                    export.add(stored, episode)
-                if on_episode is not None:
-                    on_episode(index + 1)
+            for stored, episode in opened(episodes, on_episode):
+                export.add(stored, episode)
             export.finish()
         except BaseException:
             export.discard()

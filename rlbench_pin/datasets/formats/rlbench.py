@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from PIL import Image, UnidentifiedImageError
 
-from rlbench_pin.datasets.formats.common import OnEpisode, StoredEpisode, new_folder, stored_episodes
+from rlbench_pin.datasets.formats.common import OnEpisode, StoredEpisode, new_folder, opened, stored_episodes
 from rlbench_pin.datasets.formats.rlbench_pickle import PickledDemo, PickledObservation, dump, load
 from rlbench_pin.datasets.layout import ALL_VARIATIONS, checked_task_name
 from rlbench_pin.datasets.reader import select
@@ -99,14 +99,10 @@ def export_rlbench(
     out = as_path(out, "out")
     numbers: dict[str, int] = {}
     with new_folder(out) as folder:
-        for index, stored in enumerate(stored_episodes(root, tasks)):
-            with stored.open() as episode:
-                demo = episode.demo()
+        for stored, episode in opened(stored_episodes(root, tasks), on_episode):
             number = numbers.get(stored.task, 0)
             numbers[stored.task] = number + 1
-            _write(folder, stored, demo, number, layout)
-            if on_episode is not None:
-                on_episode(index + 1)
+            _write(folder, stored, episode.demo(), number, layout)
     return out
 
 

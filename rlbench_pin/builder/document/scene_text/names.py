@@ -54,7 +54,7 @@ def renamed(scene: SceneText, names: Mapping[str, str]) -> SceneText:
         scene = detached(scene, name)
     found = []
     for entry in scene.entries:
-        if entry.table == "departure":
+        if entry.table in ("deviation", "departure"):
             continue
         for key in ("name", "parent"):
             item, old = entry.section.item(key), entry.raw.get(key)

@@ -14,7 +14,9 @@ from rlbench_pin.errors import UnknownName
 from rlbench_pin.scene.reader import raw_scene
 from rlbench_pin.scene.short_forms import ShortFormError, write_out
 
-TABLES = ("body", "joint", "frame", "region", "sensor", "waypoint", "departure")
+TABLES = ("body", "joint", "frame", "region", "sensor", "waypoint", "deviation", "departure")
+NOTES = ("deviation", "departure")
+"""The table of deviations, and its name in older files."""
 """Arrays of tables, in the order in which a new file has them."""
 POSED = ("body", "frame", "region", "sensor", "waypoint")
 """Those whose things have names that are unique in a file."""
@@ -110,7 +112,7 @@ class SceneText:
         return tuple(
             Thing(entry.table, name, name.partition("/")[0] if entry.table == "joint" else str(entry.raw.get("parent", "root")))
             for entry in self.entries
-            if entry.table != "departure"
+            if entry.table not in NOTES
             for name in entry.names
         )
 
@@ -126,7 +128,7 @@ class SceneText:
             UnknownName: There is none of that name.
         """
         for entry in self.entries:
-            if name in entry.names and entry.table != "departure":
+            if name in entry.names and entry.table not in NOTES:
                 return entry
         raise UnknownName("thing of the scene", name, self.names)
 

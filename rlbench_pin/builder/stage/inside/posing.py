@@ -71,7 +71,7 @@ def _position(joint: UrdfJoint, parent: FloatArray, child: FloatArray, scale: fl
 def _without_places(scene: SceneSpec) -> SceneSpec:
     tables: dict[str, object] = {name: tuple(_unplaced(thing) for thing in getattr(scene, name)) for name in _POSED}
     joints = tuple(joint.model_copy(update={"position": 0.0}) for joint in scene.joint)
-    return scene.model_copy(update={**tables, "joint": joints, "placement": PlacementSpec(), "departure": (), "file": ""})
+    return scene.model_copy(update={**tables, "joint": joints, "placement": PlacementSpec(), "deviation": (), "file": ""})
 
 
 def _unplaced(thing: PosedSpec) -> PosedSpec:
