@@ -22,53 +22,60 @@ _MARGIN = 8
 _CAPTION = 18
 _TITLE = 46
 _INK, _PAPER, _FAINT = (30, 30, 30), (255, 255, 255), (110, 110, 110)
+MOMENTS = 5
+_SCALE = 210.0
+"""Pixels per metre."""
+_TABLE = ((-0.36, 0.72), (-0.56, 0.56))
+"""x and y that a panel shows [m]."""
+_PER_ROW, _GAP, _MAP_CAPTION, _HEAD = 5, 10, 20, 48
+_YES, _NO, _MAP_FAINT, _FLOOR = (0, 128, 90), (213, 70, 0), (120, 120, 120), (238, 238, 232)
+_SIZE = 144
+"""Side of an image [px]."""
+_LOGGER = logging.getLogger(__name__)
 
 
 def contact_sheet(
-    pictures: Sequence[Sequence[np.ndarray]], rows: Sequence[str], columns: Sequence[str], title: str, subtitle: str
+    images: Sequence[Sequence[np.ndarray]], rows: Sequence[str], columns: Sequence[str], title: str, subtitle: str
 ) -> Image.Image:
-    """Lay pictures out in a grid.
+    """Lay images out in a grid.
 
     Args:
-        pictures: One row of uint8 (h, w, 3) arrays, all of one shape, per entry of `rows`.
+        images: One row of uint8 (h, w, 3) arrays, all of one shape, per entry of `rows`.
         rows: Captions of the rows.
         columns: Captions of the columns.
         title: First line at the top.
         subtitle: Second line at the top.
     """
-    height, width = pictures[0][0].shape[:2]
+    height, width = images[0][0].shape[:2]
     cell = (width + _MARGIN, height + _CAPTION + _MARGIN)
     sheet = Image.new("RGB", (_MARGIN + len(columns) * cell[0], _TITLE + _MARGIN + len(rows) * cell[1]), _PAPER)
     draw = ImageDraw.Draw(sheet)
     draw.text((_MARGIN, 6), title, fill=_INK, font=font(17))
     draw.text((_MARGIN, 28), subtitle, fill=_FAINT, font=font(13))
-    for i, (row, name) in enumerate(zip(pictures, rows)):
-        for j, (picture, camera) in enumerate(zip(row, columns)):
+    for i, (row, name) in enumerate(zip(images, rows)):
+        for j, (image, camera) in enumerate(zip(row, columns)):
             corner = (_MARGIN + j * cell[0], _TITLE + i * cell[1])
             draw.text(corner, f"{camera}, {name}", fill=_FAINT, font=font(12))
-            sheet.paste(Image.fromarray(picture), (corner[0], corner[1] + _CAPTION))
+            sheet.paste(Image.fromarray(image), (corner[0], corner[1] + _CAPTION))
     return sheet
 
 
 def font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    """Return the letters of pictures, `size` high [px]."""
+    """Return the font of images, `size` high [px]."""
     return ImageFont.load_default(size)
-
-
-MOMENTS = 5
 
 
 def demo_sheet(
     task: type[Task], seed: int, variation: int = 0, *, attempt: int | None = None, size: int = 256
 ) -> tuple[Image.Image, str]:
-    """Draw a demonstration, and return the picture and the name of the task.
+    """Draw a demonstration, and return the image and the name of the task.
 
     Args:
         task: Class of the task.
         seed: Seed of the episode.
         variation: Variation of the task.
         attempt: Which try of the seed; None takes the first that succeeds.
-        size: Side of each picture [px].
+        size: Side of each image [px].
 
     Raises:
         DemoError: The demonstration fails.
@@ -79,10 +86,10 @@ def demo_sheet(
         demo = _demonstrate(task_environment, seed, variation, attempt)
         frames = moments(task_environment, demo, config)
     times = ["reset", *(f"t = {moment:.1f} s" for moment in list(frames)[1:])]
-    pictures = [[getattr(obs, f"{camera}_rgb") for camera in config.all_cameras()] for obs in frames.values()]
+    images = [[getattr(obs, f"{camera}_rgb") for camera in config.all_cameras()] for obs in frames.values()]
     names = [camera.replace("_", " ") for camera in config.all_cameras()]
     subtitle = f"variation {demo.variation_number}, seed {seed}, {len(demo)} frames"
-    return contact_sheet(pictures, times, names, f"{demo.task_name}: {demo.instructions[0]}", subtitle), demo.task_name
+    return contact_sheet(images, times, names, f"{demo.task_name}: {demo.instructions[0]}", subtitle), demo.task_name
 
 
 def sheet_config(size: int) -> ObservationConfig:
@@ -111,7 +118,7 @@ def _demonstrate(task_environment: TaskEnvironment, seed: int, variation: int, a
 def moments(task: TaskEnvironment, demo: Demo, config: ObservationConfig, count: int = MOMENTS) -> dict[float, Observation]:
     """Play a demonstration again and look through all cameras at `count` frames of it, first and last among them.
 
-    Playing it twice is cheaper than taking every picture, and the second time goes exactly as the first.
+    Playing it twice is cheaper than taking every image, and the second time goes exactly as the first.
 
     Returns:
         Time since the reset [s] -> what is seen then.
@@ -136,21 +143,6 @@ def moments(task: TaskEnvironment, demo: Demo, config: ObservationConfig, count:
     return seen
 
 
-_SCALE = 210.0
-"""Pixels per metre."""
-_TABLE = ((-0.36, 0.72), (-0.56, 0.56))
-"""x and y that a panel shows [m]."""
-_PER_ROW, _GAP, _CAPTION, _HEAD = 5, 10, 20, 48
-_YES, _NO, _INK, _FAINT, _PAPER, _FLOOR = (
-    (0, 128, 90),
-    (213, 70, 0),
-    (30, 30, 30),
-    (120, 120, 120),
-    (255, 255, 255),
-    (238, 238, 232),
-)
-
-
 def reach_map(task: str, reaches: Sequence[Reach], fixed: bool) -> Image.Image:
     """Draw one panel for each waypoint, and one for all together with the arm at home.
 
@@ -164,7 +156,7 @@ def reach_map(task: str, reaches: Sequence[Reach], fixed: bool) -> Image.Image:
     for k in range(count):
         marks = [(_spot(r, k, fixed), r.place[2], r.reached[k]) for r in reaches if k < len(r.reached)]
         panels.append(_panel(f"waypoint {reaches[0].waypoints[k]}", marks, fixed))
-    return _sheet(task, panels, fixed, len(reaches))
+    return _map_sheet(task, panels, fixed, len(reaches))
 
 
 def _spot(reach: Reach, waypoint: int | None, fixed: bool) -> tuple[float, float]:
@@ -176,19 +168,19 @@ def _spot(reach: Reach, waypoint: int | None, fixed: bool) -> tuple[float, float
 def _panel(title: str, marks: Sequence[tuple[tuple[float, float], float, bool]], fixed: bool) -> Image.Image:
     """Draw dots (reached) and crosses (not) on the table; the robot is at the bottom, its left is left."""
     width, height = (round(_SCALE * np.ptp(_TABLE[axis])) for axis in (1, 0))
-    panel = Image.new("RGB", (width, height + _CAPTION), _PAPER)
+    panel = Image.new("RGB", (width, height + _MAP_CAPTION), _PAPER)
     draw = ImageDraw.Draw(panel)
     good = sum(reached for _, _, reached in marks)
     draw.text((0, 2), f"{title}: {good}/{len(marks)}", fill=_INK if good == len(marks) else _NO, font=font(13))
-    draw.rectangle((0, _CAPTION, width - 1, height + _CAPTION - 1), fill=_FLOOR)
+    draw.rectangle((0, _MAP_CAPTION, width - 1, height + _MAP_CAPTION - 1), fill=_FLOOR)
     draw.rectangle(
         (*_pixel(PLACEMENT_AREA.x[1], PLACEMENT_AREA.y[1]), *_pixel(PLACEMENT_AREA.x[0], PLACEMENT_AREA.y[0])),
         fill=_PAPER,
-        outline=_FAINT,
+        outline=_MAP_FAINT,
     )
     base_x, base_y = robot_description(DEFAULT_ROBOT).base_pose[:2]
     x, y = _pixel(base_x, base_y)
-    draw.ellipse((x - 12, y - 12, x + 12, y + 12), fill=_FAINT)
+    draw.ellipse((x - 12, y - 12, x + 12, y + 12), fill=_MAP_FAINT)
     for (mx, my), yaw, reached in sorted(marks, key=lambda mark: not mark[2]):
         _mark(draw, _pixel(mx, my), None if fixed else yaw, reached)
     return panel
@@ -208,10 +200,10 @@ def _mark(draw: ImageDraw.ImageDraw, at: tuple[int, int], yaw: float | None, rea
 
 def _pixel(x: float, y: float) -> tuple[int, int]:
     """World x, y [m] -> column, row of a panel; x grows upwards, y to the left."""
-    return round(_SCALE * (_TABLE[1][1] - y)), _CAPTION + round(_SCALE * (_TABLE[0][1] - x))
+    return round(_SCALE * (_TABLE[1][1] - y)), _MAP_CAPTION + round(_SCALE * (_TABLE[0][1] - x))
 
 
-def _sheet(task: str, panels: Sequence[Image.Image], fixed: bool, count: int) -> Image.Image:
+def _map_sheet(task: str, panels: Sequence[Image.Image], fixed: bool, count: int) -> Image.Image:
     width, height = panels[0].width + _GAP, panels[0].height + _GAP
     columns = min(_PER_ROW, len(panels))
     rows = -(-len(panels) // columns)
@@ -219,18 +211,13 @@ def _sheet(task: str, panels: Sequence[Image.Image], fixed: bool, count: int) ->
     draw = ImageDraw.Draw(sheet)
     draw.text((_GAP, 4), f"{task}: what the arm reaches from {count} places", fill=_INK, font=font(16))
     marks = "places of the waypoint" if fixed else "places of the task, a line along its x"
-    draw.text((_GAP, 27), f"dots reached, crosses not; {marks}; frame: workspace; disc: robot", fill=_FAINT, font=font(12))
+    draw.text((_GAP, 27), f"dots reached, crosses not; {marks}; frame: workspace; disc: robot", fill=_MAP_FAINT, font=font(12))
     for k, panel in enumerate(panels):
         sheet.paste(panel, (_GAP + (k % columns) * width, _HEAD + (k // columns) * height))
     return sheet
 
 
-_SIZE = 144
-"""Side of a picture [px]."""
-_LOGGER = logging.getLogger(__name__)
-
-
-def draw_pictures(task: str, trials: Sequence[Trial], out: Path) -> dict[str, str]:
+def draw_images(task: str, trials: Sequence[Trial], out: Path) -> dict[str, str]:
     """Draw what can be drawn of one task into `out`, and return what it shows -> file below `out`."""
     drawn = {}
     solved = [trial for trial in of_kind(trials, DemoTrial) if trial.solved]
@@ -239,7 +226,7 @@ def draw_pictures(task: str, trials: Sequence[Trial], out: Path) -> dict[str, st
         try:
             drawn["sheet"] = _draw_sheet(task, first, out)
         except RlbenchPinError as error:
-            _LOGGER.warning("no pictures of '%s': %s", task, error)
+            _LOGGER.warning("no images of '%s': %s", task, error)
     placed = sorted((trial for trial in of_kind(trials, ReachTrial) if trial.reach), key=lambda trial: trial.seed)
     if placed:
         drawn["map"] = _draw_map(task, placed, out)

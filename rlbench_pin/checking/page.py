@@ -14,6 +14,10 @@ SLOWEST = 5
 SHARES = ("same_scene", "unseen", "stable_success", "replay", "key_frames", "noop", "random", "repeat", "accepted")
 _RENAMED = {"idle": "noop", "lasting": "stable_success"}
 Plain = Mapping[str, Any]
+HEADER = (
+    "task", "var", "first try", "95 %", "in tries", "scene", "unseen", "stable", "replay", "keys", "noop", "random", "repeat",
+    "reach", "drift", "overlap", "demo", "plan", "speed", "verdict",
+)  # fmt: skip
 
 
 def page(content: Plain, pictures: Mapping[str, Mapping[str, str]] | None = None) -> str:
@@ -21,7 +25,7 @@ def page(content: Plain, pictures: Mapping[str, Mapping[str, str]] | None = None
 
     Args:
         content: What the JSON report holds; parts that an older one lacks are left out.
-        pictures: Task -> what a picture shows (`sheet`, `map`) -> its file, relative to the page.
+        pictures: Task -> what an image shows (`sheet`, `map`) -> its file, relative to the page.
     """
     content = current_keys(content)
     tasks = content["tasks"]
@@ -82,7 +86,7 @@ def _slowest(tasks: Plain) -> str:
     slow = sorted(timed, key=lambda name: timed[name]["times_real_time"])[:SLOWEST]
     rows = [[f"`{name}`", f"{timed[name]['times_real_time']:.1f}", timed[name]["speed"]["reason"]] for name in slow]
     text = (
-        "A reset and a demonstration without pictures, simulated time over process time, median of each task; "
+        "A reset and a demonstration without images, simulated time over process time, median of each task; "
         f"median of the tasks: {median:.1f} x real time."
     )
     return f"## The slowest\n\n{text}\n\n" + markdown_table(["Task", "x real time", "Where the time goes"], rows)
@@ -171,12 +175,6 @@ def markdown_table(head: Sequence[object], rows: Sequence[Sequence[object]]) -> 
     """Return a table; bars within cells are escaped."""
     lines = ["| " + " | ".join(str(cell).replace("|", "\\|") for cell in row) + " |" for row in (head, *rows)]
     return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]])
-
-
-HEADER = (
-    "task", "var", "first try", "95 %", "in tries", "scene", "unseen", "stable", "replay", "keys", "noop", "random", "repeat",
-    "reach", "drift", "overlap", "demo", "plan", "speed", "verdict",
-)  # fmt: skip
 
 
 def table(reports: Sequence[TaskReport]) -> str:

@@ -15,7 +15,7 @@ Part = Literal["words", "demos", "unseen", "repeat", "noop", "random", "reach", 
 
 @dataclass(frozen=True)
 class Incident:
-    """One thing that went wrong in a trial."""
+    """An error or a failure in a trial."""
 
     cause: str
     attempt: int = 0

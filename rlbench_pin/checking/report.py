@@ -32,6 +32,14 @@ from rlbench_pin.rates import Rate
 from rlbench_pin.values import as_flag, as_record, as_several, as_text
 
 _NUMBER = re.compile(r"-?\d+(\.\d+)?")
+FIRST_TRY_FLOOR = 0.95
+REPLAY_FLOOR = 0.95
+KEY_FRAMES_FLOOR = 0.9
+_RATES = (
+    "first_try", "within_tries", "same_scene", "unseen", "stable_success", "replay", "key_frames", "noop", "random", "repeat",
+    "tidy", "accepted",
+)  # fmt: skip
+"""Shares in the JSON, in its order."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +100,7 @@ class Speed:
     times_real_time: float = 0.0
     """Median of simulated time over process time."""
     times_real_time_wall: float = 0.0
-    """Median of simulated time over wall time; lower when the machine does other things as well."""
+    """Median of simulated time over wall time; lower when the machine also does other work."""
     planning: float = 0.0
     """Share of the process time."""
     physics: float = 0.0
@@ -178,16 +186,6 @@ def leg_statistics(demos: Sequence[SolvedDemo]) -> tuple[LegStatistics, ...]:
 
 def _spread(values: Sequence[float]) -> tuple[float, float]:
     return float(np.median(values)), float(np.percentile(values, 95))
-
-
-FIRST_TRY_FLOOR = 0.95
-REPLAY_FLOOR = 0.95
-KEY_FRAMES_FLOOR = 0.9
-_RATES = (
-    "first_try", "within_tries", "same_scene", "unseen", "stable_success", "replay", "key_frames", "noop", "random", "repeat",
-    "tidy", "accepted",
-)  # fmt: skip
-"""Shares in the JSON, in its order."""
 
 
 @dataclass(frozen=True)
@@ -338,7 +336,7 @@ def _of_demos(trials: Sequence[DemoTrial]) -> dict[str, Any]:
         "replay": _rate([demo.replayed for demo in demos if demo.replayed is not None]),
         "per_variation": _per_variation(trials),
         "tidy": _rate([not demo.left_over for demo in demos]),
-        "left_over": tuple(sorted({thing for demo in demos for thing in demo.left_over})),
+        "left_over": tuple(sorted({name for demo in demos for name in demo.left_over})),
         "frames": _median([demo.frames for demo in demos]),
         "simulated": _median(lengths),
         "simulated_p95": float(np.percentile(lengths, 95)) if lengths else 0.0,

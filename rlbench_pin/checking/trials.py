@@ -45,6 +45,12 @@ from rlbench_pin.planning.plan import Plan
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.tasks import find_task
 
+KEY_FRAME_TRIES = 3
+"""Attempts at a demonstration whose key frames are executed."""
+REPEATS = 4
+"""Seeds whose reset and demonstration are done twice, at most."""
+_SEEDS_PER_ITEM: dict[Part, int] = {"demos": 5, "unseen": 5, "repeat": 2, "noop": 10, "random": 5, "reach": 50, "key_frames": 5}
+
 
 class Stopwatch(Listener):
     """Adds up process time [s] by kind of work, while `watching` a runtime.
@@ -92,13 +98,9 @@ class Stopwatch(Listener):
         self.spent["observing"] += seconds
 
 
-KEY_FRAME_TRIES = 3
-"""Attempts at a demonstration whose key frames are executed."""
-
-
 @dataclass(frozen=True)
 class Item:
-    """A piece of work: some seeds of one part of the check of one task."""
+    """An item of work: some seeds of one part of the check of one task."""
 
     task: str
     """Name, or path of a task file."""
@@ -273,11 +275,6 @@ _TRIALS: dict[Part, Callable[[TaskEnvironment, int, int], Trial]] = {
     "reach": reach_trial,
     "key_frames": key_frames_trial,
 }
-
-
-REPEATS = 4
-"""Seeds whose reset and demonstration are done twice, at most."""
-_SEEDS_PER_ITEM: dict[Part, int] = {"demos": 5, "unseen": 5, "repeat": 2, "noop": 10, "random": 5, "reach": 50, "key_frames": 5}
 
 
 @dataclass(frozen=True)

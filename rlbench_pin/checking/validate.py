@@ -134,7 +134,7 @@ def poor_instructions(words: Mapping[int, Sequence[str]]) -> tuple[int, ...]:
     return tuple(v for v, s in words.items() if not s or len(set(s)) < len(s) or not all(t.strip() for t in s))
 
 
-# Where things are ---------------------------------------------------------------------------------------------------------------
+# Places of bodies --------------------------------------------------------------------------------------------------------------
 
 
 def corners(task: TaskEnvironment) -> dict[str, FloatArray]:

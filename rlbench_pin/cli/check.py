@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from rlbench_pin.checking import Item, TaskReport, Trial, TrialJournal, explain_failure, run_trials, summarise
-from rlbench_pin.checking.images import draw_pictures
+from rlbench_pin.checking.images import draw_images
 from rlbench_pin.checking.page import page, table
 from rlbench_pin.checking.trials import CheckPlan
 from rlbench_pin.cli.arguments import check as arguments
@@ -95,7 +95,7 @@ class Check(arguments.Check):
     def _write(self, out: Path, content: dict[str, Any], wanted: Mapping[str, str], trials: Mapping[str, list[Trial]]) -> None:
         write_json(out / "report.json", content)
         with storing(out):
-            pictures = {name: draw_pictures(task, trials[name], out) for name, task in wanted.items()} if self.pictures else {}
+            pictures = {name: draw_images(task, trials[name], out) for name, task in wanted.items()} if self.pictures else {}
         print(write_whole(out / "report.md", page(content, pictures).encode()))
 
     def _explain(self, report: TaskReport, task: str) -> None:

@@ -18,7 +18,7 @@ from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.presets import make_environment, picture_config
 from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import Demo, Observation
-from rlbench_pin.recording.video import Film
+from rlbench_pin.recording.video import VideoRecorder
 from rlbench_pin.tasks import find_task, keep_task
 
 
@@ -68,7 +68,7 @@ class RecordDemos(arguments.RecordDemos):
         causes = []
         for attempt in range(self.max_attempts):
             with storing(self.out), ExitStack() as stack:
-                film = stack.enter_context(Film(task, self.out)) if self.video else None
+                film = stack.enter_context(VideoRecorder(task, self.out)) if self.video else None
                 outcome = task.try_demo(seed=seed, attempt=attempt, on_frame=_counter(bar, seed))
                 if outcome.demo is not None:
                     keep_task(self.out, type(task.task))
@@ -76,7 +76,7 @@ class RecordDemos(arguments.RecordDemos):
                 causes.append(outcome.cause)
         raise DemoError(f"Seed {seed} of '{self.task}' failed {self.max_attempts} times: {'; '.join(causes)}. Try another seed.")
 
-    def _keep(self, demo: Demo, seconds: float, film: Film | None) -> Recorded:
+    def _keep(self, demo: Demo, seconds: float, film: VideoRecorder | None) -> Recorded:
         episode = DatasetWriter(self.out).add(demo)
         video = None if film is None else film.keep(episode.parent.with_name("videos") / f"{episode.stem}.mp4")
         assert demo.seed is not None

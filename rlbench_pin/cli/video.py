@@ -117,7 +117,7 @@ def _each_tick(  # type: ignore[no-untyped-def]
 
     def shoot() -> None:
         nonlocal frame
-        for picture in (*between, orbit.picture(world, frame + len(between))):
+        for picture in (*between, orbit.image(world, frame + len(between))):
             add(picture)
             frame += 1
             bar.update()
@@ -130,7 +130,7 @@ def _each_tick(  # type: ignore[no-untyped-def]
             steps, tick = 0, world.ticks
             between.clear()
         if steps and steps % every == 0:
-            between.append(orbit.picture(world, frame + len(between)))
+            between.append(orbit.image(world, frame + len(between)))
         steps += 1
 
     task.runtime.register_step_callback(shoot)

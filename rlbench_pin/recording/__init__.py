@@ -10,17 +10,17 @@ from rlbench_pin.recording.convert import convert_by_playing, convert_demo, veri
 from rlbench_pin.recording.record import RecordReport, record
 from rlbench_pin.recording.replay import ReplayResult, replay_demo, replay_stored
 from rlbench_pin.recording.rerender import rerender, seeds_of, write_seeds
-from rlbench_pin.recording.video import Film
+from rlbench_pin.recording.video import VideoRecorder
 
 __all__ = [
     "Engine",
-    "Film",
     "PictureConfig",
     "ProcessEngine",
     "RecordConfig",
     "RecordReport",
     "ReplayResult",
     "SerialEngine",
+    "VideoRecorder",
     "convert_by_playing",
     "convert_demo",
     "export_dataset",

@@ -28,20 +28,25 @@ from rlbench_pin.values import as_choice, as_flag, as_names, as_number, as_path,
 MOST = 10_000_000
 """Episodes, tries and variations of one recording at most."""
 _SEED_BITS = 53  # so that JSON readers of every language keep the number; evaluations have theirs beyond
+RECORDING = "recording.json"
+VERSION = 1
+_MOST = 10**9
+_MOST_PIXELS = 1 << 14
+_Check = Callable[[object], bool]
 
 
 @dataclass(frozen=True, kw_only=True)
 class PictureConfig:
-    """Which pictures an episode holds, how it is stored, and how fast the arm may move."""
+    """Which images an episode contains, how it is stored, and how fast the arm may move."""
 
     cameras: tuple[str, ...] = CAMERAS
-    """Cameras whose pictures are stored."""
+    """Cameras whose images are stored."""
     products: tuple[str, ...] = ("rgb", "depth", "mask")
-    """What each camera delivers, of rgb, depth, mask and point_cloud; none for episodes without pictures."""
+    """What each camera delivers, of rgb, depth, mask and point_cloud; none for episodes without images."""
     image_size: tuple[int, int] = (128, 128)
-    """Width and height of the pictures [px]."""
+    """Width and height of the images [px]."""
     renderer: RendererName = "cpu"
-    """Who draws: pictures of `cpu` are the same everywhere."""
+    """The renderer; images of `cpu` are the same on every machine."""
     render_mode: RenderMode = "opengl3"
     """`opengl3` draws shadows, `opengl` is faster without."""
     compression: Compression = "gzip"
@@ -58,7 +63,7 @@ class PictureConfig:
         self.obs_config().check()
 
     def obs_config(self) -> ObservationConfig:
-        """Return the observation config: all joint, gripper and task data, and these pictures."""
+        """Return the observation config: all joint, gripper and task data, and these images."""
         config = low_dim_config()
         for name in self.cameras:
             camera = config.camera(name)
@@ -68,13 +73,13 @@ class PictureConfig:
         return config
 
     def fields(self) -> dict[str, tuple[int, ...]]:
-        """Return the picture fields of an episode and their shapes."""
+        """Return the image fields of an episode and their shapes."""
         plain = self.image_size[::-1]
         shapes = {"rgb": (*plain, 3), "depth": plain, "mask": plain, "point_cloud": (*plain, 3)}
         return {f"{camera}_{product}": shapes[product] for camera in self.cameras for product in self.products}
 
     def environment(self, max_velocity: float = 1.0, max_acceleration: float = 4.0) -> Environment:
-        """Return an environment that delivers these pictures; its actions are those that demonstrations record.
+        """Return an environment that delivers these images; its actions are those that demonstrations record.
 
         Args:
             max_velocity: Cap on the speed of motions along the joint-space path [rad/s].
@@ -106,7 +111,7 @@ class RecordConfig:
     max_acceleration: float = 4.0
     """Cap on how fast that speed changes [rad/s^2]."""
     pictures: PictureConfig = field(default_factory=PictureConfig)
-    """Which pictures the episodes hold."""
+    """Which images the episodes contain."""
 
     def __post_init__(self) -> None:
         """Raise InvalidArgument for a number that records nothing (also a TaskEnvironmentError)."""
@@ -212,14 +217,6 @@ def item_seed(seed: int, task: str, variation: int, index: int) -> int:
 def _check_names(kind: str, names: Sequence[str], known: Sequence[str]) -> None:
     for name in as_names(names, f"PictureConfig.{kind}s", InvalidArgument):
         as_choice(name, kind, known)
-
-
-RECORDING = "recording.json"
-VERSION = 1
-_MOST = 10**9
-_MOST_PIXELS = 1 << 14
-
-_Check = Callable[[object], bool]
 
 
 def read_recording(root: Path | str) -> RecordConfig:

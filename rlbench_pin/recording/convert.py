@@ -40,6 +40,11 @@ from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, compose, inverse, relative
 from rlbench_pin.values import as_number, as_record
 
+POSITION_SHARE = 0.5
+"""g: share of the position error that a tick of torques removes."""
+BIAS_SHARE = 0.5
+"""Share of the unexplained acceleration of a tick that is taken as permanent."""
+
 
 @dataclass(frozen=True, eq=False)
 class _Moment:
@@ -219,12 +224,6 @@ def _waiting_action(task: TaskEnvironment, last: FloatArray) -> FloatArray:
     if isinstance(mode, PoseMode):
         return last if not mode.is_relative else np.append([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], last[7:])
     return np.append(np.zeros(len(last) - 1), last[-1:])
-
-
-POSITION_SHARE = 0.5
-"""g: share of the position error that a tick of torques removes."""
-BIAS_SHARE = 0.5
-"""Share of the unexplained acceleration of a tick that is taken as permanent."""
 
 
 def convert_by_playing(task: TaskEnvironment, demo: Demo) -> list[FloatArray]:

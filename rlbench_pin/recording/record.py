@@ -71,7 +71,7 @@ class Recorder:
     """Makes episodes, one after the other, in one environment.
 
     Args:
-        config: Which pictures they hold.
+        config: Which images they contain.
     """
 
     def __init__(self, config: PictureConfig) -> None:
@@ -110,7 +110,7 @@ class Recorder:
         self._environment, self._task, self._loaded = None, None, ""
 
     def _free_memory(self, made: int, *, after_failures: bool) -> None:
-        """Give memory back after an episode with pictures, whose raw frames take tens of megabytes, or after many without.
+        """Give memory back after an episode with images, whose raw frames take tens of megabytes, or after many without.
 
         Only what failed leaves frames in cycles, by its traceback; to look for them everywhere takes 70 ms.
         """
@@ -332,14 +332,14 @@ def _is_stored(root: Path, item: WorkItem, entry: EpisodeEntry | None) -> bool:
 
 
 def _check_pictures(root: Path, items: Sequence[WorkItem], pending: set[tuple[str, int, int]], pictures: PictureConfig) -> None:
-    """Raise DatasetConflict when a stored episode of a task holds other pictures than the new ones would."""
+    """Raise DatasetConflict when a stored episode of a task contains other images than the new ones would."""
     stored = {item.name: episode_path(root, *item.key) for item in items if item.key not in pending}
     for path in stored.values():
         with suppress(EpisodeFileError):  # damaged: `verify` finds it
             if (found := stored_pictures(path)) != pictures.fields():
                 asked = pictures.fields()
                 raise DatasetConflict(
-                    f"'{path}' holds the pictures {found}, asked for are {asked}. Choose the same, or another folder."
+                    f"'{path}' contains the images {found}, asked for are {asked}. Choose the same, or another folder."
                 )
 
 

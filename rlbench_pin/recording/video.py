@@ -19,28 +19,34 @@ from rlbench_pin.sim import CameraView, World, look_at
 from rlbench_pin.spatial import FloatArray, above_table
 from rlbench_pin.values import as_path, as_record
 
+VIDEO_SIZE = (640, 480)
+"""Width and height [px]."""
+EYE = (-0.05, 1.62, 1.80)
+"""Where videos are taken from: the robot's left [m]."""
 NEAR, FAR = 0.05, 6.0
 _ARM = np.array([(x, y, above_table(z)) for x in (-0.45, 0.15) for y in (-0.2, 0.2) for z in (0.0, 1.0)])
 """Corners of a box around the arm as it moves most of the time [m]."""
 _MARGIN = 1.06
 _NARROWEST, _WIDEST = 0.45, 1.6
 """Fields of view [rad]."""
+_GAP, _TEXT, _PADDING = 4, 14, 6
+"""Of a grid of videos: between cells, height of captions, and around them [px]."""
 
 
-def things_to_see(world: World) -> FloatArray:
+def points_to_show(world: World) -> FloatArray:
     """Return points (n, 3) around the arm and all that the task brings [m]."""
     boxes = [box_corners(body.bounds(), body.pose) for body in world.bodies.values()]
     return np.concatenate([_ARM, world.robot.tip_pose()[None, :3], *boxes])
 
 
 def field_of_view(view: CameraView, points: FloatArray) -> float:
-    """Return the field of view of the longer side that has points (n, 3) in the picture of a camera [rad]."""
+    """Return the field of view of the longer side that has points (n, 3) in the image of a camera [rad]."""
     across = np.abs(_slopes(view, points)).max(axis=0) * max(view.size) / np.array(view.size)
     return float(np.clip(2.0 * np.arctan(_MARGIN * across.max()), _NARROWEST, _WIDEST))
 
 
 def framed(eye: Sequence[float], points: FloatArray, size: tuple[int, int]) -> CameraView:
-    """Return the camera at a place that has points (n, 3) in its picture, as large as they can be."""
+    """Return the camera at a place that has points (n, 3) in its image, as large as they can be."""
     middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
     view = CameraView(pose=look_at(eye, middle), fov=_WIDEST, size=size, near=NEAR, far=FAR)
     for _ in range(4):
@@ -52,7 +58,7 @@ def framed(eye: Sequence[float], points: FloatArray, size: tuple[int, int]) -> C
 
 
 def _slopes(view: CameraView, points: FloatArray) -> FloatArray:
-    """Where points (n, 3) lie in the picture, as slopes (n, 2) to the left and up from its middle; none behind the camera."""
+    """Where points (n, 3) lie in the image, as slopes (n, 2) to the left and up from its middle; none behind the camera."""
     local = (points - view.pose[:3]) @ view.extrinsics()[:3, :3]
     return local[:, :2] / np.maximum(local[:, 2:], NEAR)
 
@@ -64,7 +70,7 @@ class Orbit:
     size: tuple[int, int] = (1280, 720)
     """Width and height [px]."""
     step: float = 0.005
-    """Angle between two pictures [rad]."""
+    """Angle between two images [rad]."""
     start: float = 1.0
     """First angle, from straight ahead of the robot towards its left [rad]."""
     center: tuple[float, float, float] = (0.12, 0.0, 1.22)
@@ -77,31 +83,28 @@ class Orbit:
     """Field of view of the longer side [rad]."""
 
     def view(self, frame: int) -> CameraView:
-        """Return the camera of picture number `frame`."""
+        """Return the camera of image number `frame`."""
         angle = self.start + frame * self.step
         x, y, _ = self.center
         eye = (x + self.radius * float(np.cos(angle)), y + self.radius * float(np.sin(angle)), self.height)
         return CameraView(pose=look_at(eye, self.center), fov=self.fov, size=self.size, near=NEAR, far=FAR)
 
     def around(self, world: World) -> Orbit:
-        """Return the orbit that has the arm and the whole task of a world in its picture, for the first 1.5 rad."""
-        points = things_to_see(world)
+        """Return the orbit that has the arm and the whole task of a world in its image, for the first 1.5 rad."""
+        points = points_to_show(world)
         low, high = points.min(axis=0), points.max(axis=0)
         x, y, z = ((low + high) / 2.0).tolist()
         orbit = replace(self, center=(x, y, z))
         turned = (replace(orbit, start=self.start + angle) for angle in np.linspace(0.0, 1.5, 7).tolist())
         return replace(orbit, fov=max(field_of_view(each.view(0), points) for each in turned))
 
-    def picture(self, world: World, frame: int) -> np.ndarray:
-        """Picture number `frame` of what happens now, uint8 (h, w, 3)."""
+    def image(self, world: World, frame: int) -> np.ndarray:
+        """Image number `frame` of what happens now, uint8 (h, w, 3)."""
         return world.renderer.picture(self.view(frame))
 
 
-_GAP, _TEXT, _MARGIN = 4, 14, 6
-
-
 class Reel:
-    """Pictures of one film, compressed in memory."""
+    """Images of one video, compressed in memory."""
 
     def __init__(self) -> None:
         self._frames: list[bytes] = []
@@ -109,14 +112,14 @@ class Reel:
     def __len__(self) -> int:
         return len(self._frames)
 
-    def add(self, picture: np.ndarray) -> None:
-        """Append a picture, uint8 (h, w, 3)."""
+    def add(self, image: np.ndarray) -> None:
+        """Append an image, uint8 (h, w, 3)."""
         stream = io.BytesIO()
-        Image.fromarray(picture).save(stream, "JPEG", quality=92)
+        Image.fromarray(image).save(stream, "JPEG", quality=92)
         self._frames.append(stream.getvalue())
 
     def frame(self, number: int) -> Image.Image:
-        """Return a picture; the last one stands still after the end."""
+        """Return an image; the last one stands still after the end."""
         return Image.open(io.BytesIO(self._frames[min(number, len(self) - 1)]))
 
 
@@ -134,16 +137,16 @@ def grid_size(count: int, cell: tuple[int, int]) -> tuple[int, int]:
 
 
 def grid_frames(reels: Mapping[str, Reel], cell: tuple[int, int]) -> Iterator[np.ndarray]:
-    """Yield the pictures of all reels side by side, with captions, until the longest has ended."""
+    """Yield the images of all reels side by side, with captions, until the longest has ended."""
     columns, _ = grid_shape(len(reels))
-    fonts = {name: _font(name, cell[0] - 2 * _MARGIN) for name in reels}
+    fonts = {name: _font(name, cell[0] - 2 * _PADDING) for name in reels}
     for number in range(max(len(reel) for reel in reels.values())):
         sheet = Image.new("RGB", grid_size(len(reels), cell), (20, 20, 20))
         draw = ImageDraw.Draw(sheet)
         for i, (name, reel) in enumerate(reels.items()):
             corner = (i % columns) * (cell[0] + _GAP), (i // columns) * (cell[1] + _GAP)
             sheet.paste(reel.frame(number), corner)
-            place = corner[0] + _MARGIN, corner[1] + 4
+            place = corner[0] + _PADDING, corner[1] + 4
             draw.text(place, _caption(name), fill=(30, 30, 30), font=fonts[name], stroke_width=1, stroke_fill=(245, 245, 245))
         yield np.asarray(sheet)
 
@@ -158,46 +161,39 @@ def _font(name: str, width: float) -> ImageFont.ImageFont | ImageFont.FreeTypeFo
     return next((font for font in sizes if font.getlength(_caption(name)) <= width), ImageFont.load_default(7))
 
 
-FILM_SIZE = (640, 480)
-"""Width and height [px]."""
-
-EYE = (-0.05, 1.62, 1.80)
-"""Where films are taken from: the robot's left [m]."""
+def side_view(world: World) -> CameraView:
+    """Return the camera from the robot's left that has the arm and the whole task in its image, where they are now."""
+    return framed(EYE, points_to_show(world), VIDEO_SIZE)
 
 
-def film_view(world: World) -> CameraView:
-    """Return the camera from the robot's left that has the arm and the whole task in its picture, where they are now."""
-    return framed(EYE, things_to_see(world), FILM_SIZE)
-
-
-class Film:
-    """Films every tick of an environment between `with` and its end; `keep` says where the film goes, otherwise it is lost.
+class VideoRecorder:
+    """Records a video of every tick between `with` and its end; `keep` moves it to a path, otherwise it is deleted.
 
     Args:
-        task: What to film.
-        folder: Where to write while filming.
+        task: The environment to record.
+        folder: Folder to write to while recording.
     """
 
     def __init__(self, task: TaskEnvironment, folder: Path) -> None:
         self._task = as_record(task, TaskEnvironment, "task")
         fps = round(1.0 / task.world.control_dt)
-        self._video = VideoWriter(as_path(folder, "folder") / f".filming{os.getpid()}.mp4", FILM_SIZE, fps)
+        self._video = VideoWriter(as_path(folder, "folder") / f".recording{os.getpid()}.mp4", VIDEO_SIZE, fps)
         self._pause = fps
         self._kept = False
         self._view: CameraView | None = None
 
-    def __enter__(self) -> Film:
-        self._task.runtime.register_step_callback(self._film_tick)
+    def __enter__(self) -> VideoRecorder:
+        self._task.runtime.register_step_callback(self._add_tick)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
-        self._task.runtime.remove_step_callback(self._film_tick)
+        self._task.runtime.remove_step_callback(self._add_tick)
         if not self._kept:
             self._video.discard()
 
     def keep(self, path: Path) -> Path:
-        """Finish the film with a second of its last picture and move it to `path`."""
-        last = self._picture()
+        """Finish the video with a second of its last image and move it to `path`."""
+        last = self._image()
         for _ in range(self._pause):
             self._video.add(last)
         self._kept = True
@@ -205,11 +201,11 @@ class Film:
         os.replace(self._video.close(), path)
         return path
 
-    def _film_tick(self) -> None:
-        self._video.add(self._picture())
+    def _add_tick(self) -> None:
+        self._video.add(self._image())
 
-    def _picture(self) -> np.ndarray:
-        """Picture of now, from where the first was taken."""
+    def _image(self) -> np.ndarray:
+        """Return the image of now, from where the first was taken."""
         if self._view is None:
-            self._view = film_view(self._task.world)
+            self._view = side_view(self._task.world)
         return self._task.world.renderer.picture(self._view)

@@ -125,7 +125,7 @@ def special_samples(folder: Path, task: TaskEnvironment, numbers: Iterator[int],
         "ObservationConfig.add_camera.camera": extra,
     }
     special |= {f"{name}.task": kind for name in ("keep_task", "task_digest", "task_reference", "task_scene")}
-    special |= {f"{name}.task": task for name in ("Film", "convert_by_playing", "replay_demo", "verify")}
+    special |= {f"{name}.task": task for name in ("VideoRecorder", "convert_by_playing", "replay_demo", "verify")}
     special |= {"keep_tasks.tasks": [kind], "keep_tasks.root": new, "keep_task.root": new}
     return special | more_samples(library, new, first) | evaluation_samples(folder, numbers)
 

@@ -12,7 +12,7 @@ from rlbench_pin.cli.process.files import check_folder
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.evaluation.results.records import EpisodeRecord, Results
 from rlbench_pin.evaluation.run import EpisodeItem, EpisodeRunner, EvaluationConfig, plan_episodes
-from rlbench_pin.recording import Film
+from rlbench_pin.recording import VideoRecorder
 
 
 def film_failures(config: EvaluationConfig, results: Results, count: int, folder: Path) -> Iterator[Path]:
@@ -42,8 +42,8 @@ def film_failures(config: EvaluationConfig, results: Results, count: int, folder
 
 @contextmanager
 def _filmed(task: TaskEnvironment, path: Path) -> Iterator[None]:
-    """Film the block, also when a fault ends it."""
-    with Film(task, path.parent) as film:
+    """VideoRecorder the block, also when a fault ends it."""
+    with VideoRecorder(task, path.parent) as film:
         try:
             yield
         finally:

@@ -36,6 +36,13 @@ KEY_FRAMES = 2
 """Every so many frames can be read without those before it."""
 QUALITY = 18
 """Constant rate factor of H.264; lower is better, 18 looks like the original."""
+VERSION = "v3.0"
+CHUNK_SIZE, DATA_MEGABYTES, VIDEO_MEGABYTES = 1000, 100, 200
+_DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
+_VIDEO = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
+_EPISODES = "meta/episodes/chunk-000/file-000.parquet"
+_IMAGES_FOR_STATISTICS = 100
+Column = list[Any] | np.ndarray
 
 
 class VideoFiles:
@@ -56,19 +63,19 @@ class VideoFiles:
         self._number = -1
         self.codec = ""
 
-    def add(self, pictures: Sequence[np.ndarray]) -> dict[str, int | float]:
-        """Append the pictures of one episode and return where they are."""
+    def add(self, images: Sequence[np.ndarray]) -> dict[str, int | float]:
+        """Append the images of one episode and return where they are."""
         if self._writer is None or self._writer.bytes_written > self._limit:
             self._next_file()
         assert self._writer is not None
         first = self._writer.frames
-        for picture in pictures:
-            self._writer.add(picture)
+        for image in images:
+            self._writer.add(image)
         place = {
             "chunk_index": self._number // self._chunk_size,
             "file_index": self._number % self._chunk_size,
             "from_timestamp": first / FPS,
-            "to_timestamp": (first + len(pictures)) / FPS,
+            "to_timestamp": (first + len(images)) / FPS,
         }
         return {f"videos/{self._key}/{name}": value for name, value in place.items()}
 
@@ -108,16 +115,6 @@ class VideoFiles:
         self.codec = self._writer.codec
 
 
-VERSION = "v3.0"
-CHUNK_SIZE, DATA_MEGABYTES, VIDEO_MEGABYTES = 1000, 100, 200
-_DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
-_VIDEO = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
-_EPISODES = "meta/episodes/chunk-000/file-000.parquet"
-_PICTURES_FOR_STATISTICS = 100
-
-Column = list[Any] | np.ndarray
-
-
 def export_lerobot(
     root: Path,
     out: Path,
@@ -133,12 +130,12 @@ def export_lerobot(
         root: Folder of the dataset.
         out: The new folder; `LeRobotDataset(repo_id, root=out)` loads it.
         tasks: Only these; all when none is named.
-        cameras: Cameras whose colours go along; all stored ones when none is named.
+        cameras: Cameras whose images are exported; all stored ones when none is named.
         robot_type: What LeRobot is to call the arm; stored episodes do not name it.
         on_episode: Called after each episode.
 
     Raises:
-        DatasetError: Something is missing or damaged, or pictures cannot be encoded.
+        DatasetError: Something is missing or damaged, or images cannot be encoded.
     """
     episodes = stored_episodes(root, tasks)
     shapes = rgb_cameras(episodes, cameras)
@@ -159,8 +156,8 @@ class _Export:
     """What has been written so far."""
 
     folder: Path
-    pictures: dict[str, tuple[int, int, int]]
-    """Feature -> shape of its pictures."""
+    images: dict[str, tuple[int, int, int]]
+    """Feature -> shape of its images."""
     robot_type: str
     """Name of the arm."""
     instructions: dict[str, int] = field(default_factory=dict)
@@ -176,7 +173,7 @@ class _Export:
     def __post_init__(self) -> None:
         self._data = _DataFiles(self.folder)
         self._videos = {
-            key: VideoFiles(self.folder, key, shape, VIDEO_MEGABYTES, CHUNK_SIZE) for key, shape in self.pictures.items()
+            key: VideoFiles(self.folder, key, shape, VIDEO_MEGABYTES, CHUNK_SIZE) for key, shape in self.images.items()
         }
 
     def add(self, stored: StoredEpisode, episode: Episode) -> None:
@@ -197,11 +194,11 @@ class _Export:
         }
         statistics = {name: column_statistics(np.asarray(values)) for name, values in columns.items()}
         for key, videos in self._videos.items():
-            pictures = episode.series(key.removeprefix("observation.images.") + "_rgb")
-            row.update(videos.add(pictures))
-            sample = _channels(pictures)
+            images = episode.series(key.removeprefix("observation.images.") + "_rgb")
+            row.update(videos.add(images))
+            sample = _channels(images)
             self.samples.setdefault(key, []).append(sample)
-            statistics[key] = _per_channel(sample, len(pictures))
+            statistics[key] = _per_channel(sample, len(images))
         for name, values in columns.items():
             self.samples.setdefault(name, []).append(np.asarray(values))
         row.update({f"stats/{name}/{kind}": value for name, kinds in statistics.items() for kind, value in kinds.items()})
@@ -251,7 +248,7 @@ class _Export:
     def _statistics(self) -> dict[str, Any]:
         whole = {name: np.concatenate(values) for name, values in self.samples.items()}
         return {
-            name: _per_channel(values, self.frames) if name in self.pictures else column_statistics(values)
+            name: _per_channel(values, self.frames) if name in self.images else column_statistics(values)
             for name, values in whole.items()
         }
 
@@ -268,7 +265,7 @@ class _Export:
             "fps": FPS,
             "splits": {"train": f"0:{len(self.rows)}"},
             "data_path": _DATA,
-            "video_path": _VIDEO if self.pictures else None,
+            "video_path": _VIDEO if self.images else None,
             "features": self._features(),
         }
 
@@ -278,19 +275,19 @@ class _Export:
             "next.reward": "float32", "next.done": "bool", "timestamp": "float32", "frame_index": "int64",
             "episode_index": "int64", "index": "int64", "task_index": "int64",
         }  # fmt: skip
-        pictures = {
+        images = {
             key: {
                 "dtype": "video",
                 "shape": list(shape),
                 "names": ["height", "width", "channels"],
                 "info": self._videos[key].info(),
             }
-            for key, shape in self.pictures.items()
+            for key, shape in self.images.items()
         }
         return {
             "observation.state": joints,
             "action": joints,
-            **pictures,
+            **images,
             **{name: {"dtype": dtype, "shape": [1], "names": None} for name, dtype in scalars.items()},
         }
 
@@ -333,16 +330,16 @@ def _arrow(values: np.ndarray) -> pa.Array:
     return pa.FixedSizeListArray.from_arrays(pa.array(values.reshape(-1)), values.shape[1])
 
 
-def _channels(pictures: Sequence[np.ndarray]) -> np.ndarray:
-    """Return colours (n, 3) in 0..1 of some pixels of some pictures, spread evenly."""
-    every = max(1, len(pictures) // _PICTURES_FOR_STATISTICS)
-    return np.concatenate([picture[::4, ::4].reshape(-1, 3) for picture in pictures[::every]]).astype(np.float32) / 255.0
+def _channels(images: Sequence[np.ndarray]) -> np.ndarray:
+    """Return colours (n, 3) in 0..1 of some pixels of some images, spread evenly."""
+    every = max(1, len(images) // _IMAGES_FOR_STATISTICS)
+    return np.concatenate([image[::4, ::4].reshape(-1, 3) for image in images[::every]]).astype(np.float32) / 255.0
 
 
-def _per_channel(colours: np.ndarray, pictures: int) -> dict[str, Any]:
+def _per_channel(colours: np.ndarray, images: int) -> dict[str, Any]:
     """Return the statistics of colours, each of shape (3, 1, 1)."""
     shaped = {kind: [[[v]] for v in value] for kind, value in column_statistics(colours).items() if kind != "count"}
-    return {**shaped, "count": [pictures]}
+    return {**shaped, "count": [images]}
 
 
 def _write_tasks(path: Path, instructions: dict[str, int]) -> None:

@@ -1,4 +1,8 @@
-"""RLBench-style folders: export, reading, and the encoding of their images."""
+"""RLBench-style folders: PNG files for images, a pickled list of observations for the rest; export and reading.
+
+Two layouts: `upstream`, `<root>/<task>/variation<k>/episodes/episode<j>`, and `peract`, `<root>/<task>/all_variations/episodes/
+episode<j>` with number and sentences of the variation inside each episode.
+"""
 
 from __future__ import annotations
 
@@ -20,19 +24,26 @@ from rlbench_pin.values import as_choice, as_function, as_path, as_whole
 
 DEPTH_STEPS = 2**24 - 1
 """Depth 0..1 is stored in so many steps: 0.3 micrometres of 4.5 m."""
+Layout = Literal["upstream", "peract"]
+LOW_DIM_FILE, DESCRIPTIONS_FILE, VARIATION_FILE = "low_dim_obs.pkl", "variation_descriptions.pkl", "variation_number.pkl"
+PRODUCTS = ("rgb", "depth", "mask")
+_IMAGES = tuple(f"{camera}_{product}" for camera in CAMERAS for product in (*PRODUCTS, "point_cloud"))
+_EPISODE = re.compile(r"episode(\d+)")
+_VARIATION = re.compile(r"variation(\d+)")
+_COUNTED = ("rgb", "depth")
 
 
 def encode_depth(depth: np.ndarray) -> np.ndarray:
     """Spread depth (h, w) in 0..1 over three bytes (h, w, 3), the first the most significant."""
     if not np.all((depth >= 0.0) & (depth <= 1.0)):
-        raise DatasetError("Depth must lie in 0..1 to become a picture. Record with depth_in_meters=False.")
+        raise DatasetError("Depth must lie in 0..1 to become an image. Record with depth_in_meters=False.")
     steps = np.rint(depth.astype(np.float64) * DEPTH_STEPS).astype(np.uint32)
     return np.stack([steps >> 16, steps >> 8 & 255, steps & 255], axis=-1).astype(np.uint8)
 
 
-def decode_depth(picture: np.ndarray) -> np.ndarray:
+def decode_depth(image: np.ndarray) -> np.ndarray:
     """Return depth (h, w) in 0..1, float32."""
-    r, g, b = (picture[..., i].astype(np.uint32) for i in range(3))
+    r, g, b = (image[..., i].astype(np.uint32) for i in range(3))
     return ((r << 16 | g << 8 | b) / DEPTH_STEPS).astype(np.float32)
 
 
@@ -40,7 +51,7 @@ def encode_mask(mask: np.ndarray) -> np.ndarray:
     """Spread ids (h, w) over three bytes (h, w, 3), the first the least significant."""
     ids = mask.astype(np.int64)
     if np.any((ids < 0) | (ids >= 2**24)):
-        raise DatasetError("Ids of a mask must lie in 0..2^24 - 1 to become a picture.")
+        raise DatasetError("Ids of a mask must lie in 0..2^24 - 1 to become an image.")
     return np.stack([ids & 255, ids >> 8 & 255, ids >> 16], axis=-1).astype(np.uint8)
 
 
@@ -49,15 +60,15 @@ def spread_bytes(mask: np.ndarray) -> np.ndarray:
     return np.rint(mask * 255.0 if mask.dtype.kind == "f" else mask).astype(np.uint8)
 
 
-def decode_mask(picture: np.ndarray) -> np.ndarray:
+def decode_mask(image: np.ndarray) -> np.ndarray:
     """Return ids (h, w), int32."""
-    r, g, b = (picture[..., i].astype(np.int32) for i in range(3))
+    r, g, b = (image[..., i].astype(np.int32) for i in range(3))
     return r | g << 8 | b << 16
 
 
-def write_png(path: Path, picture: np.ndarray) -> None:
+def write_png(path: Path, image: np.ndarray) -> None:
     """Write (h, w, 3) bytes."""
-    Image.fromarray(np.ascontiguousarray(picture)).save(path, compress_level=6)
+    Image.fromarray(np.ascontiguousarray(image)).save(path, compress_level=6)
 
 
 def read_png(path: Path) -> np.ndarray:
@@ -70,13 +81,7 @@ def read_png(path: Path) -> np.ndarray:
         with Image.open(path) as image:
             return np.array(image.convert("RGB"))
     except (OSError, UnidentifiedImageError, SyntaxError, Image.DecompressionBombError) as error:
-        raise EpisodeFileError(path, f"The picture '{path}' is missing or damaged ({error}).") from error
-
-
-Layout = Literal["upstream", "peract"]
-LOW_DIM_FILE, DESCRIPTIONS_FILE, VARIATION_FILE = "low_dim_obs.pkl", "variation_descriptions.pkl", "variation_number.pkl"
-PRODUCTS = ("rgb", "depth", "mask")
-_PICTURES = tuple(f"{camera}_{product}" for camera in CAMERAS for product in (*PRODUCTS, "point_cloud"))
+        raise EpisodeFileError(path, f"The image '{path}' is missing or damaged ({error}).") from error
 
 
 def export_rlbench(
@@ -92,7 +97,7 @@ def export_rlbench(
         on_episode: Called after each episode.
 
     Raises:
-        DatasetError: Something is missing or damaged, or a picture cannot be encoded.
+        DatasetError: Something is missing or damaged, or an image cannot be encoded.
     """
     as_choice(layout, "layout", get_args(Layout))
     as_function(on_episode, "on_episode")
@@ -121,35 +126,35 @@ def _write(root: Path, stored: StoredEpisode, demo: Demo, number: int, layout: L
 
 
 def write_frames(folder: Path, demo: Demo) -> None:
-    """Write the pictures and the pickled observations of one demonstration into a folder; sentences and variation are not there.
+    """Write the images and the pickled observations of one demonstration into a folder; sentences and variation are not there.
 
     Args:
         folder: Where to; made when missing.
         demo: The demonstration. It is left as it is.
 
     Raises:
-        DatasetError: A picture cannot be encoded, or is missing from some frames only.
+        DatasetError: An image cannot be encoded, or is missing from some frames only.
     """
     folder.mkdir(parents=True, exist_ok=True)
     for camera in CAMERAS:
         for product in PRODUCTS:
-            _write_pictures(folder / f"{camera}_{product}", demo, camera, product)
+            _write_images(folder / f"{camera}_{product}", demo, camera, product)
     (folder / LOW_DIM_FILE).write_bytes(dump(_pickled(demo)))
 
 
-def _write_pictures(folder: Path, demo: Demo, camera: str, product: str) -> None:
-    pictures = [getattr(obs, f"{camera}_{product}") for obs in demo]
-    if all(picture is None for picture in pictures):
+def _write_images(folder: Path, demo: Demo, camera: str, product: str) -> None:
+    images = [getattr(obs, f"{camera}_{product}") for obs in demo]
+    if all(image is None for image in images):
         return
     folder.mkdir(exist_ok=True)
-    for index, (obs, picture) in enumerate(zip(demo, pictures)):
-        if picture is None:
+    for index, (obs, image) in enumerate(zip(demo, images)):
+        if image is None:
             raise DatasetError(f"Frame {index} has no {camera}_{product}, others have. Record the demonstration again.")
         if product == "depth":
-            picture = encode_depth(_normalised(picture, obs, camera))
+            image = encode_depth(_normalised(image, obs, camera))
         elif product == "mask":
-            picture = encode_mask(picture) if picture.ndim == 2 else spread_bytes(picture)
-        write_png(folder / f"{index}.png", picture)
+            image = encode_mask(image) if image.ndim == 2 else spread_bytes(image)
+        write_png(folder / f"{index}.png", image)
 
 
 def _normalised(depth: np.ndarray, obs: Observation, camera: str) -> np.ndarray:
@@ -178,16 +183,13 @@ def _pickled(demo: Demo) -> PickledDemo:
 
 def _pickled_observation(obs: Observation) -> PickledObservation:
     result = PickledObservation()
-    values = {name: None if name in _PICTURES else getattr(obs, name) for name in FIELDS}
+    values = {name: None if name in _IMAGES else getattr(obs, name) for name in FIELDS}
     if obs.ignore_collisions is not None:
         values["ignore_collisions"] = obs.ignore_collisions
     result.__dict__.update({**values, "misc": dict(obs.misc)})
     return result
 
 
-_EPISODE = re.compile(r"episode(\d+)")
-_VARIATION = re.compile(r"variation(\d+)")
-_COUNTED = ("rgb", "depth")
 _DECODE: dict[str, Callable[[np.ndarray], np.ndarray]] = {"rgb": np.array, "depth": decode_depth, "mask": decode_mask}
 _DECODERS = {f"{camera}_{product}": decode for camera in CAMERAS for product, decode in _DECODE.items()}
 
@@ -225,7 +227,7 @@ def folder_demos(
         task: Snake-case task name.
         amount: How many, or -1 for all.
         variation: Variation, or -1 for all.
-        image_paths: Put paths of PNG files into picture fields and leave the files unread.
+        image_paths: Put paths of PNG files into image fields and leave the files unread.
         random_selection: Pick at random, without repeats; otherwise in natural order.
         from_episode_number: First episode when taken in order, counted from 0 through all that there are, also over variations.
         rng: Draws the random selection; needed when there is one.
@@ -254,7 +256,7 @@ def read_folder(path: Path, fields: Collection[str] | None = None, *, image_path
             for frame in frames:
                 setattr(frame, name, None)
         elif name in _DECODERS and (path / name).is_dir():
-            _add_pictures(path / name, frames, image_paths)
+            _add_images(path / name, frames, image_paths)
     variation = _variation_of(path)
     if variation is None:
         variation = _variation_in(frames[0], path)
@@ -330,10 +332,10 @@ def _check_counts(path: Path, frames: int) -> None:
         for product in _COUNTED:
             folder = path / f"{camera}_{product}"
             if folder.is_dir() and (count := len(list(folder.glob("*.png")))) != frames:
-                raise EpisodeFileError(path, f"Broken dataset: '{folder}' holds {count} pictures for {frames} frames.")
+                raise EpisodeFileError(path, f"Broken dataset: '{folder}' holds {count} images for {frames} frames.")
 
 
-def _add_pictures(folder: Path, frames: list[Observation], image_paths: bool) -> None:
+def _add_images(folder: Path, frames: list[Observation], image_paths: bool) -> None:
     for index, frame in enumerate(frames):
         file = folder / f"{index}.png"
         setattr(frame, folder.name, str(file) if image_paths else _DECODERS[folder.name](read_png(file)))

@@ -208,5 +208,5 @@ class _Reader(pickle.Unpickler):
         return _ALLOWED[(module, name)]
 
     def persistent_load(self, key: object) -> object:
-        """Refuse references to things outside the file."""
-        raise _Refused(f"the outside thing {key!r}")
+        """Refuse references to objects outside the file."""
+        raise _Refused(f"the outside object {key!r}")

@@ -34,14 +34,14 @@ def export_robomimic(
 ) -> Path:
     """Write the episodes of one task to an HDF5 file.
 
-    Actions are absolute joint positions and the hand, scaled to -1..1 by the lowest and highest of the whole file; `data` has
+    Actions are absolute joint positions and the gripper, scaled to -1..1 by the lowest and highest of the whole file; `data` has
     both as attributes `action_low` and `action_high`, so that action = low + (scaled + 1) / 2 * (high - low).
 
     Args:
         root: Folder of the dataset.
         out: The file, which must not exist.
         tasks: The task; may be left out when only one is stored.
-        cameras: Cameras whose pictures go along; all stored ones when none is named.
+        cameras: Cameras whose images are exported; all stored ones when none is named.
         on_episode: Called after each episode.
 
     Raises:

@@ -30,14 +30,14 @@ def export_zarr(
 ) -> Path:
     """Write the episodes of a dataset to a Zarr group.
 
-    `data` holds `state` (joint positions [rad] and hand), `tip_pose`, `action` (absolute joint positions and hand, the last of
-    an episode repeated) and one `<camera>_rgb` each; `meta` holds `episode_ends`, `task_index` and the sentences.
+    `data` holds `state` (joint positions [rad] and gripper), `tip_pose`, `action` (absolute joint positions and gripper, the last
+    of an episode repeated) and one `<camera>_rgb` each; `meta` holds `episode_ends`, `task_index` and the sentences.
 
     Args:
         root: Folder of the dataset.
         out: The new folder, conventionally `<name>.zarr`.
         tasks: Only these; all when none is named.
-        cameras: Cameras whose colours go along; all stored ones when none is named.
+        cameras: Cameras whose images are exported; all stored ones when none is named.
         on_episode: Called after each episode.
     """
     episodes = stored_episodes(root, tasks)

@@ -36,7 +36,7 @@ class EvaluationConfig:
     """
 
     policy: str
-    """The policy: `rest`, `random`, `expert`, or a reference to one of your own; `docs/policies.md` has all kinds."""
+    """The policy: `noop`, `random`, `expert`, or a reference to one of your own; `docs/policies.md` has all kinds."""
     tasks: tuple[str, ...]
     """Task names, or paths of task files."""
     task_set: str = ""
@@ -81,7 +81,7 @@ class EvaluationConfig:
         if self.variations == 0:
             raise InvalidArgument("variations", 0, "leaves nothing to evaluate", "Write -1 for all variations.")
         if not self.policy:
-            raise InvalidArgument("policy", "", "names no policy", "`rest`, `random` and `expert` are built in.")
+            raise InvalidArgument("policy", "", "names no policy", "`noop`, `random` and `expert` are built in.")
         if not self.tasks:
             raise TaskEnvironmentError("No task was named. `rlbench-pin list` prints them.")
 
@@ -178,7 +178,7 @@ def make_environment(config: EvaluationConfig, settings: PolicySettings) -> Envi
 
 
 def expert_settings() -> PolicySettings:
-    """Return the settings with which demonstrations are played, and other things are done that need no policy."""
+    """Return the settings with which demonstrations are played, and that need no policy."""
     return PolicySettings.of(MoveArmThenGripper(JointPosition(), Discrete()), low_dim_config())
 
 

@@ -26,6 +26,19 @@ from rlbench_pin.observation import Observation
 
 KEY_FRAMES = 25
 """Actions of an episode at most, unless said otherwise, where each plans a motion to a pose."""
+LEAST_FORCE = 1.0
+"""A contact that is lighter is none [N]."""
+APART = 5
+"""Control ticks without contact after which the next one with the same body counts as another collision."""
+POSITION_TOLERANCE = 1e-3
+"""How far a joint may be beyond its limit before that counts [rad], or [m]."""
+VELOCITY_TOLERANCE = 0.01
+"""By which share of its limit a joint may be faster before that counts."""
+POSITION, VELOCITY = "joint position", "joint velocity"
+LONGEST_DETAIL = 500
+"""Letters that a record keeps of what was said of a fault."""
+NO_DEMONSTRATION = "no demonstration"
+"""The fault of the expert."""
 
 
 @dataclass(frozen=True)
@@ -52,30 +65,19 @@ class Limits:
         return cls(config.max_steps or settings.max_steps or usual, config.max_seconds)
 
 
-LEAST_FORCE = 1.0
-"""A contact that is lighter is none [N]."""
-APART = 5
-"""Control ticks without contact after which the next one with the same thing counts as another collision."""
-POSITION_TOLERANCE = 1e-3
-"""How far a joint may be beyond its limit before that counts [rad], or [m]."""
-VELOCITY_TOLERANCE = 0.01
-"""By which share of its limit a joint may be faster before that counts."""
-POSITION, VELOCITY = "joint position", "joint velocity"
-
-
 @dataclass
 class Meter:
     """Counts, for one episode, what happens in every physics step and control tick.
 
-    A collision is a contact of arm or hand with anything that they do not hold and are not meant to grasp; what the fingers do
-    to the things of a task is the task itself, so that fingers collide with the room alone: table, walls, floor.
+    A collision is a contact of arm or gripper with a body that they do not hold and are not meant to grasp; what the fingers do
+    to the bodies of a task is the task itself, so that fingers collide with the room alone: table, walls, floor.
     """
 
     runtime: Runtime
     collisions: int = 0
     """Times that such a contact began."""
     max_force: float = 0.0
-    """Largest normal force of arm and hand together on one such thing, in any physics step [N]."""
+    """Largest normal force of arm and gripper together on one such body, in any physics step [N]."""
     violations: dict[str, int] = field(default_factory=dict)
     """Limit -> control ticks at whose end a joint was beyond it."""
 
@@ -102,28 +104,28 @@ class Meter:
     def _after_physics(self) -> None:
         """Look at the contacts of the physics step before."""
         forces: dict[str, float] = {}
-        for (link, thing), force in self.runtime.robot.contact_forces().items():
-            if not self._may_touch(link, thing):
-                forces[thing] = forces.get(thing, 0.0) + force
-        for thing, force in forces.items():
+        for (link, body), force in self.runtime.robot.contact_forces().items():
+            if not self._may_touch(link, body):
+                forces[body] = forces.get(body, 0.0) + force
+        for body, force in forces.items():
             if force >= LEAST_FORCE:
-                self._touched.add(thing)
+                self._touched.add(body)
                 self.max_force = max(self.max_force, force)
 
-    def _may_touch(self, link: str, thing: str) -> bool:
-        if thing in self.runtime.gripper.grasped:
+    def _may_touch(self, link: str, body: str) -> bool:
+        if body in self.runtime.gripper.grasped:
             return True
         if link in self._arm.finger_links:
-            return thing not in self._room
-        return link == self._arm.hand_link and thing in self.runtime.task.get_graspable_objects()
+            return body not in self._room
+        return link == self._arm.hand_link and body in self.runtime.task.get_graspable_objects()
 
     def _after_tick(self) -> None:
         self._after_physics()
         self._ticks += 1
-        for thing in self._touched:
-            if self._ticks - self._last.get(thing, -APART - 1) > APART:
+        for body in self._touched:
+            if self._ticks - self._last.get(body, -APART - 1) > APART:
                 self.collisions += 1
-            self._last[thing] = self._ticks
+            self._last[body] = self._ticks
         self._touched.clear()
         q, v = self.runtime.robot.joint_positions, self.runtime.robot.joint_velocities
         if not self._limits.contains(q, POSITION_TOLERANCE):
@@ -133,12 +135,6 @@ class Meter:
 
     def _count(self, limit: str) -> None:
         self.violations[limit] = self.violations.get(limit, 0) + 1
-
-
-LONGEST_DETAIL = 500
-"""Letters that a record keeps of what was said of a fault."""
-NO_DEMONSTRATION = "no demonstration"
-"""The fault of the expert."""
 
 
 @dataclass(frozen=True)

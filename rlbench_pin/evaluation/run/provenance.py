@@ -19,6 +19,9 @@ from rlbench_pin.evaluation.run.config import EvaluationConfig
 from rlbench_pin.evaluation.run.episode import EpisodeOutcome
 
 _ROOT = ASSETS.parents[1]
+_BLOCK = 1 << 20
+"""Bytes that are read at once."""
+_FORMAT = 1
 
 
 def checkout_commit(root: Path = _ROOT) -> str:
@@ -50,10 +53,6 @@ def _processor() -> str:
         lines = []
     models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
     return models[0] if models else platform.machine()
-
-
-_BLOCK = 1 << 20
-"""Bytes that are read at once."""
 
 
 def policy_digests(reference: str) -> dict[str, str]:
@@ -96,9 +95,6 @@ def _digest(file: Path) -> str:
         while block := opened.read(_BLOCK):
             found.update(block)
     return found.hexdigest()
-
-
-_FORMAT = 1
 
 
 def times_path(results: Path) -> Path:

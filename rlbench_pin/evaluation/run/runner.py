@@ -24,7 +24,7 @@ from rlbench_pin.evaluation.run.episode import NO_DEMONSTRATION, Episode, Episod
 from rlbench_pin.values import as_record
 
 Around = Callable[[TaskEnvironment], AbstractContextManager[object]]
-"""Makes what is around an episode from its start to its end, such as a film of it."""
+"""Makes what is around an episode from its start to its end, such as a video of it."""
 NOT_PLAYED = "not played"
 """The fault of an episode in which something else than the policy failed: the task could not be placed, or a worker died."""
 
