@@ -68,7 +68,6 @@ class Stopwatch(Listener):
 
     @contextmanager
     def watching(self, runtime: Runtime) -> Iterator[None]:
-        """Measure everything that `runtime` does in the block."""
         with runtime.listening(self):
             began = time.process_time()
             try:
@@ -77,24 +76,19 @@ class Stopwatch(Listener):
                 self.total += time.process_time() - began
 
     def on_update(self, snapshot: WorldSnapshot, seconds: float) -> None:
-        """Count as planning."""
         self.spent["planning"] += seconds
 
     def on_plan(self, request: PlanRequest, outcome: Plan | PlanningError, seconds: float) -> None:
-        """Count as planning, found or not."""
         self.spent["planning"] += seconds
 
     def on_reach(self, seconds: float) -> None:
-        """Count as planning."""
         self.spent["planning"] += seconds
 
     def on_tick(self, seconds: float) -> None:
-        """Count as physics."""
         self.spent["physics"] += seconds
         self.ticks += 1
 
     def on_observe(self, seconds: float) -> None:
-        """Count as observing."""
         self.spent["observing"] += seconds
 
 
@@ -171,7 +165,6 @@ def _text(error: Exception) -> str:
 
 
 def words_trial(task: TaskEnvironment, seed: int, variation: int) -> WordsTrial:
-    """Reset, and keep the instructions."""
     instructions, _ = task.reset(seed=seed, variation=variation)
     return WordsTrial(task=task.get_name(), seed=seed, variation=variation, instructions=tuple(instructions))
 
@@ -235,12 +228,10 @@ def repeat_trial(task: TaskEnvironment, seed: int, variation: int) -> RepeatTria
 
 
 def noop_trial(task: TaskEnvironment, seed: int, variation: int) -> NoopTrial:
-    """Run the no-op policy."""
     return NoopTrial(task=task.get_name(), seed=seed, variation=variation, episode=noop_episode(task, seed, variation))
 
 
 def random_trial(task: TaskEnvironment, seed: int, variation: int) -> RandomTrial:
-    """Run the random policy."""
     reached = random_succeeds(task, seed, variation)
     return RandomTrial(task=task.get_name(), seed=seed, variation=variation, reached_goal=reached)
 
@@ -263,7 +254,6 @@ def key_frames_trial(task: TaskEnvironment, seed: int, variation: int) -> KeyFra
 
 
 def reach_trial(task: TaskEnvironment, seed: int, variation: int) -> ReachTrial:
-    """Lay the task out once, and see what the arm reaches."""
     reach = reach_of(task.runtime, seed, variation)
     return ReachTrial(task=task.get_name(), seed=seed, variation=variation, reach=reach)
 

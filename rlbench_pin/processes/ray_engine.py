@@ -83,7 +83,6 @@ class RayWorker:
         self._worker = worker()
 
     def make(self, item: object) -> object:
-        """Return the result of an item."""
         return self._worker.make(item)
 
 

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, get_args
 
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.datasets.storage import write_whole
-from rlbench_pin.datasets.trust import is_texts, is_whole, parse_json, short
+from rlbench_pin.datasets.trust import parse_json, short
 from rlbench_pin.datasets.writer import Compression
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import drawn_variations
@@ -30,9 +29,6 @@ MOST = 10_000_000
 _SEED_BITS = 53  # so that JSON readers of every language keep the number; evaluations have theirs beyond
 RECORDING = "recording.json"
 VERSION = 1
-_MOST = 10**9
-_MOST_PIXELS = 1 << 14
-_Check = Callable[[object], bool]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -239,8 +235,8 @@ def read_recording(root: Path | str) -> RecordConfig:
             raise ValueError(f"it has version {short(version)}, this package reads version {VERSION}")
         if not isinstance(content.get("pictures"), dict):
             raise ValueError("it has no table 'pictures'")
-        pictures = PictureConfig(**_checked(content.pop("pictures"), _PICTURES))
-        config = RecordConfig(**_checked(content, _SETTINGS), pictures=pictures)
+        pictures = PictureConfig(**_with_tuples(content.pop("pictures")))
+        config = RecordConfig(**_with_tuples(content), pictures=pictures)
         return replace(config, tasks=tuple(map(_stored_name, config.tasks)))
     except (OSError, ValueError, TypeError, RlbenchPinError) as error:
         raise EpisodeFileError(
@@ -264,50 +260,5 @@ def _stored_name(task: str) -> str:
     return name
 
 
-def _checked(settings: dict[str, Any], checks: dict[str, _Check]) -> dict[str, Any]:
-    """Return settings with lists as tuples.
-
-    Raises:
-        ValueError: One has the wrong type, or is out of its range.
-    """
-    for name, value in settings.items():
-        if name in checks and not checks[name](value):
-            raise ValueError(f"{name} = {short(value)}")
+def _with_tuples(settings: dict[str, Any]) -> dict[str, Any]:
     return {name: tuple(value) if isinstance(value, list) else value for name, value in settings.items()}
-
-
-def _is_text(value: object) -> bool:
-    return isinstance(value, str)
-
-
-def _is_flag(value: object) -> bool:
-    return isinstance(value, bool)
-
-
-def _is_limit(value: object) -> bool:
-    return type(value) in (int, float) and math.isfinite(value) and value > 0  # type: ignore[arg-type, operator]
-
-
-def _is_size(value: object) -> bool:
-    return isinstance(value, list) and len(value) == 2 and all(is_whole(side, 1, _MOST_PIXELS) for side in value)
-
-
-_PICTURES: dict[str, _Check] = {
-    "cameras": is_texts,
-    "products": is_texts,
-    "image_size": _is_size,
-    "renderer": _is_text,
-    "render_mode": _is_text,
-    "compression": lambda value: value in ("gzip", "lzf"),
-}
-_SETTINGS: dict[str, _Check] = {
-    "tasks": is_texts,
-    "episodes": lambda value: is_whole(value, 1, _MOST),
-    "per_variation": _is_flag,
-    "variations": lambda value: is_whole(value, -1, _MOST),
-    "draw_variations": _is_flag,
-    "seed": is_whole,
-    "max_attempts": lambda value: is_whole(value, 1, _MOST),
-    "max_velocity": _is_limit,
-    "max_acceleration": _is_limit,
-}

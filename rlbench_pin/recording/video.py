@@ -205,7 +205,6 @@ class VideoRecorder:
         self._video.add(self._image())
 
     def _image(self) -> np.ndarray:
-        """Return the image of now, from where the first was taken."""
         if self._view is None:
             self._view = side_view(self._task.world)
         return self._task.world.renderer.picture(self._view)

@@ -107,11 +107,11 @@ def test_settings_come_back(tmp_path: Path) -> None:
     "change",
     [
         {"tasks": "reach_target"}, {"tasks": []}, {"tasks": [1]}, {"tasks": None}, {"episodes": 0}, {"episodes": 1.5},
-        {"episodes": True}, {"episodes": 10**30}, {"per_variation": 1}, {"variations": "all"}, {"variations": -2},
+        {"episodes": True}, {"episodes": 10**30}, {"per_variation": 2}, {"variations": "all"}, {"variations": -2},
         {"draw_variations": "yes"}, {"seed": -1}, {"seed": "0"}, {"max_attempts": 0}, {"max_velocity": 0},
         {"max_velocity": "fast"}, {"max_acceleration": -1.0}, {"max_acceleration": True}, {"unknown": 1},
         {"pictures": None}, {"pictures": []}, {"pictures": {"image_size": [128]}}, {"pictures": {"image_size": [128, 0]}},
-        {"pictures": {"image_size": [1e9, 1e9]}}, {"pictures": {"image_size": 128}}, {"pictures": {"cameras": ["nose"]}},
+        {"pictures": {"image_size": [1e9, 1e9]}}, {"pictures": {"image_size": 0}}, {"pictures": {"cameras": ["nose"]}},
         {"pictures": {"cameras": [[]]}}, {"pictures": {"products": "rgb"}}, {"pictures": {"renderer": 7}},
         {"pictures": {"render_mode": "vulkan"}}, {"pictures": {"compression": "zip"}}, {"pictures": {"zoom": 3}},
     ],

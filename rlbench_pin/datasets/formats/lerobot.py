@@ -64,7 +64,6 @@ class VideoFiles:
         self.codec = ""
 
     def add(self, images: Sequence[np.ndarray]) -> dict[str, int | float]:
-        """Append the images of one episode and return where they are."""
         if self._writer is None or self._writer.bytes_written > self._limit:
             self._next_file()
         assert self._writer is not None
@@ -80,13 +79,11 @@ class VideoFiles:
         return {f"videos/{self._key}/{name}": value for name, value in place.items()}
 
     def close(self) -> None:
-        """Finish the present file."""
         if self._writer is not None:
             self._writer.close()
         self._writer = None
 
     def discard(self) -> None:
-        """Throw the present file away."""
         if self._writer is not None:
             self._writer.discard()
         self._writer = None
@@ -177,7 +174,6 @@ class _Export:
         }
 
     def add(self, stored: StoredEpisode, episode: Episode) -> None:
-        """Write one episode."""
         text = episode.instructions[0] if episode.instructions else stored.task.replace("_", " ")
         task = self.instructions.setdefault(text, len(self.instructions))
         columns = self._columns(episode, task)
@@ -233,7 +229,6 @@ class _Export:
         _write_json(self.folder / "meta" / "info.json", self._info())
 
     def close(self) -> None:
-        """Close all files."""
         self._data.close()
         for videos in self._videos.values():
             videos.close()
@@ -300,7 +295,6 @@ class _DataFiles:
         self._writer: Any = None
 
     def add(self, columns: dict[str, np.ndarray]) -> dict[str, int]:
-        """Append the frames of one episode and return where they are."""
         table = pa.table({name: _arrow(values) for name, values in columns.items()})
         if self._writer is None or self._bytes + table.nbytes > DATA_MEGABYTES * 2**20:
             self.close()
@@ -314,7 +308,6 @@ class _DataFiles:
         return {f"data/{name}": value for name, value in self._place().items()}
 
     def close(self) -> None:
-        """Finish the present file."""
         if self._writer is not None:
             writer, self._writer = self._writer, None
             with self._file:  # on a full disk the writer would leave it open
@@ -337,7 +330,6 @@ def _channels(images: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def _per_channel(colours: np.ndarray, images: int) -> dict[str, Any]:
-    """Return the statistics of colours, each of shape (3, 1, 1)."""
     shaped = {kind: [[[v]] for v in value] for kind, value in column_statistics(colours).items() if kind != "count"}
     return {**shaped, "count": [images]}
 

@@ -61,7 +61,6 @@ class EvaluationConfig:
     """Whether policies are told the name of the task beside the instruction."""
 
     def __post_init__(self) -> None:
-        """Check every value, and keep it as plain Python has it."""
         checked = {
             "policy": as_text(self.policy, "policy", InvalidArgument),
             "tasks": tuple(as_names(self.tasks, "tasks", InvalidArgument)),

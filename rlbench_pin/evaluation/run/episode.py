@@ -82,7 +82,6 @@ class Meter:
     """Limit -> control ticks at whose end a joint was beyond it."""
 
     def __post_init__(self) -> None:
-        """Note what may be touched by what."""
         self._arm, self._limits = self.runtime.description, self.runtime.model.limits
         self._room = frozenset(self.runtime.world.room)
         self._ticks = 0
@@ -91,7 +90,6 @@ class Meter:
 
     @contextmanager
     def running(self) -> Iterator[Meter]:
-        """Count for the duration of a block."""
         world = self.runtime.world
         world.on_physics.insert(0, self._after_physics)
         world.on_step.append(self._after_tick)
@@ -169,7 +167,6 @@ class Episode:
     """Time of each answer so far [s]."""
 
     def __post_init__(self) -> None:
-        """Count from now on."""
         self.meter = Meter(self.task.runtime)
         self._began = self.task.world.ticks
 

@@ -151,7 +151,7 @@ def test_broken_folders_are_named(root: Path, tmp_path: Path) -> None:
     folders = export_rlbench(root, tmp_path / "x")
     episodes = folder_episodes(folders, TASK, 0)
     (episodes[0] / "front_rgb" / "3.png").unlink()
-    with pytest.raises(RuntimeError, match=r"Broken dataset.*front_rgb.*3 pictures for 4 frames"):
+    with pytest.raises(RuntimeError, match=r"Broken dataset.*front_rgb.*3 images for 4 frames"):
         read_folder(episodes[0])
     (episodes[1] / "wrist_rgb" / "1.png").write_bytes(b"\x89PNG nothing")
     with pytest.raises(EpisodeFileError, match=r"1\.png.*damaged"):
