@@ -29,8 +29,7 @@ from harness import fingerprint
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.processes import ProcessEngine
 from rlbench_pin.recording.config import PictureConfig, RecordConfig, WorkItem
-from rlbench_pin.recording.record import RecordReport, record
-from rlbench_pin.recording.work import Recorder
+from rlbench_pin.recording.record import Recorder, RecordReport, record
 from rlbench_pin.tasks import task_names
 
 TASKS = ("reach_target", "pick_and_lift", "push_button", "open_drawer", "put_rubbish_in_bin")

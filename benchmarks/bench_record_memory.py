@@ -29,7 +29,7 @@ import numpy as np
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.processes import GivenUp, ProcessEngine, WorkerDeath
 from rlbench_pin.recording.config import PictureConfig, RecordConfig, WorkItem, plan_items
-from rlbench_pin.recording.work import Recorder
+from rlbench_pin.recording.record import Recorder
 
 TASKS = ("reach_target", "push_button", "beat_the_buzz", "close_microwave", "take_lid_off_saucepan", "slide_block_to_target")
 

@@ -12,8 +12,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from rlbench_pin.checking.pages.demo_sheet import moments, sheet_config
-from rlbench_pin.checking.pages.sheet import contact_sheet
+from rlbench_pin.checking.images import contact_sheet, moments, sheet_config
 from rlbench_pin.environment import (
     Discrete,
     Environment,

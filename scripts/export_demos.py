@@ -12,10 +12,10 @@ import argparse
 from pathlib import Path
 
 from rlbench_pin.datasets import Episode, read_manifest, stored_tasks, task_faults
+from rlbench_pin.datasets.formats import ExportFormat, export_dataset
 from rlbench_pin.errors import MissingExtra
 from rlbench_pin.processes import ProcessEngine
 from rlbench_pin.recording.config import PictureConfig, RecordConfig
-from rlbench_pin.recording.export import ExportFormat, export_dataset
 from rlbench_pin.recording.record import RecordReport, record
 
 

@@ -13,8 +13,7 @@ import numpy as np
 from PIL import Image
 
 from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.recording.films.framing import framed, things_to_see
-from rlbench_pin.recording.films.grid import Reel, grid_frames
+from rlbench_pin.recording.video import Reel, framed, grid_frames, points_to_show
 from rlbench_pin.tasks import library_names
 
 OUT = Path(__file__).resolve().parents[1] / "docs" / "images" / "tasks.webp"
@@ -32,7 +31,7 @@ def reel_of(name: str) -> Reel:
     with make_environment(low_dim_config()) as environment:
         task = environment.get_task(name)
         demo = task.get_demos(1, live_demos=True, seed=SEED)[0]
-        view = framed(EYE, things_to_see(task.world), (2 * CELL[0], 2 * CELL[1]))
+        view = framed(EYE, points_to_show(task.world), (2 * CELL[0], 2 * CELL[1]))
         wanted = np.linspace(0, len(demo) - 1, PICTURES).round().astype(int).tolist()
         frame = 0
 

@@ -9,7 +9,7 @@ from rlbench_pin.datasets import encode_demo, episode_entry
 from rlbench_pin.observation import Demo
 from rlbench_pin.processes import Worker
 from rlbench_pin.recording.config import WorkItem
-from rlbench_pin.recording.work import ItemResult
+from rlbench_pin.recording.record import ItemResult
 from tests.demos_for_tests import make_demo
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.datasets import read_demo, read_manifest, stored_demos, verify_task
-from rlbench_pin.datasets.formats.rlbench_reader import folder_demos
+from rlbench_pin.datasets.formats.rlbench import folder_demos
 from rlbench_pin.datasets.layout import episode_path
 from rlbench_pin.robot.description import robot_description
 from rlbench_pin.scene.reader import read_scene

@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from rlbench_pin.checking.explain import explain_failure
-from rlbench_pin.checking.failures import Failure
-from rlbench_pin.checking.journal import TrialJournal
-from rlbench_pin.checking.judge import Rest
-from rlbench_pin.checking.pool import CheckProgress, run_trials
 from rlbench_pin.checking.reach import Reach
 from rlbench_pin.checking.records import (
     DemoTrial,
-    IdleTrial,
     KeyFramesTrial,
+    NoopTrial,
     Part,
     RandomTrial,
     ReachTrial,
@@ -21,25 +15,26 @@ from rlbench_pin.checking.records import (
     Trial,
     WordsTrial,
 )
-from rlbench_pin.checking.report import TaskReport, summarise
+from rlbench_pin.checking.report import Failure, TaskReport, summarise
+from rlbench_pin.checking.run import CheckProgress, TrialJournal, run_trials
 from rlbench_pin.checking.trials import Item
-from rlbench_pin.front_door import front_door
+from rlbench_pin.checking.validate import NoopEpisode
 from rlbench_pin.rates import Rate
 
 __all__ = [
     "CheckProgress",
     "DemoTrial",
     "Failure",
-    "IdleTrial",
     "Item",
     "KeyFramesTrial",
+    "NoopEpisode",
+    "NoopTrial",
     "Part",
     "RandomTrial",
     "Rate",
     "Reach",
     "ReachTrial",
     "RepeatTrial",
-    "Rest",
     "TaskReport",
     "Trial",
     "TrialJournal",
@@ -48,6 +43,3 @@ __all__ = [
     "run_trials",
     "summarise",
 ]
-
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)

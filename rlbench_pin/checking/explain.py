@@ -1,4 +1,4 @@
-"""Why a demonstration failed: the typed reason with its evidence, and a picture of the world at that moment."""
+"""Why a demonstration failed: the typed reason with its evidence, and an image of the world at that moment."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def explain_failure(task: str, seed: int, variation: int, picture: Path | None =
         attempt: Which try of the seed.
 
     Raises:
-        StorageError: The picture cannot be written.
+        StorageError: The image cannot be written.
     """
     picture = None if picture is None else as_path(picture, "picture")
     with make_environment(low_dim_config()) as environment:
@@ -82,7 +82,7 @@ def _text(value: object) -> str:
 
 
 def _look(world: World) -> NDArray[np.uint8]:
-    """Return a picture (h, w, 3) of the table from the robot's left."""
+    """Return an image (h, w, 3) of the table from the robot's left."""
     eye, target = np.array([1.3, 1.0, 1.75]), np.array([0.1, 0.0, 1.08])
     forward = (target - eye) / np.linalg.norm(target - eye)
     left = np.cross([0.0, 0.0, 1.0], forward)

@@ -65,7 +65,7 @@ def _arm_is_free(runtime: Runtime) -> bool:
 
 
 def _reached(planner: MotionPlanner, waypoints: Sequence[Waypoint], q: FloatArray, rng: np.random.Generator) -> tuple[bool, ...]:
-    """Visit the waypoints one after the other, each run with the turn of the hand that reaches most of it."""
+    """Visit the waypoints one after the other, each run with the grasp symmetry that reaches most of it."""
     found: list[bool] = []
     previous = planner.model.tip_pose(q)
     for run in grasp_groups(waypoints):

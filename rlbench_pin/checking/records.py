@@ -6,16 +6,16 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Literal, Self, TypeVar
 
-from rlbench_pin.checking.judge import Rest
 from rlbench_pin.checking.reach import Reach
+from rlbench_pin.checking.validate import NoopEpisode
 from rlbench_pin.environment.demos import SegmentReport
 
-Part = Literal["words", "demos", "unseen", "repeat", "idle", "random", "reach", "key_frames"]
+Part = Literal["words", "demos", "unseen", "repeat", "noop", "random", "reach", "key_frames"]
 
 
 @dataclass(frozen=True)
 class Incident:
-    """One thing that went wrong in a trial."""
+    """An error or a failure in a trial."""
 
     cause: str
     attempt: int = 0
@@ -92,8 +92,8 @@ class SolvedDemo:
     """Length [s]."""
     replayed: bool | None
     """Whether the recorded joint-position actions reach the goal again; None when that was not tried."""
-    lasts: bool = False
-    """Whether the goal was still reached 1 s later, the arm at rest, the hand as it was."""
+    stable: bool = False
+    """Whether success still held after 1 s with the arm stationary and the gripper unchanged."""
     left_over: tuple[str, ...] = ()
     """What the episode left behind in the next one."""
     segments: tuple[SegmentReport, ...] = ()
@@ -176,22 +176,22 @@ class RepeatTrial(Trial):
 
 
 @dataclass(frozen=True, kw_only=True)
-class IdleTrial(Trial):
-    """A world left alone."""
+class NoopTrial(Trial):
+    """An episode of the no-op policy."""
 
-    part = "idle"
-    rest: Rest | None = None
+    part = "noop"
+    episode: NoopEpisode | None = None
 
     @property
     def reached_goal(self) -> bool:
-        """Whether doing nothing reached the goal; it should not."""
-        return self.rest is not None and self.rest.success
+        """Whether it reached the goal; it should not."""
+        return self.episode is not None and self.episode.success
 
     def incidents(self) -> Iterator[Incident]:
         """Yield the error, or that the goal was reached."""
         yield from super().incidents()
         if self.reached_goal:
-            yield Incident("idle: goal reached")
+            yield Incident("noop: goal reached")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -257,7 +257,7 @@ KINDS: tuple[type[Trial], ...] = (
     DemoTrial,
     UnseenTrial,
     RepeatTrial,
-    IdleTrial,
+    NoopTrial,
     RandomTrial,
     ReachTrial,
     KeyFramesTrial,

@@ -1,41 +1,195 @@
-"""Trials of `rlbench-pin check` -> one report per task, with a verdict and its reasons."""
+"""Reports of a check: one per task, with a verdict and its reasons."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import re
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from rlbench_pin.checking.failures import Failure, group_failures
-from rlbench_pin.checking.judge import MAX_DRIFT, MAX_PENETRATION, poor_instructions, shared_instructions
 from rlbench_pin.checking.reach import Reach
 from rlbench_pin.checking.records import (
     DemoTrial,
-    IdleTrial,
     KeyFramesTrial,
+    NoopTrial,
+    Part,
     RandomTrial,
     ReachTrial,
     RepeatTrial,
+    SolvedDemo,
     Trial,
     UnseenTrial,
     WordsTrial,
     of_kind,
     ordered,
 )
-from rlbench_pin.checking.speed import SegmentStatistics, Speed, segment_statistics, speed_of
+from rlbench_pin.checking.validate import MAX_DRIFT, MAX_PENETRATION, poor_instructions, shared_instructions
+from rlbench_pin.environment.demos import SegmentReport
 from rlbench_pin.rates import Rate
 from rlbench_pin.values import as_flag, as_record, as_several, as_text
 
+_NUMBER = re.compile(r"-?\d+(\.\d+)?")
 FIRST_TRY_FLOOR = 0.95
 REPLAY_FLOOR = 0.95
 KEY_FRAMES_FLOOR = 0.9
 _RATES = (
-    "first_try", "within_tries", "same_scene", "unseen", "lasting", "replay", "key_frames", "idle", "random", "repeat", "tidy",
-    "accepted",
+    "first_try", "within_tries", "same_scene", "unseen", "stable_success", "replay", "key_frames", "noop", "random", "repeat",
+    "tidy", "accepted",
 )  # fmt: skip
 """Shares in the JSON, in its order."""
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A cause of failure, and where to see it."""
+
+    cause: str
+    count: int
+    seed: int
+    variation: int
+    attempt: int
+    waypoint: int | None
+    part: Part = "demos"
+
+
+def group_failures(trials: Iterable[Trial]) -> tuple[Failure, ...]:
+    """Group what went wrong by cause, numbers ignored, most frequent first; each with its first example."""
+    groups: dict[str, Failure] = {}
+    for trial in trials:
+        for found in trial.incidents():
+            key = found.group or _NUMBER.sub("#", found.cause)
+            first = Failure(found.cause, 0, trial.seed, trial.variation, found.attempt, found.waypoint, trial.part)
+            group = groups.get(key, first)
+            groups[key] = replace(group, count=group.count + 1)
+    return tuple(sorted(groups.values(), key=lambda failure: -failure.count))
+
+
+@dataclass(frozen=True)
+class SegmentStatistics:
+    """The segment to one waypoint, over all demonstrations that went there."""
+
+    waypoint: int
+    count: int
+    planning: tuple[float, float]
+    """Median and 95th percentile of the process time [s]."""
+    duration: tuple[float, float]
+    """Median and 95th percentile of the length of the motion [s]."""
+    methods: dict[str, int]
+    """How the plan was found -> how often."""
+
+    def as_dict(self) -> dict[str, object]:
+        """Plain data for JSON."""
+        return {
+            "waypoint": self.waypoint,
+            "count": self.count,
+            "planning_median_ms": round(1000 * self.planning[0], 1),
+            "planning_p95_ms": round(1000 * self.planning[1], 1),
+            "length_median_s": round(self.duration[0], 2),
+            "length_p95_s": round(self.duration[1], 2),
+            "methods": self.methods,
+        }
+
+
+@dataclass(frozen=True)
+class Speed:
+    """Time that resets and demonstrations of a task take."""
+
+    times_real_time: float = 0.0
+    """Median of simulated time over process time."""
+    times_real_time_wall: float = 0.0
+    """Median of simulated time over wall time; lower when the machine also does other work."""
+    planning: float = 0.0
+    """Share of the process time."""
+    physics: float = 0.0
+    """Share of the process time."""
+    observing: float = 0.0
+    """Share of the process time."""
+    tick: float = 0.0
+    """Process time of the physics of one control tick [s]."""
+    slowest_segment: int | None = None
+    """Waypoint whose segments take most planning in all."""
+    slowest_segment_planning: float = 0.0
+    """Mean planning time of a demonstration's segments to it [s]."""
+
+    @property
+    def other(self) -> float:
+        """Share of the process time that none of these takes."""
+        return max(0.0, 1.0 - self.planning - self.physics - self.observing)
+
+    @property
+    def reason(self) -> str:
+        """What the time is spent on, the largest share first."""
+        segment = (
+            ""
+            if self.slowest_segment is None
+            else f", {self.slowest_segment_planning:.2f} s of it at waypoint {self.slowest_segment}"
+        )
+        parts = [
+            (self.physics, f"physics {self.physics:.0%} ({1000 * self.tick:.1f} ms a tick)"),
+            (self.planning, f"planning {self.planning:.0%}{segment}"),
+            (self.observing, f"observing {self.observing:.0%}"),
+            (self.other, f"saving, restoring and the rest {self.other:.0%}"),
+        ]
+        return "; ".join(text for _, text in sorted(parts, key=lambda part: -part[0]))
+
+    def as_dict(self) -> dict[str, object]:
+        """Plain data for JSON."""
+        return {
+            "times_real_time": round(self.times_real_time, 2),
+            "times_real_time_wall": round(self.times_real_time_wall, 2),
+            "planning_share": round(self.planning, 3),
+            "physics_share": round(self.physics, 3),
+            "observing_share": round(self.observing, 3),
+            "physics_tick_ms": round(1000 * self.tick, 2),
+            "reason": self.reason,
+        }
+
+
+def speed_of(demos: Sequence[SolvedDemo]) -> Speed:
+    """Add up successful demonstrations, each with its reset."""
+    costs = [demo.cost for demo in demos]
+    total, ticks = sum(c.process for c in costs), sum(c.ticks for c in costs)
+    if not total:
+        return Speed()
+    spent: dict[int, float] = {}
+    for segment in (segment for demo in demos for segment in demo.segments):
+        spent[segment.waypoint] = spent.get(segment.waypoint, 0.0) + segment.planning_time
+    slowest = max(spent, key=spent.__getitem__, default=None)
+    on_the_wall = [demo.simulated / demo.cost.wall for demo in demos if demo.cost.wall]
+    return Speed(
+        times_real_time=float(np.median([demo.simulated / demo.cost.process for demo in demos if demo.cost.process])),
+        times_real_time_wall=float(np.median(on_the_wall)) if on_the_wall else 0.0,
+        planning=sum(c.planning for c in costs) / total,
+        physics=sum(c.physics for c in costs) / total,
+        observing=sum(c.observing for c in costs) / total,
+        tick=sum(c.physics for c in costs) / ticks if ticks else 0.0,
+        slowest_segment=slowest,
+        slowest_segment_planning=0.0 if slowest is None else spent[slowest] / len(demos),
+    )
+
+
+def segment_statistics(demos: Sequence[SolvedDemo]) -> tuple[SegmentStatistics, ...]:
+    """Group the segments of demonstrations by waypoint, rounds of a repeated list together."""
+    groups: dict[int, list[SegmentReport]] = {}
+    for segment in (segment for demo in demos for segment in demo.segments):
+        groups.setdefault(segment.waypoint, []).append(segment)
+    return tuple(
+        SegmentStatistics(
+            waypoint,
+            len(segments),
+            _spread([segment.planning_time for segment in segments]),
+            _spread([segment.duration for segment in segments]),
+            dict(sorted(Counter(segment.method for segment in segments).items())),
+        )
+        for waypoint, segments in sorted(groups.items())
+    )
+
+
+def _spread(values: Sequence[float]) -> tuple[float, float]:
+    return float(np.median(values)), float(np.percentile(values, 95))
 
 
 @dataclass(frozen=True)
@@ -66,15 +220,15 @@ class TaskReport:
     """Seeds whose first scene was solved, planned again with other random draws after a failure."""
     unseen: Rate
     """First tries on the seeds that count apart."""
-    lasting: Rate
-    """Goals that demonstrations reached and that were still reached 1 s later."""
+    stable_success: Rate
+    """Successful demonstrations whose success still held after 1 s."""
     replay: Rate
     key_frames: Rate
     """Demonstrations whose key frames alone, planned again, reach the goal."""
     per_variation: dict[int, tuple[Rate, Rate]]
     """Variation -> first try, within the tries."""
-    idle: Rate
-    """Goals reached by doing nothing."""
+    noop: Rate
+    """Goals reached by the no-op policy."""
     random: Rate
     """Goals reached by random actions."""
     repeat: Rate
@@ -186,11 +340,11 @@ def _of_demos(trials: Sequence[DemoTrial]) -> dict[str, Any]:
         "first_try": _first_try(trials),
         "within_tries": _within_tries(trials),
         "same_scene": _rate([trial.solved_in_first_scene for trial in trials]),
-        "lasting": _rate([demo.lasts for demo in demos]),
+        "stable_success": _rate([demo.stable for demo in demos]),
         "replay": _rate([demo.replayed for demo in demos if demo.replayed is not None]),
         "per_variation": _per_variation(trials),
         "tidy": _rate([not demo.left_over for demo in demos]),
-        "left_over": tuple(sorted({thing for demo in demos for thing in demo.left_over})),
+        "left_over": tuple(sorted({name for demo in demos for name in demo.left_over})),
         "frames": _median([demo.frames for demo in demos]),
         "simulated": _median(lengths),
         "simulated_p95": float(np.percentile(lengths, 95)) if lengths else 0.0,
@@ -202,16 +356,16 @@ def _of_demos(trials: Sequence[DemoTrial]) -> dict[str, Any]:
 
 def _of_contract(trials: Sequence[Trial]) -> dict[str, Any]:
     """Return the fields of a report that follow from the other parts."""
-    idle, reaches = of_kind(trials, IdleTrial), of_kind(trials, ReachTrial)
-    rests = [(trial, trial.rest) for trial in idle if trial.rest is not None]
+    noops, reaches = of_kind(trials, NoopTrial), of_kind(trials, ReachTrial)
+    episodes = [(trial, trial.episode) for trial in noops if trial.episode is not None]
     return {
         "key_frames": _rate([trial.reached_goal for trial in of_kind(trials, KeyFramesTrial) if trial.reached_goal is not None]),
-        "idle": _rate([trial.reached_goal for trial in idle]),
+        "noop": _rate([trial.reached_goal for trial in noops]),
         "random": _rate([trial.reached_goal for trial in of_kind(trials, RandomTrial)]),
         "repeat": _rate([trial.repeats for trial in of_kind(trials, RepeatTrial)]),
-        "drift": _worst([Worst(rest.drift, rest.drifter, trial.seed, trial.variation) for trial, rest in rests]),
-        "penetration": _worst([Worst(rest.penetration, "", trial.seed, trial.variation) for trial, rest in rests]),
-        "held": tuple(sorted({name for _, rest in rests for name in rest.held})),
+        "drift": _worst([Worst(e.drift, e.drifter, trial.seed, trial.variation) for trial, e in episodes]),
+        "penetration": _worst([Worst(e.penetration, "", trial.seed, trial.variation) for trial, e in episodes]),
+        "held": tuple(sorted({name for _, e in episodes for name in e.held})),
         "words": _words(of_kind(trials, WordsTrial)),
         "reach": _reached([trial.reach for trial in reaches if trial.reach is not None]),
         "accepted": _rate([trial.reachable for trial in reaches]),
@@ -222,28 +376,22 @@ def _checks(report: TaskReport) -> tuple[tuple[str, bool, str], ...]:
     """Return name, result and fault of each check."""
     pairs = shared_instructions(report.words)
     poor = poor_instructions(report.words)
+    keys = report.key_frames.value >= KEY_FRAMES_FLOOR or not report.key_frames.of
+    unseen = report.unseen.value >= FIRST_TRY_FLOOR or not report.unseen.of
     return (
         ("errors", not report.errors, "raises an error"),
         ("first try", report.first_try.value >= FIRST_TRY_FLOOR, f"first try below {FIRST_TRY_FLOOR:.0%}"),
-        (
-            "unseen",
-            report.unseen.value >= FIRST_TRY_FLOOR or not report.unseen.of,
-            f"first try on unseen seeds below {FIRST_TRY_FLOOR:.0%}",
-        ),
+        ("unseen", unseen, f"first try on unseen seeds below {FIRST_TRY_FLOOR:.0%}"),
         ("in tries", report.within_tries.count == report.within_tries.of, "a seed failed every try"),
         ("replay", report.replay.value >= REPLAY_FLOOR or not report.replay.of, f"replay below {REPLAY_FLOOR:.0%}"),
-        (
-            "keys",
-            report.key_frames.value >= KEY_FRAMES_FLOOR or not report.key_frames.of,
-            f"key frames below {KEY_FRAMES_FLOOR:.0%}",
-        ),
-        ("rest", report.idle.count == 0, "resting succeeds"),
-        ("flail", report.random.count == 0 or report.by_chance, "flailing succeeds"),
+        ("key frames", keys, f"key frames below {KEY_FRAMES_FLOOR:.0%}"),
+        ("noop", report.noop.count == 0, "the no-op policy succeeds"),
+        ("random", report.random.count == 0 or report.by_chance, "the random policy succeeds"),
         ("repeat", report.repeat.count == report.repeat.of, "a reset or a demonstration does not repeat"),
         ("left over", not report.left_over, "an episode leaves something behind"),
         ("drift", report.drift.value <= MAX_DRIFT, f"{report.drift.what} moves by itself"),
-        ("overlap", report.penetration.value <= MAX_PENETRATION, "things overlap at a reset"),
-        ("held", not report.held, "something is held at a reset"),
+        ("overlap", report.penetration.value <= MAX_PENETRATION, "objects overlap at a reset"),
+        ("held", not report.held, "the gripper holds an object at a reset"),
         ("instructions", not poor, f"variation {poor[0] if poor else ''} lacks instructions, or repeats one"),
         ("instructions", not pairs or report.shared_goals, f"variations {pairs[0] if pairs else ''} have the same instructions"),
     )

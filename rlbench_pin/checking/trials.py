@@ -1,29 +1,21 @@
-"""What `rlbench-pin check` asks of a task, as work items that any process can do and that do not depend on each other."""
+"""Items of a check -> trials, in any process."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 
-from rlbench_pin.checking.judge import (
-    demo_repeats,
-    flail_succeeds,
-    left_over,
-    replay_succeeds,
-    reset_repeats,
-    rest,
-    solved_by_other_plans,
-)
 from rlbench_pin.checking.reach import reach_of
 from rlbench_pin.checking.records import (
     RECORDS,
     Cost,
     DemoTrial,
     FailedAttempt,
-    IdleTrial,
     KeyFramesTrial,
+    NoopTrial,
     Part,
     RandomTrial,
     ReachTrial,
@@ -33,21 +25,75 @@ from rlbench_pin.checking.records import (
     UnseenTrial,
     WordsTrial,
 )
-from rlbench_pin.checking.stopwatch import Stopwatch
+from rlbench_pin.checking.validate import (
+    demo_repeats,
+    left_over,
+    noop_episode,
+    random_succeeds,
+    reset_repeats,
+    solved_by_other_plans,
+)
 from rlbench_pin.environment import DemoOutcome, Environment, TaskEnvironment
 from rlbench_pin.environment.episode import drawn_variations
 from rlbench_pin.environment.presets import key_frame_mode, low_dim_config, make_environment
-from rlbench_pin.environment.replay import key_frame_actions, reaches_goal
-from rlbench_pin.errors import BoundaryError, InvalidActionError, ResetError
+from rlbench_pin.environment.replay import key_frame_actions, reaches_goal, replay_succeeds
+from rlbench_pin.environment.runtime import Listener, Runtime
+from rlbench_pin.errors import BoundaryError, InvalidActionError, PlanningError, ResetError
+from rlbench_pin.planning.listener import PlanRequest
+from rlbench_pin.planning.plan import Plan
+from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.tasks import find_task
 
 KEY_FRAME_TRIES = 3
 """Attempts at a demonstration whose key frames are executed."""
+REPEATS = 4
+"""Seeds whose reset and demonstration are done twice, at most."""
+_SEEDS_PER_ITEM: dict[Part, int] = {"demos": 5, "unseen": 5, "repeat": 2, "noop": 10, "random": 5, "reach": 50, "key_frames": 5}
+
+
+class Stopwatch(Listener):
+    """Adds up process time [s] by kind of work, while `watching` a runtime.
+
+    Attributes:
+        spent: Kind of work (`planning`, `physics`, `observing`) -> process time [s].
+        total: Process time between entering and leaving `watching` [s].
+        ticks: Control ticks simulated.
+    """
+
+    def __init__(self) -> None:
+        self.spent = {"planning": 0.0, "physics": 0.0, "observing": 0.0}
+        self.total = 0.0
+        self.ticks = 0
+
+    @contextmanager
+    def watching(self, runtime: Runtime) -> Iterator[None]:
+        with runtime.listening(self):
+            began = time.process_time()
+            try:
+                yield
+            finally:
+                self.total += time.process_time() - began
+
+    def on_update(self, snapshot: WorldSnapshot, seconds: float) -> None:
+        self.spent["planning"] += seconds
+
+    def on_plan(self, request: PlanRequest, outcome: Plan | PlanningError, seconds: float) -> None:
+        self.spent["planning"] += seconds
+
+    def on_reach(self, seconds: float) -> None:
+        self.spent["planning"] += seconds
+
+    def on_tick(self, seconds: float) -> None:
+        self.spent["physics"] += seconds
+        self.ticks += 1
+
+    def on_observe(self, seconds: float) -> None:
+        self.spent["observing"] += seconds
 
 
 @dataclass(frozen=True)
 class Item:
-    """A piece of work: some seeds of one part of the check of one task."""
+    """An item of work: some seeds of one part of the check of one task."""
 
     task: str
     """Name, or path of a task file."""
@@ -118,7 +164,6 @@ def _text(error: Exception) -> str:
 
 
 def words_trial(task: TaskEnvironment, seed: int, variation: int) -> WordsTrial:
-    """Reset, and keep the instructions."""
     instructions, _ = task.reset(seed=seed, variation=variation)
     return WordsTrial(task=task.get_name(), seed=seed, variation=variation, instructions=tuple(instructions))
 
@@ -150,13 +195,13 @@ def demo_trial(
 def _solved(task: TaskEnvironment, outcome: DemoOutcome, cost: Cost, replay: bool) -> SolvedDemo:
     demo = outcome.demo
     assert demo is not None
-    lasts = task.success_lasts()
+    stable = task.success_lasts()
     remains = left_over(task, demo)
     return SolvedDemo(
         frames=len(demo),
         simulated=outcome.duration,
         replayed=replay_succeeds(task, demo) if replay else None,
-        lasts=lasts,
+        stable=stable,
         left_over=remains,
         segments=outcome.segments,
         cost=cost,
@@ -181,14 +226,12 @@ def repeat_trial(task: TaskEnvironment, seed: int, variation: int) -> RepeatTria
     return RepeatTrial(task=task.get_name(), seed=seed, variation=variation, differing=differing)
 
 
-def idle_trial(task: TaskEnvironment, seed: int, variation: int) -> IdleTrial:
-    """Leave the world alone."""
-    return IdleTrial(task=task.get_name(), seed=seed, variation=variation, rest=rest(task, seed, variation))
+def noop_trial(task: TaskEnvironment, seed: int, variation: int) -> NoopTrial:
+    return NoopTrial(task=task.get_name(), seed=seed, variation=variation, episode=noop_episode(task, seed, variation))
 
 
 def random_trial(task: TaskEnvironment, seed: int, variation: int) -> RandomTrial:
-    """Do random actions."""
-    reached = flail_succeeds(task, seed, variation)
+    reached = random_succeeds(task, seed, variation)
     return RandomTrial(task=task.get_name(), seed=seed, variation=variation, reached_goal=reached)
 
 
@@ -210,15 +253,66 @@ def key_frames_trial(task: TaskEnvironment, seed: int, variation: int) -> KeyFra
 
 
 def reach_trial(task: TaskEnvironment, seed: int, variation: int) -> ReachTrial:
-    """Lay the task out once, and see what the arm reaches."""
     reach = reach_of(task.runtime, seed, variation)
     return ReachTrial(task=task.get_name(), seed=seed, variation=variation, reach=reach)
 
 
 _TRIALS: dict[Part, Callable[[TaskEnvironment, int, int], Trial]] = {
     "repeat": repeat_trial,
-    "idle": idle_trial,
+    "noop": noop_trial,
     "random": random_trial,
     "reach": reach_trial,
     "key_frames": key_frames_trial,
 }
+
+
+@dataclass(frozen=True)
+class CheckPlan:
+    """How much a check does; the fields are the arguments of `rlbench-pin check` and their defaults."""
+
+    episodes: int = 30
+    """Demonstrations of each task."""
+    variations: int = 20
+    """Variations of a task at most."""
+    replays: int = 50
+    """Demonstrations that are played again."""
+    key_frames: int = 10
+    """Demonstrations whose key frames alone are executed."""
+    seed: int = 0
+    """Of the first episode."""
+    unseen: int = 0
+    """Further demonstrations on other seeds."""
+    unseen_seed: int = 5000
+    """First of those seeds."""
+    contract: bool = True
+    """Whether instructions, resets, the no-op and the random policy, and reach are validated too."""
+    contract_seeds: int = 5
+    """Episodes of the no-op policy, and those of the random policy."""
+    placements: int = 100
+    """Layouts in which every waypoint is tried."""
+    max_attempts: int = 10
+    """Tries for each demonstration."""
+
+    def items(self, task: str, seeds_at_once: int = 50) -> Iterator[Item]:
+        """Yield the work on a task.
+
+        Args:
+            task: Its name, or the path of its file.
+            seeds_at_once: Most seeds of an item; their results come together.
+        """
+        if self.contract:
+            yield Item(task, "words", (0,), self.variations)
+        for part, amount in self._amounts().items():
+            first = self.unseen_seed if part == "unseen" else self.seed
+            replays = 0 if part == "unseen" else self.replays
+            step = min(_SEEDS_PER_ITEM[part], seeds_at_once)
+            for i in range(first, first + amount, step):
+                chosen = tuple(range(i, min(i + step, first + amount)))
+                yield Item(task, part, chosen, self.variations, self.max_attempts, first, replays)
+
+    def _amounts(self) -> dict[Part, int]:
+        amounts: dict[Part, int] = {"demos": self.episodes, "unseen": self.unseen, "key_frames": self.key_frames}
+        if self.contract:
+            amounts |= {"repeat": min(REPEATS, self.contract_seeds), "noop": self.contract_seeds, "random": self.contract_seeds}
+            amounts |= {"reach": self.placements}
+        return amounts

@@ -28,7 +28,7 @@ from rlbench_pin.errors import TaskEnvironmentError
 if TYPE_CHECKING:
     from rlbench_pin.checking import Item, TaskReport, Trial, TrialJournal
 
-FORMAT = 2
+FORMAT = 3
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class Check:
     def run(self) -> int:
         """Judge, print a table and the causes of failures; 1 when a task fails."""
         from rlbench_pin.checking import run_trials
-        from rlbench_pin.checking.pages.table import table
+        from rlbench_pin.checking.page import table
         from rlbench_pin.cli.progress import CheckBar
 
         wanted = self._wanted()
@@ -131,7 +131,7 @@ class Check:
         return TrialJournal(None if self.out is None else self.out / "trials.jsonl", list(wanted.values()))
 
     def _items(self, tasks: Iterable[str]) -> Iterator[Item]:
-        from rlbench_pin.checking.plan import CheckPlan
+        from rlbench_pin.checking.trials import CheckPlan
 
         plan = CheckPlan(**{field.name: getattr(self, field.name) for field in fields(CheckPlan)})
         for task in tasks:
@@ -152,12 +152,12 @@ class Check:
         }
 
     def _write(self, out: Path, content: dict[str, Any], wanted: Mapping[str, str], trials: Mapping[str, list[Trial]]) -> None:
-        from rlbench_pin.checking.pages.page import page
-        from rlbench_pin.checking.pages.pictures import draw_pictures
+        from rlbench_pin.checking.images import draw_images
+        from rlbench_pin.checking.page import page
 
         write_json(out / "report.json", content)
         with storing(out):
-            pictures = {name: draw_pictures(task, trials[name], out) for name, task in wanted.items()} if self.pictures else {}
+            pictures = {name: draw_images(task, trials[name], out) for name, task in wanted.items()} if self.pictures else {}
         print(write_whole(out / "report.md", page(content, pictures).encode()))
 
     def _explain(self, report: TaskReport, task: str) -> None:

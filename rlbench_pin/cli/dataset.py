@@ -198,8 +198,7 @@ class Export:
         """Export and say where it is."""
         from tqdm import tqdm
 
-        from rlbench_pin.datasets.formats import stored_episodes
-        from rlbench_pin.recording.export import export_dataset
+        from rlbench_pin.datasets.formats import export_dataset, stored_episodes
 
         tasks = _tasks(self.tasks)
         total = len(stored_episodes(self.root, tasks))

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from tqdm import tqdm
 
     from rlbench_pin.environment import TaskEnvironment
-    from rlbench_pin.recording.film import Film
+    from rlbench_pin.recording.video import VideoRecorder
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class RecordDemos:
     out: Path = Path("out/demo")
     """Folder of the dataset."""
     video: bool = True
-    """Film each episode from the side as an MP4 beside it."""
+    """VideoRecorder each episode from the side as an MP4 beside it."""
     image_size: Size = (128, 128)
     """Width and height of the cameras' pictures [px]."""
     cameras: Cameras = CAMERAS
@@ -77,13 +77,13 @@ class RecordDemos:
 
     def _record(self, task: TaskEnvironment, seed: int, bar: tqdm) -> Recorded:
         """Try until a demonstration of this seed succeeds, then write it."""
-        from rlbench_pin.recording.film import Film
+        from rlbench_pin.recording.video import VideoRecorder
         from rlbench_pin.tasks import keep_task
 
         causes = []
         for attempt in range(self.max_attempts):
             with storing(self.out), ExitStack() as stack:
-                film = stack.enter_context(Film(task, self.out)) if self.video else None
+                film = stack.enter_context(VideoRecorder(task, self.out)) if self.video else None
                 outcome = task.try_demo(seed=seed, attempt=attempt, on_frame=_counter(bar, seed))
                 if outcome.demo is not None:
                     keep_task(self.out, type(task.task))
@@ -91,7 +91,7 @@ class RecordDemos:
                 causes.append(outcome.cause)
         raise DemoError(f"Seed {seed} of '{self.task}' failed {self.max_attempts} times: {'; '.join(causes)}. Try another seed.")
 
-    def _keep(self, demo: Demo, seconds: float, film: Film | None) -> Recorded:
+    def _keep(self, demo: Demo, seconds: float, film: VideoRecorder | None) -> Recorded:
         from rlbench_pin.datasets import DatasetWriter
 
         episode = DatasetWriter(self.out).add(demo)

@@ -332,10 +332,10 @@ def film_failures(config: EvaluationConfig, results: Results, count: int, folder
 
 @contextmanager
 def _filmed(task: TaskEnvironment, path: Path) -> Iterator[None]:
-    """Film the block, also when a fault ends it."""
-    from rlbench_pin.recording import Film
+    """VideoRecorder the block, also when a fault ends it."""
+    from rlbench_pin.recording import VideoRecorder
 
-    with Film(task, path.parent) as film:
+    with VideoRecorder(task, path.parent) as film:
         try:
             yield
         finally:

@@ -24,7 +24,7 @@ class Replay:
 
     def run(self) -> int:
         """Print one line per episode; 1 when one does not succeed."""
-        from rlbench_pin.recording.replay_stored import replay_stored
+        from rlbench_pin.recording.replay import replay_stored
         from rlbench_pin.tasks import own_tasks
 
         if not self.files:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from tqdm import tqdm
 
     from rlbench_pin.environment import Environment, TaskEnvironment
-    from rlbench_pin.recording.films.orbit import Orbit
+    from rlbench_pin.recording.video import Orbit
     from rlbench_pin.tasks import Task
 
 _CELL = (320, 240)
@@ -59,7 +59,7 @@ class Video:
     def run(self) -> int:
         """Film, and print where the films are."""
         from rlbench_pin.datasets import VideoWriter
-        from rlbench_pin.recording.films.orbit import Orbit
+        from rlbench_pin.recording.video import Orbit
 
         tasks = self._checked_tasks()
         if self.grid:
@@ -88,8 +88,7 @@ class Video:
 
     def _film_grid(self, tasks: tuple[type[Task], ...]) -> Path:
         from rlbench_pin.datasets import VideoWriter
-        from rlbench_pin.recording.films.grid import Reel, grid_frames, grid_size
-        from rlbench_pin.recording.films.orbit import Orbit
+        from rlbench_pin.recording.video import Orbit, Reel, grid_frames, grid_size
 
         reels = {}
         for task in tasks:
@@ -160,7 +159,7 @@ def _each_tick(  # type: ignore[no-untyped-def]
 
     def shoot() -> None:
         nonlocal frame
-        for picture in (*between, orbit.picture(world, frame + len(between))):
+        for picture in (*between, orbit.image(world, frame + len(between))):
             add(picture)
             frame += 1
             bar.update()
@@ -173,7 +172,7 @@ def _each_tick(  # type: ignore[no-untyped-def]
             steps, tick = 0, world.ticks
             between.clear()
         if steps and steps % every == 0:
-            between.append(orbit.picture(world, frame + len(between)))
+            between.append(orbit.image(world, frame + len(between)))
         steps += 1
 
     task.runtime.register_step_callback(shoot)

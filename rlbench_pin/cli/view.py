@@ -41,7 +41,7 @@ class View:
 
     def run(self) -> int:
         """Draw, and print where the picture is; or serve a page until Ctrl-C."""
-        from rlbench_pin.checking.pages.demo_sheet import demo_sheet
+        from rlbench_pin.checking.images import demo_sheet
         from rlbench_pin.tasks import find_task
 
         check_at_least(self, variation=0, seed=0, size=1)

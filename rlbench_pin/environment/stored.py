@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rlbench_pin.datasets import Episode, checked_task_name, stored_demos
-from rlbench_pin.datasets.formats.rlbench_reader import folder_demos, folder_descriptions, folder_episodes
+from rlbench_pin.datasets.formats.rlbench import folder_demos, folder_descriptions, folder_episodes
 from rlbench_pin.datasets.reader import check_there, counted_files
 from rlbench_pin.environment.observations.config import CameraConfig, ObservationConfig
 from rlbench_pin.environment.observations.observe import spread_mask

@@ -1,14 +1,14 @@
-"""map(workers, pieces of work) -> results on a Ray cluster: one actor per worker."""
+"""An engine of jobs on a Ray cluster: one actor per worker."""
 
 from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from rlbench_pin.errors import MissingExtra
-from rlbench_pin.processes.engines import POLL_INTERVAL, GivenUp, ItemT, ResultT, RetryPolicy, Worker, WorkerDeath
+from rlbench_pin.processes.jobs import POLL_INTERVAL, Events, ItemT, ResultT, RetryPolicy, Worker
 
 try:
     import ray
@@ -19,9 +19,9 @@ except ImportError as _error:
 
 
 class RayEngine:
-    """Works in actors of a Ray cluster; one that dies is replaced and its piece done again.
+    """Runs workers in actors of a Ray cluster; one that dies is replaced, and its item is made again.
 
-    The cluster is the one that `ray.init` finds (`RAY_ADDRESS`), else one on this machine, ended with the work.
+    The cluster is the one that `ray.init` finds (`RAY_ADDRESS`), otherwise one on this machine, which ends with the job.
 
     Args:
         workers: How many actors, one core each.
@@ -33,7 +33,7 @@ class RayEngine:
 
     def map(
         self, worker: Callable[[], Worker[ItemT, ResultT]], items: Sequence[ItemT], stop: threading.Event
-    ) -> Generator[ResultT | WorkerDeath[ItemT] | GivenUp[ItemT], None, None]:
+    ) -> Events[ResultT, ItemT]:
         """Yield results as they come."""
         began = not ray.is_initialized()
         if began:
@@ -46,7 +46,7 @@ class RayEngine:
 
     def _map(
         self, worker: Callable[[], Worker[ItemT, ResultT]], items: Sequence[ItemT], stop: threading.Event
-    ) -> Generator[ResultT | WorkerDeath[ItemT] | GivenUp[ItemT], None, None]:
+    ) -> Events[ResultT, ItemT]:
         queue, retries = deque(items), RetryPolicy[ItemT]()
         idle = [_new_actor(worker) for _ in range(min(self.workers, len(queue)))]
         busy: dict[ray.ObjectRef, tuple[ActorHandle, ItemT]] = {}
@@ -54,7 +54,7 @@ class RayEngine:
             while idle and queue and not stop.is_set():
                 actor, item = idle.pop(), queue.popleft()
                 busy[actor.make.remote(item)] = (actor, item)
-            while idle:  # nothing is left for them; their cores are for actors that have work and wait for one
+            while idle:  # frees their cores for actors with an item that wait for one
                 ray.kill(idle.pop())
             if not busy:
                 return
@@ -77,17 +77,12 @@ class RayEngine:
 
 
 class RayWorker:
-    """What an actor is: one worker, made in the process of the actor.
-
-    Args:
-        worker: Makes it.
-    """
+    """An actor: one worker, made in the process of the actor."""
 
     def __init__(self, worker: Callable[[], Worker[Any, Any]]) -> None:
         self._worker = worker()
 
     def make(self, item: object) -> object:
-        """Do one piece of work."""
         return self._worker.make(item)
 
 

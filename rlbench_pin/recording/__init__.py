@@ -1,33 +1,26 @@
-"""Demonstrations by the thousand: recorded, rendered again, converted, replayed and filmed.
+"""Demonstrations by the thousand: recorded, rendered again, converted, replayed and filmed. `RayEngine` needs the extra `ray`."""
 
-`RayEngine` is imported when first used; it needs the extra `ray`.
-"""
-
-from __future__ import annotations
-
+import importlib
 from typing import TYPE_CHECKING
 
-from rlbench_pin.front_door import front_door
+from rlbench_pin.datasets.formats import export_dataset
 from rlbench_pin.processes import Engine, ProcessEngine, SerialEngine
-from rlbench_pin.recording.config import PictureConfig, RecordConfig
-from rlbench_pin.recording.convert import convert_demo, verify
-from rlbench_pin.recording.convert_playing import convert_by_playing
-from rlbench_pin.recording.export import export_dataset
-from rlbench_pin.recording.film import Film
-from rlbench_pin.recording.record import RecordReport, read_recording, record
-from rlbench_pin.recording.replay import replay_demo
-from rlbench_pin.recording.replay_stored import ReplayResult, replay_stored
+from rlbench_pin.recording.config import PictureConfig, RecordConfig, read_recording
+from rlbench_pin.recording.convert import convert_by_playing, convert_demo, verify
+from rlbench_pin.recording.record import RecordReport, record
+from rlbench_pin.recording.replay import ReplayResult, replay_demo, replay_stored
 from rlbench_pin.recording.rerender import rerender, seeds_of, write_seeds
+from rlbench_pin.recording.video import VideoRecorder
 
 __all__ = [
     "Engine",
-    "Film",
     "PictureConfig",
     "ProcessEngine",
     "RecordConfig",
     "RecordReport",
     "ReplayResult",
     "SerialEngine",
+    "VideoRecorder",
     "convert_by_playing",
     "convert_demo",
     "export_dataset",
@@ -44,4 +37,9 @@ __all__ = [
 if TYPE_CHECKING:
     from rlbench_pin.processes.ray_engine import RayEngine as RayEngine
 else:
-    __getattr__, __dir__ = front_door(__name__, {"RayEngine": "rlbench_pin.processes.ray_engine"})
+
+    def __getattr__(name):
+        """Import `RayEngine` when it is used first."""
+        if name != "RayEngine":
+            raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+        return importlib.import_module("rlbench_pin.processes.ray_engine").RayEngine

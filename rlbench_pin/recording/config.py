@@ -1,41 +1,47 @@
-"""What to record, and the work items it is divided into, each with a seed that depends on nothing but its name."""
+"""Which demonstrations to record, the work items, and `recording.json`, which keeps the settings of a dataset."""
 
 from __future__ import annotations
 
 import hashlib
+import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import get_args
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any, get_args
 
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
+from rlbench_pin.datasets.manifest import parse_json, short
+from rlbench_pin.datasets.storage import write_whole
 from rlbench_pin.datasets.writer import Compression
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import drawn_variations
 from rlbench_pin.environment.observations.config import ObservationConfig, RenderMode
 from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.errors import InvalidArgument, InvalidCamera, TaskEnvironmentError
+from rlbench_pin.errors import EpisodeFileError, InvalidArgument, InvalidCamera, RlbenchPinError, TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS, PRODUCTS
 from rlbench_pin.sim import RENDERERS, RendererName
 from rlbench_pin.tasks import Task, find_task, task_digest
-from rlbench_pin.values import as_choice, as_flag, as_names, as_number, as_picture_size, as_record, as_seed, as_whole
+from rlbench_pin.values import as_choice, as_flag, as_names, as_number, as_path, as_picture_size, as_record, as_seed, as_whole
 
 MOST = 10_000_000
 """Episodes, tries and variations of one recording at most."""
 _SEED_BITS = 53  # so that JSON readers of every language keep the number; evaluations have theirs beyond
+RECORDING = "recording.json"
+VERSION = 1
 
 
 @dataclass(frozen=True, kw_only=True)
 class PictureConfig:
-    """Which pictures an episode holds, how it is stored, and how fast the arm may move."""
+    """Which images an episode contains, how it is stored, and how fast the arm may move."""
 
     cameras: tuple[str, ...] = CAMERAS
-    """Cameras whose pictures are stored."""
+    """Cameras whose images are stored."""
     products: tuple[str, ...] = ("rgb", "depth", "mask")
-    """What each camera delivers, of rgb, depth, mask and point_cloud; none for episodes without pictures."""
+    """What each camera delivers, of rgb, depth, mask and point_cloud; none for episodes without images."""
     image_size: tuple[int, int] = (128, 128)
-    """Width and height of the pictures [px]."""
+    """Width and height of the images [px]."""
     renderer: RendererName = "cpu"
-    """Who draws: pictures of `cpu` are the same everywhere."""
+    """The renderer; images of `cpu` are the same on every machine."""
     render_mode: RenderMode = "opengl3"
     """`opengl3` draws shadows, `opengl` is faster without."""
     compression: Compression = "gzip"
@@ -52,7 +58,7 @@ class PictureConfig:
         self.obs_config().check()
 
     def obs_config(self) -> ObservationConfig:
-        """Return the observation config: all joint, gripper and task data, and these pictures."""
+        """Return the observation config: all joint, gripper and task data, and these images."""
         config = low_dim_config()
         for name in self.cameras:
             camera = config.camera(name)
@@ -62,13 +68,13 @@ class PictureConfig:
         return config
 
     def fields(self) -> dict[str, tuple[int, ...]]:
-        """Return the picture fields of an episode and their shapes."""
+        """Return the image fields of an episode and their shapes."""
         plain = self.image_size[::-1]
         shapes = {"rgb": (*plain, 3), "depth": plain, "mask": plain, "point_cloud": (*plain, 3)}
         return {f"{camera}_{product}": shapes[product] for camera in self.cameras for product in self.products}
 
     def environment(self, max_velocity: float = 1.0, max_acceleration: float = 4.0) -> Environment:
-        """Return an environment that delivers these pictures; its actions are those that demonstrations record.
+        """Return an environment that delivers these images; its actions are those that demonstrations record.
 
         Args:
             max_velocity: Cap on the speed of motions along the joint-space path [rad/s].
@@ -100,7 +106,7 @@ class RecordConfig:
     max_acceleration: float = 4.0
     """Cap on how fast that speed changes [rad/s^2]."""
     pictures: PictureConfig = field(default_factory=PictureConfig)
-    """Which pictures the episodes hold."""
+    """Which images the episodes contain."""
 
     def __post_init__(self) -> None:
         """Raise InvalidArgument for a number that records nothing (also a TaskEnvironmentError)."""
@@ -206,3 +212,52 @@ def item_seed(seed: int, task: str, variation: int, index: int) -> int:
 def _check_names(kind: str, names: Sequence[str], known: Sequence[str]) -> None:
     for name in as_names(names, f"PictureConfig.{kind}s", InvalidArgument):
         as_choice(name, kind, known)
+
+
+def read_recording(root: Path | str) -> RecordConfig:
+    """Return the settings that a folder was recorded with.
+
+    Raises:
+        DatasetError: There are none, or they cannot be read.
+    """
+    path = as_path(root, "root") / RECORDING
+    if not path.exists():
+        raise EpisodeFileError(
+            path,
+            f"'{path}' does not exist, so there is no recording to resume. `rlbench-pin record TASK... --out {root}` begins one.",
+        )
+    try:
+        content = parse_json(path.read_text(encoding="utf-8"))
+        if not isinstance(content, dict):
+            raise ValueError("it is no table")
+        if (version := content.pop("version", None)) != VERSION:
+            raise ValueError(f"it has version {short(version)}, this package reads version {VERSION}")
+        if not isinstance(content.get("pictures"), dict):
+            raise ValueError("it has no table 'pictures'")
+        pictures = PictureConfig(**_with_tuples(content.pop("pictures")))
+        config = RecordConfig(**_with_tuples(content), pictures=pictures)
+        return replace(config, tasks=tuple(map(_stored_name, config.tasks)))
+    except (OSError, ValueError, TypeError, RlbenchPinError) as error:
+        raise EpisodeFileError(
+            path,
+            f"'{path}' does not describe a recording: {error}. Delete it, and record with `--resume` again, naming the "
+            "tasks and settings: the episodes beside it are found.",
+        ) from error
+
+
+def write_recording(root: Path, config: RecordConfig) -> None:
+    """Write the settings, so that `--resume` needs nothing more than the folder."""
+    content = {"version": VERSION, **asdict(config)}
+    write_whole(root / RECORDING, (json.dumps(content, indent=1) + "\n").encode())
+
+
+def _stored_name(task: str) -> str:
+    """Return the name of a task in a recording; a path to code, as older ones have it, is not followed."""
+    name = Path(task).stem
+    if not name.isidentifier():
+        raise ValueError(f"{task!r} names no task")
+    return name
+
+
+def _with_tuples(settings: dict[str, Any]) -> dict[str, Any]:
+    return {name: tuple(value) if isinstance(value, list) else value for name, value in settings.items()}

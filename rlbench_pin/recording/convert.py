@@ -1,13 +1,23 @@
-"""One demonstration in any action space, and the proof that it still works there.
+"""A demonstration in another action mode, and whether its actions still reach the goal.
 
-`convert_demo` needs the demonstration alone and follows the motion of the arm model. What is relative to measured
-velocities, and torques, drift away from such a motion; `convert_playing` finds them by playing the demonstration again.
+`convert_demo` needs only the demonstration and follows the motion of the arm model. Actions relative to measured velocities, and
+torques, drift away from such a motion; `convert_by_playing` finds them by playing the demonstration again in the other mode. It
+computes every action from what is measured just before it, so that errors of motors and contacts are corrected instead of adding
+up. Since an episode repeats exactly from its start, the recorded actions have the same effect without feedback:
+`verify` plays them.
+
+Torques are computed from the arm model, tick by tick. With the demonstrated next state (q_d, v_d) and measured (q, v),
+
+    v_e = v_d + g (q_d - q - dt (v + v_d) / 2) / dt,    a = (v_e - v) / dt - b,    tau = M(q) a + h(q, v)             (1)
+
+where g is the share of the position error removed in a tick, and b is what loads that the model does not know added to the
+acceleration so far: after each tick, a share of (reached - expected velocity) / dt is added to it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -20,6 +30,7 @@ from rlbench_pin.environment.actions.mode import ActionMode, RelativeFrame
 from rlbench_pin.environment.actions.pose import ERJointViaIK, PoseMode
 from rlbench_pin.environment.actions.safe_arm import unwrapped
 from rlbench_pin.environment.demos import EXTRA_TICKS
+from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError, InvalidActionError
 from rlbench_pin.observation import Demo
@@ -27,9 +38,14 @@ from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, compose, inverse, relative
 from rlbench_pin.values import as_number, as_record
 
+POSITION_SHARE = 0.5
+"""g: share of the position error that a tick of torques removes."""
+BIAS_SHARE = 0.5
+"""Share of the unexplained acceleration of a tick that is taken as permanent."""
+
 
 @dataclass(frozen=True, eq=False)
-class Moment:
+class _Moment:
     """One tick of a demonstration."""
 
     q: FloatArray
@@ -39,9 +55,9 @@ class Moment:
     target: FloatArray
     """Commanded joint positions at its end [rad]."""
     amount: float
-    """Commanded opening fraction of the hand."""
-    hand_moves: bool
-    """Whether the hand moves after the tick, so that the arm comes to rest."""
+    """Commanded opening fraction of the gripper."""
+    gripper_moves: bool
+    """Whether the gripper moves after the tick, so that the arm comes to rest."""
 
 
 def convert_demo(demo: Demo, action_mode: ActionMode, model: RobotModel, dt: float = 0.05) -> list[FloatArray]:
@@ -62,20 +78,20 @@ def convert_demo(demo: Demo, action_mode: ActionMode, model: RobotModel, dt: flo
     as_record(action_mode, ActionMode, "action_mode")
     as_record(model, RobotModel, "model")
     dt = as_number(dt, "the control tick dt [s]", above=0.0)
-    moments = demo_moments(demo)
-    finger = finger_conversion(action_mode, model)
+    moments = _moments(demo)
+    finger = _finger_conversion(action_mode, model)
     mode = unwrapped(action_mode.arm_action_mode)
     return [np.append(arm, finger(m)) for arm, m in zip(_arm_actions(mode, moments, model, dt), moments, strict=True)]
 
 
-def demo_moments(demo: Demo) -> list[Moment]:
+def _moments(demo: Demo) -> list[_Moment]:
     """Return the ticks of a demonstration.
 
     Raises:
         DemoError: It lacks joint positions, velocities or actions.
     """
     as_record(demo, Demo, "demo")
-    moments: list[Moment] = []
+    moments: list[_Moment] = []
     amount = 1.0
     for before, after in zip(demo[:-1], demo[1:], strict=True):
         command = after.misc.get("joint_position_action")
@@ -85,71 +101,87 @@ def demo_moments(demo: Demo) -> list[Moment]:
             )
         now = float(command[-1])
         target = np.asarray(command[:-1], dtype=float)
-        moments.append(Moment(before.joint_positions, before.joint_velocities, target, now, now != amount))
+        moments.append(_Moment(before.joint_positions, before.joint_velocities, target, now, now != amount))
         amount = now
     return moments
 
 
-def _arm_actions(mode: object, moments: Sequence[Moment], model: RobotModel, dt: float) -> Iterator[FloatArray]:
-    if isinstance(mode, JointPosition):
-        return (m.target if mode.absolute_mode else m.target - m.q for m in moments)
-    if isinstance(mode, JointVelocity):
-        return _joint_velocities(mode, moments, dt)
+def _arm_actions(mode: object, moments: Sequence[_Moment], model: RobotModel, dt: float) -> Iterator[FloatArray]:
     if isinstance(mode, JointTorque) and mode.absolute_mode:
         return (model.inverse_dynamics(m.q, m.v, ((m.target - m.q) / dt - m.v) / dt) for m in moments)
-    if isinstance(mode, EndEffectorVelocity):
-        return _tip_velocities(mode, moments, model, dt)
+    if isinstance(mode, JointVelocity | EndEffectorVelocity):
+        return _followed_velocities(mode, moments, model, dt)
+    return (_arm_action(mode, m, model, dt) for m in moments)
+
+
+def _followed_velocities(
+    mode: JointVelocity | EndEffectorVelocity, moments: Sequence[_Moment], model: RobotModel, dt: float
+) -> Iterator[FloatArray]:
+    """Yield the actions of an arm model that follows the targets."""
+    solver = DifferentialIK(model, DifferentialIKConfig(dt=dt))
+    q, v = moments[0].q.copy(), np.zeros_like(moments[0].q)
+    for m in moments:
+        here = replace(m, q=q, v=v)
+        velocity = _velocity(mode, here, model, dt)
+        yield _velocity_action(mode, here, velocity, model)
+        if isinstance(mode, EndEffectorVelocity):
+            velocity = solver.velocity_for_twist(q, v, velocity, _axes(mode))
+        q = q + dt * velocity
+        v = np.zeros_like(v) if m.gripper_moves else velocity
+
+
+def _arm_action(mode: object, m: _Moment, model: RobotModel, dt: float) -> FloatArray:
+    """Return the action of an arm mode that brings the arm from a moment to its target.
+
+    Raises:
+        InvalidActionError: A demonstration cannot be written in this mode, or not from a single moment.
+    """
+    if isinstance(mode, JointPosition):
+        return m.target if mode.absolute_mode else m.target - m.q
+    if isinstance(mode, JointVelocity | EndEffectorVelocity):
+        return _velocity_action(mode, m, _velocity(mode, m, model, dt), model)
     if isinstance(mode, PoseMode) and not isinstance(mode, ERJointViaIK):
-        return (tip_pose_action(m, mode, model) for m in moments)
+        return _pose_action(mode, m, model)
     raise InvalidActionError(f"A demonstration cannot be written as actions of {type(mode).__name__}.")
 
 
-def _joint_velocities(mode: JointVelocity, moments: Sequence[Moment], dt: float) -> Iterator[FloatArray]:
-    """Velocities that follow the targets, or their changes from tick to tick."""
-    q, v = moments[0].q.copy(), np.zeros_like(moments[0].q)
-    for m in moments:
-        wanted = (m.target - q) / dt
-        yield wanted if mode.absolute_mode else wanted - v
-        q = q + dt * wanted
-        v = np.zeros_like(v) if m.hand_moves else wanted
-
-
-def _tip_velocities(mode: EndEffectorVelocity, moments: Sequence[Moment], model: RobotModel, dt: float) -> Iterator[FloatArray]:
-    """Tip velocities whose ticks end at the targets: the shift and the rotation vector over dt."""
-    solver = DifferentialIK(model, DifferentialIKConfig(dt=dt))
-    in_tip = mode.frame is RelativeFrame.EE
-    axes: Literal["tip", "world"] = "tip" if in_tip else "world"
-    q, v = moments[0].q.copy(), np.zeros_like(moments[0].q)
-    for m in moments:
-        here, goal = model.tip_se3(q), model.tip_se3(m.target)
-        twist = tip_twist(here, goal, in_tip, dt)
-        yield twist if mode.absolute_mode else twist - model.jacobian(q, axes) @ v
-        joint_velocity = solver.velocity_for_twist(q, v, twist, axes)
-        q = q + dt * joint_velocity
-        v = np.zeros_like(v) if m.hand_moves else joint_velocity
-
-
-def tip_twist(here: pin.SE3, goal: pin.SE3, in_tip: bool, dt: float) -> FloatArray:
-    """Return the velocity (6,), [m/s, rad/s], that brings the tip from `here` to `goal` in `dt`, along world or tip axes."""
+def _velocity(mode: JointVelocity | EndEffectorVelocity, m: _Moment, model: RobotModel, dt: float) -> FloatArray:
+    """Return the velocity of joints [rad/s] or tip [m/s, rad/s] that brings the arm to the target of a moment in `dt`."""
+    if isinstance(mode, JointVelocity):
+        return (m.target - m.q) / dt
+    here, goal = model.tip_se3(m.q), model.tip_se3(m.target)
     twist = np.concatenate([goal.translation - here.translation, pin.log3(goal.rotation @ here.rotation.T)]) / dt
-    if not in_tip:
+    if _axes(mode) == "world":
         return twist
     return np.concatenate([here.rotation.T @ twist[:3], here.rotation.T @ twist[3:]])
 
 
-def tip_pose_action(m: Moment, mode: PoseMode, model: RobotModel) -> FloatArray:
-    """Return the pose, or its difference to the tip's, that a moment leads to, as `mode` has it, shape (7,)."""
+def _velocity_action(
+    mode: JointVelocity | EndEffectorVelocity, m: _Moment, velocity: FloatArray, model: RobotModel
+) -> FloatArray:
+    """Return a velocity, or its difference to that of the moment."""
+    if mode.absolute_mode:
+        return velocity
+    return velocity - (m.v if isinstance(mode, JointVelocity) else model.jacobian(m.q, _axes(mode)) @ m.v)
+
+
+def _axes(mode: EndEffectorVelocity) -> Literal["tip", "world"]:
+    return "tip" if mode.frame is RelativeFrame.EE else "world"
+
+
+def _pose_action(mode: PoseMode, m: _Moment, model: RobotModel) -> FloatArray:
+    """Return the pose of the target, or its difference to that of the tip, shape (7,)."""
     goal, here = model.tip_pose(m.target), model.tip_pose(m.q)
     if mode.frame is RelativeFrame.EE:
         return relative(goal, here)
     if mode.absolute_mode:
         return goal
-    turn = compose(np.append(np.zeros(3), goal[3:]), inverse(np.append(np.zeros(3), here[3:])))
-    return np.append(goal[:3] - here[:3], turn[3:])
+    rotation = compose(np.append(np.zeros(3), goal[3:]), inverse(np.append(np.zeros(3), here[3:])))
+    return np.append(goal[:3] - here[:3], rotation[3:])
 
 
-def finger_conversion(action_mode: ActionMode, model: RobotModel) -> Callable[[Moment], float]:
-    """Return what turns the hand of a moment into the last number of an action.
+def _finger_conversion(action_mode: ActionMode, model: RobotModel) -> Callable[[_Moment], float]:
+    """Return the function from a moment to the last number of an action, for the gripper.
 
     Raises:
         InvalidActionError: The mode moves fingers by differences.
@@ -172,7 +204,7 @@ def verify(task: TaskEnvironment, demo: Demo, actions: Sequence[FloatArray]) -> 
     """
     as_record(task, TaskEnvironment, "task")
     task.reset_to_demo(demo)
-    for action in (*actions, *[_rest(task, actions[-1])] * EXTRA_TICKS):
+    for action in (*actions, *[_waiting_action(task, actions[-1])] * EXTRA_TICKS):
         try:
             _, reward, terminate = task.step(action)
         except InvalidActionError:
@@ -182,8 +214,8 @@ def verify(task: TaskEnvironment, demo: Demo, actions: Sequence[FloatArray]) -> 
     return False
 
 
-def _rest(task: TaskEnvironment, last: FloatArray) -> FloatArray:
-    """Return the action that waits: the last one where it names a place, otherwise no motion with the same hand."""
+def _waiting_action(task: TaskEnvironment, last: FloatArray) -> FloatArray:
+    """Return the action that waits: the last one where it is absolute, otherwise no motion with the same gripper command."""
     mode = unwrapped(task.action_mode.arm_action_mode)
     if isinstance(mode, JointTorque) or (isinstance(mode, JointPosition) and mode.absolute_mode):
         return last
@@ -192,4 +224,49 @@ def _rest(task: TaskEnvironment, last: FloatArray) -> FloatArray:
     return np.append(np.zeros(len(last) - 1), last[-1:])
 
 
-__all__ = ["convert_demo", "verify"]
+def convert_by_playing(task: TaskEnvironment, demo: Demo) -> list[FloatArray]:
+    """Return the actions of a demonstration in the action mode of `task`, one for every frame after the first until success.
+
+    Args:
+        task: The environment of the demonstration's task, in the mode to convert to; it is reset, and left at the end.
+        demo: A demonstration with joint positions and velocities, recorded live.
+
+    Raises:
+        DemoError: The demonstration lacks what the conversion needs.
+        InvalidActionError: The mode cannot express a demonstration, or refused an action.
+    """
+    as_record(task, TaskEnvironment, "task")
+    moments, runtime = _moments(demo), task.runtime
+    mode = unwrapped(task.action_mode.arm_action_mode)
+    torques = _Torques(runtime, mode.absolute_mode) if isinstance(mode, JointTorque) else None
+    finger = _finger_conversion(task.action_mode, runtime.model)
+    ends = [m.v for m in moments[1:]] + [np.zeros(runtime.model.size)]
+    task.reset_to_demo(demo)
+    actions: list[FloatArray] = []
+    for m, end in zip(moments, ends, strict=True):
+        now = replace(m, q=runtime.robot.joint_positions, v=runtime.robot.joint_velocities)
+        arm = torques(now, end) if torques else _arm_action(mode, now, runtime.model, runtime.world.control_dt)
+        actions.append(np.append(arm, finger(m)))
+        if task.step(actions[-1])[2]:
+            break
+    return actions
+
+
+class _Torques:
+    """Equation (1)."""
+
+    def __init__(self, runtime: Runtime, absolute: bool) -> None:
+        self._runtime, self._absolute, self._dt = runtime, absolute, runtime.world.control_dt
+        self._bias = np.zeros(runtime.model.size)
+        self._expected: FloatArray | None = None
+
+    def __call__(self, m: _Moment, end: FloatArray) -> FloatArray:
+        """Return the torques (n,) [N m] of a tick, or what they add to those of the last."""
+        dt, model = self._dt, self._runtime.model
+        if self._expected is not None:
+            self._bias += BIAS_SHARE * (m.v - self._expected) / dt
+        wanted = end + POSITION_SHARE * ((m.target - m.q) / dt - 0.5 * (m.v + end))
+        torque = model.inverse_dynamics(m.q, m.v, (wanted - m.v) / dt - self._bias)
+        torque = np.clip(torque, -model.limits.effort, model.limits.effort)
+        self._expected = None if m.gripper_moves else wanted
+        return torque if self._absolute else torque - self._runtime.robot.joint_torques

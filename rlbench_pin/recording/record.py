@@ -1,7 +1,7 @@
-"""Recording demonstrations by the thousand: plan the work, give it to an engine, store what comes back, lose nothing.
+"""Recording demonstrations by the thousand.
 
-Workers write nothing. The one process that calls `record` stores every episode whole before it lists it, so whatever is
-killed, and whenever, the dataset is consistent and `resume` goes on where it ended.
+Workers write nothing. The process that calls `record` stores every episode completely before it lists it, so that the dataset is
+consistent whenever that process is killed, and `resume` continues where it ended.
 """
 
 from __future__ import annotations
@@ -10,22 +10,154 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
-from contextlib import closing, suppress
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
-from rlbench_pin.datasets import DatasetWriter, EpisodeEntry, checked_task_name, fold_journal, read_manifest, stored_tasks
+import numpy as np
+
+from rlbench_pin.datasets import (
+    DatasetWriter,
+    EpisodeEntry,
+    checked_task_name,
+    encode_demo,
+    episode_entry,
+    fold_journal,
+    read_demo,
+    read_manifest,
+    stored_tasks,
+)
 from rlbench_pin.datasets.layout import episode_path
 from rlbench_pin.datasets.reader import stored_pictures
 from rlbench_pin.datasets.storage import hold, remove_leftovers
-from rlbench_pin.errors import DatasetConflict, EpisodeFileError, StorageError
-from rlbench_pin.processes import Engine, GivenUp, ProcessEngine, WorkerDeath
-from rlbench_pin.recording.config import PictureConfig, RecordConfig, WorkItem, plan_items
-from rlbench_pin.recording.settings_file import RECORDING, read_recording, write_recording
-from rlbench_pin.recording.work import ItemResult, Recorder
-from rlbench_pin.tasks import Task, chosen_tasks_of, is_task_file, keep_tasks, task_reference
+from rlbench_pin.environment.environment import Environment
+from rlbench_pin.environment.task_environment import TaskEnvironment
+from rlbench_pin.errors import DatasetConflict, EpisodeFileError, ResetError, RlbenchPinError, StorageError, TaskError
+from rlbench_pin.observation import LOW_DIM, Demo
+from rlbench_pin.processes import Engine, GivenUp, WorkerDeath, run_jobs
+from rlbench_pin.recording.config import (
+    RECORDING,
+    PictureConfig,
+    RecordConfig,
+    WorkItem,
+    plan_items,
+    read_recording,
+    write_recording,
+)
+from rlbench_pin.recording.replay import replay_demo
+from rlbench_pin.sim import give_back_memory
+from rlbench_pin.tasks import Task, chosen_tasks_of, find_task, is_task_file, keep_tasks, task_digest, task_reference
 from rlbench_pin.values import as_flag, as_function, as_path, as_record
+
+_FREE_EVERY = 5_000_000
+"""Bytes of episodes after which memory is given back."""
+
+
+@dataclass(frozen=True)
+class ItemResult:
+    """The result of one work item."""
+
+    item: WorkItem
+    failures: tuple[str, ...]
+    """Causes of failed tries, each as `kind: message`."""
+    data: bytes | None = None
+    """The bytes of the episode file, None when every try failed."""
+    entry: EpisodeEntry | None = None
+    """Its line of the manifest."""
+
+
+class Recorder:
+    """Makes episodes, one after the other, in one environment.
+
+    Args:
+        config: Which images they contain.
+    """
+
+    def __init__(self, config: PictureConfig) -> None:
+        self.config = config
+        self._environment: Environment | None = None
+        self._task: TaskEnvironment | None = None
+        self._loaded = ""
+        self._speed: tuple[float, float] | None = None
+        self._made = 0
+
+    def make(self, item: WorkItem) -> ItemResult:
+        """Make one episode; the result says what goes wrong in a try."""
+        failures: list[str] = []
+        for attempt in item.attempts:
+            try:
+                demo = self._try(item, attempt, failures)
+            except RlbenchPinError as error:
+                failures.append(f"{type(error).__name__}: {error}")
+                if not isinstance(error, ResetError):
+                    break
+                continue
+            except Exception as error:  # a fault of one task must not cost the others
+                failures.append(f"fault: {type(error).__name__}: {error}")
+                self.close()
+                continue
+            if demo is not None:
+                data = encode_demo(demo, self.config.compression)
+                self._free_memory(len(data), after_failures=bool(failures))
+                return ItemResult(item, tuple(failures), data, episode_entry(demo, data, item.index, failures))
+        return ItemResult(item, tuple(failures))
+
+    def close(self) -> None:
+        """Free the environment; the next item makes another."""
+        if self._environment is not None:
+            self._environment.shutdown()
+        self._environment, self._task, self._loaded = None, None, ""
+
+    def _free_memory(self, made: int, *, after_failures: bool) -> None:
+        """Give memory back after an episode with images, whose raw frames take tens of megabytes, or after many without.
+
+        Only what failed leaves frames in cycles, by its traceback; to look for them everywhere takes 70 ms.
+        """
+        self._made += made
+        if self._made > _FREE_EVERY:
+            self._made = 0
+            give_back_memory(collect=after_failures)
+
+    def _try(self, item: WorkItem, attempt: int, failures: list[str]) -> Demo | None:
+        task = self._load(item)
+        outcome = task.try_demo(seed=item.seed, variation=item.variation, attempt=attempt)
+        if not item.source:
+            failures += [outcome.cause] if outcome.cause else []
+            return outcome.demo
+        stored = read_demo(Path(item.source), (*LOW_DIM, "gripper_matrix"), sha256=item.sha256 or None)
+        if outcome.demo is not None and same_motion(outcome.demo, stored):
+            return outcome.demo
+        return replay_demo(task, stored)
+
+    def _load(self, item: WorkItem) -> TaskEnvironment:
+        if self._speed != item.speed:
+            self.close()
+        if self._task is None or self._loaded != item.task:
+            if self._environment is None:
+                self._environment, self._speed = self.config.environment(*item.speed), item.speed
+            self._task, self._loaded = self._environment.get_task(_task_of(item)), item.task
+        return self._task
+
+
+def _task_of(item: WorkItem) -> type[Task]:
+    """Return the class of the task, unless its files have changed since the work was planned.
+
+    Raises:
+        TaskError: They have.
+    """
+    task = find_task(item.task)
+    if item.task_digest and task_digest(task) != item.task_digest:
+        raise TaskError(
+            f"The files of the task '{item.name}' changed while it was recorded. Record it again into another folder."
+        )
+    return task
+
+
+def same_motion(demo: Demo, other: Demo) -> bool:
+    """Whether two demonstrations show the same joints at every instant, bit for bit."""
+    joints, others = ([np.asarray(obs.joint_positions) for obs in d] for d in (demo, other))
+    return len(joints) == len(others) and all(np.array_equal(a, b) for a, b in zip(joints, others))
 
 
 @dataclass(frozen=True)
@@ -111,7 +243,7 @@ def record(
 
 
 def check_work(engine: Engine | None, on_progress: OnProgress | None, stop: threading.Event | None, trust: bool) -> None:
-    """Raise InvalidValue for what cannot do work, be told of it, or end it, before a folder is touched."""
+    """Raise InvalidValue for wrong arguments, before a folder is touched."""
     if engine is not None:
         as_record(engine, Engine, "engine")  # type: ignore[type-abstract]
     if stop is not None:
@@ -129,30 +261,34 @@ def run_items(
     on_progress: OnProgress | None = None,
     stop: threading.Event | None = None,
 ) -> RecordReport:
-    """Do the pieces of work that the folder does not hold yet and store what comes of them."""
+    """Make and store the episodes that the folder does not contain yet."""
     watch = on_progress or (lambda report: None)
-    stop = stop or threading.Event()
     began = time.perf_counter()
     pending = _pending(root, items)
     _check_pictures(root, items, {item.key for item in pending}, pictures)
     report = RecordReport(len(items), len(items) - len(pending))
     watch(report)
     writer = DatasetWriter(root)
+
+    def store(result: ItemResult) -> None:
+        if result.data is not None and result.entry is not None:
+            writer.put(result.item.name, result.data, result.entry)
+
     try:
-        with closing((engine or ProcessEngine()).map(partial(Recorder, pictures), pending, stop)) as events:
-            for event in events:
-                if isinstance(event, WorkerDeath):
-                    report = replace(report, deaths=(*report.deaths, event))
-                else:
-                    result = ItemResult(event.item, (event.cause,)) if isinstance(event, GivenUp) else event
-                    if result.data is not None and result.entry is not None:
-                        writer.put(result.item.name, result.data, result.entry)
-                    report = report.with_result(result)
-                report = replace(report, seconds=time.perf_counter() - began)
-                watch(report)
+        for event in run_jobs(pending, partial(Recorder, pictures), store=store, lost=_lost, engine=engine, stop=stop):
+            if isinstance(event, WorkerDeath):
+                report = replace(report, deaths=(*report.deaths, event))
+            else:
+                report = report.with_result(event)
+            report = replace(report, seconds=time.perf_counter() - began)
+            watch(report)
     finally:
         _fold(root, {item.name for item in items})
     return report
+
+
+def _lost(given_up: GivenUp[WorkItem]) -> ItemResult:
+    return ItemResult(given_up.item, (given_up.cause,))
 
 
 def _prepare(root: Path, config: RecordConfig, items: Sequence[WorkItem], tasks: Collection[type[Task]], resume: bool) -> None:
@@ -196,14 +332,14 @@ def _is_stored(root: Path, item: WorkItem, entry: EpisodeEntry | None) -> bool:
 
 
 def _check_pictures(root: Path, items: Sequence[WorkItem], pending: set[tuple[str, int, int]], pictures: PictureConfig) -> None:
-    """Raise DatasetConflict when a stored episode of a task holds other pictures than the new ones would."""
+    """Raise DatasetConflict when a stored episode of a task contains other images than the new ones would."""
     stored = {item.name: episode_path(root, *item.key) for item in items if item.key not in pending}
     for path in stored.values():
         with suppress(EpisodeFileError):  # damaged: `verify` finds it
             if (found := stored_pictures(path)) != pictures.fields():
                 asked = pictures.fields()
                 raise DatasetConflict(
-                    f"'{path}' holds the pictures {found}, asked for are {asked}. Choose the same, or another folder."
+                    f"'{path}' contains the images {found}, asked for are {asked}. Choose the same, or another folder."
                 )
 
 

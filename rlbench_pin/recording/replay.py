@@ -1,14 +1,23 @@
-"""A stored demonstration played again from its own start and its own actions, for other cameras."""
+"""Replaying recorded actions: of a demonstration in memory, and of stored episodes."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
 import numpy as np
 
+from rlbench_pin.datasets import counted_demo, counted_files, read_demo, stored_tasks
+from rlbench_pin.datasets.trust import Inspector
 from rlbench_pin.environment.demos import library_versions
+from rlbench_pin.environment.presets import low_dim_config, make_environment
+from rlbench_pin.environment.replay import replay_succeeds
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError
-from rlbench_pin.observation import Demo, Observation
-from rlbench_pin.values import as_record
+from rlbench_pin.observation import LOW_DIM, Demo, Observation
+from rlbench_pin.tasks import OwnTasks, stored_task
+from rlbench_pin.values import as_flag, as_path, as_record, as_several
 
 JOINT_TOLERANCE = 1e-3
 """How far a joint may be from where it was recorded, in replay [rad]."""
@@ -59,7 +68,7 @@ def _keep_flag(observation: Observation, recorded: Observation) -> None:
 
 def _compare(now: np.ndarray | None, then: np.ndarray | None, index: int, stored: Demo) -> None:
     if now is None or then is None:
-        raise DemoError("The stored demonstration holds no joint positions, so its replay cannot be judged. Record it again.")
+        raise DemoError("The stored demonstration holds no joint positions, so its replay cannot be checked. Record it again.")
     error = float(np.max(np.abs(now - then)))
     if error > JOINT_TOLERANCE:
         made = ", ".join(f"{name} {version}" for name, version in stored.versions.items())
@@ -67,3 +76,62 @@ def _compare(now: np.ndarray | None, then: np.ndarray | None, index: int, stored
             f"Neither its seed nor its actions give the demonstration again: at frame {index} a joint is {error:.4f} rad away. "
             f"It was made with {made}. Use those versions, or record it again."
         )
+
+
+@dataclass(frozen=True)
+class ReplayResult:
+    """What became of one stored episode."""
+
+    path: Path
+    """The episode file."""
+    reached: bool
+    """Whether its actions reached the goal again."""
+
+
+def replay_stored(
+    paths: Sequence[Path], *, own: OwnTasks | None = None, trust_task_files: bool = False
+) -> Iterator[ReplayResult]:
+    """Restore the start of stored episodes, repeat their joint-position actions, and yield what became of each.
+
+    Args:
+        paths: Episode files, or folders of datasets, of which those episodes count that the manifests list.
+        own: Tasks that the user named files of, by task name; they go before all others.
+        trust_task_files: Whether task files that a dataset keeps may be run.
+
+    Raises:
+        UntrustedTaskFile: A task is code that came with the episodes, and nobody said that it may be run.
+        DatasetError: A file cannot be read, or a folder holds no demonstrations.
+        DemoError: An episode holds no joint-position actions.
+    """
+    chosen = [as_path(path, "an entry of paths") for path in as_several(paths, "paths")]
+    tasks = {} if own is None else as_record(own, Mapping, "own")  # type: ignore[type-abstract]
+    return _replayed(chosen, tasks, as_flag(trust_task_files, "trust_task_files"))
+
+
+def _replayed(paths: Sequence[Path], own: OwnTasks, trust_task_files: bool) -> Iterator[ReplayResult]:
+    with make_environment(low_dim_config()) as environment:
+        task: TaskEnvironment | None = None
+        loaded: tuple[Path, str] | None = None
+        for path, demo in _episodes(paths):
+            wanted = (_root_of(path), demo.task_name)
+            if task is None or loaded != wanted:
+                task, loaded = environment.get_task(stored_task(*wanted, own, trust_task_files)), wanted
+            task.reset_to_demo(demo)
+            yield ReplayResult(path, replay_succeeds(task, demo))
+
+
+def _root_of(episode: Path) -> Path:
+    """Return the folder of the dataset that an episode file lies in: `<root>/<task>/variation<k>/episodes/<file>`."""
+    return episode.absolute().parents[3] if len(episode.absolute().parents) > 3 else episode.absolute().parent
+
+
+def _episodes(paths: Sequence[Path]) -> Iterator[tuple[Path, Demo]]:
+    """Yield episodes and where they lie, each read when its turn comes."""
+    with Inspector() as inspector:
+        for path in paths:
+            if not path.is_dir():
+                yield path, read_demo(path, LOW_DIM, inspector=inspector)
+                continue
+            for task in stored_tasks(path, at_least_one=True):
+                for file, sha256 in counted_files(path, task).items():
+                    yield file, counted_demo(file, sha256, LOW_DIM, inspector=inspector)

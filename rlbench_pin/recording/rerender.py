@@ -99,14 +99,14 @@ def rerender(
     own: OwnTasks | None = None,
     trust_task_files: bool = False,
 ) -> RecordReport:
-    """Record the demonstrations of a dataset again, with other pictures; go on with what `out` holds. Each is made again
+    """Record the demonstrations of a dataset again, with other images; go on with what `out` holds. Each is made again
     from its seed. Where the old file is there, the joints must move as they did, bit for bit; otherwise its start is restored and
     its actions repeated, and the joints must stay within 1 mrad of the old ones.
 
     Args:
         source: Folder of the dataset (its manifests are enough), or a file with a list of seeds.
         out: Folder of the new dataset.
-        pictures: What they hold.
+        pictures: Which images they contain.
         tasks: Only these; all when none is named.
         engine: Who does the work; one process when None.
         on_progress: As for `record`.

@@ -6,7 +6,7 @@ from rlbench_pin.scene.reader import read_scene, read_scene_text, resolve_asset
 from rlbench_pin.scene.snapshot import BodySnapshot, Shape, WorldSnapshot
 from rlbench_pin.scene.spec import (
     BodySpec,
-    DepartureSpec,
+    DeviationSpec,
     FrameSpec,
     JointSpec,
     PlacementSpec,
@@ -20,7 +20,7 @@ from rlbench_pin.scene.writer import write_scene
 __all__ = [
     "BodySnapshot",
     "BodySpec",
-    "DepartureSpec",
+    "DeviationSpec",
     "FrameSpec",
     "JointSpec",
     "PlacementSpec",

@@ -69,7 +69,7 @@ def check_scene(spec: SceneSpec) -> None:
         _check_sensor(spec, sensor)
     _check_waypoints(spec)
     _check_bounds(spec)
-    _check_departures(spec)
+    _check_deviations(spec)
 
 
 def table_of(item: PosedSpec) -> str:
@@ -198,11 +198,11 @@ def _check_bounds(spec: SceneSpec) -> None:
         raise SceneFileError(spec.file, "[placement], key 'yaw'", f"the lower bound {low} is above the upper bound {high}.")
 
 
-def _check_departures(spec: SceneSpec) -> None:
-    names = [departure.name for departure in spec.departure]
+def _check_deviations(spec: SceneSpec) -> None:
+    names = [deviation.name for deviation in spec.deviation]
     for name in names:
         if names.count(name) > 1:
-            raise SceneFileError(spec.file, f"[[departure]] '{name}'", "it is described twice.")
+            raise SceneFileError(spec.file, f"[[deviation]] '{name}'", "it is described twice.")
 
 
 Entry = dict[str, Any]
@@ -348,6 +348,8 @@ def raw_scene(text: str, path: Path | str) -> Raw:
 def scene_from_raw(raw: Raw, path: Path) -> SceneSpec:
     """Check the tables of a scene file, which `raw_scene` returned, and return the scene."""
     _check_format(path, raw)
+    if "departure" in raw and "deviation" not in raw:  # the name of the table in older files
+        raw = {"deviation" if table == "departure" else table: content for table, content in raw.items()}
     if raw["format"] == FORMAT:
         raw = _written_out(path, raw)
     try:

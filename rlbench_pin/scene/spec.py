@@ -364,7 +364,7 @@ class PlacementSpec(Spec):
     """Centre of the patch in the root frame."""
 
 
-class DepartureSpec(Spec):
+class DeviationSpec(Spec):
     """What differs from the specification of the task, for people to read; it changes nothing."""
 
     name: Words
@@ -391,7 +391,7 @@ class SceneSpec(Spec):
     region: tuple[RegionSpec, ...] = Field(default=(), max_length=MOST_THINGS)
     sensor: tuple[SensorSpec, ...] = Field(default=(), max_length=MOST_THINGS)
     waypoint: tuple[WaypointSpec, ...] = Field(default=(), max_length=MOST_WAYPOINTS)
-    departure: tuple[DepartureSpec, ...] = Field(default=(), max_length=MOST_THINGS)
+    deviation: tuple[DeviationSpec, ...] = Field(default=(), max_length=MOST_THINGS)
     file: str = Field(default="", exclude=True)
     """Where the scene was read from; not part of the file."""
 

@@ -20,7 +20,7 @@ from rlbench_pin.scene.reader import ShortFormError, placement_for_file, write_o
 from rlbench_pin.scene.spec import (
     FORMAT,
     BodySpec,
-    DepartureSpec,
+    DeviationSpec,
     FrameSpec,
     JointSpec,
     PlacementSpec,
@@ -40,7 +40,7 @@ TABLES: Mapping[str, type[Spec]] = {
     "region": RegionSpec,
     "sensor": SensorSpec,
     "waypoint": WaypointSpec,
-    "departure": DepartureSpec,
+    "deviation": DeviationSpec,
 }
 """Table -> what its entries are."""
 _TABLE_OF = {model: table for table, model in TABLES.items()}

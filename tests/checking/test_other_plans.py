@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rlbench_pin.checking.judge import demo_bytes, solved_by_other_plans
+from rlbench_pin.checking.validate import demo_bytes, solved_by_other_plans
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.environment.runtime import Listener

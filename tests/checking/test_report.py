@@ -6,16 +6,14 @@ from dataclasses import replace
 
 import pytest
 
-from rlbench_pin.checking.judge import Rest
-from rlbench_pin.checking.pages.page import page
-from rlbench_pin.checking.pages.table import table
+from rlbench_pin.checking.page import page, table
 from rlbench_pin.checking.reach import Reach
 from rlbench_pin.checking.records import (
     Cost,
     DemoTrial,
     FailedAttempt,
-    IdleTrial,
     KeyFramesTrial,
+    NoopTrial,
     RandomTrial,
     ReachTrial,
     RepeatTrial,
@@ -25,17 +23,18 @@ from rlbench_pin.checking.records import (
     WordsTrial,
 )
 from rlbench_pin.checking.report import TaskReport, summarise
+from rlbench_pin.checking.validate import NoopEpisode
 from rlbench_pin.environment.demos import SegmentReport
 from rlbench_pin.environment.episode import drawn_variations
 
 SEGMENTS = (SegmentReport(0, "straight", 0.06, 2.0), SegmentReport(1, "search", 0.04, 3.0))
 DEMO = SolvedDemo(
-    frames=100, simulated=5.0, replayed=True, lasts=True, segments=SEGMENTS,
+    frames=100, simulated=5.0, replayed=True, stable=True, segments=SEGMENTS,
     cost=Cost(0.5, process=0.25, planning=0.1, physics=0.125, ticks=50),
 )  # fmt: skip
 GOOD = DemoTrial(task="push_button", seed=0, variation=0, demo=DEMO)
-REST = Rest(penetration=0.0004, held=(), arm_speed=0.0, drift=0.0002, drifter="button/cap", success=False)
-IDLE = IdleTrial(task="push_button", seed=0, variation=0, rest=REST)
+STILL = NoopEpisode(penetration=0.0004, held=(), arm_speed=0.0, drift=0.0002, drifter="button/cap", success=False)
+NOOP = NoopTrial(task="push_button", seed=0, variation=0, episode=STILL)
 FAILED = FailedAttempt("no path: x", 2)
 
 
@@ -45,7 +44,7 @@ def _words(variation: int, *instructions: str) -> WordsTrial:
 
 def _trials(amount: int = 20) -> list[Trial]:
     demos = [replace(GOOD, seed=i, variation=i % 3) for i in range(amount)]
-    others = [IDLE, RepeatTrial(task="push_button", seed=0, variation=0)]
+    others = [NOOP, RepeatTrial(task="push_button", seed=0, variation=0)]
     return demos + others + [_words(v, f"Press button {v}.") for v in range(3)]
 
 
@@ -68,16 +67,16 @@ def test_a_good_task_passes() -> None:
 @pytest.mark.parametrize(
     ("worse", "fault"),
     [
-        (replace(IDLE, rest=replace(REST, success=True)), "resting succeeds"),
-        (RandomTrial(task="push_button", seed=0, variation=0, reached_goal=True), "flailing succeeds"),
+        (replace(NOOP, episode=replace(STILL, success=True)), "the no-op policy succeeds"),
+        (RandomTrial(task="push_button", seed=0, variation=0, reached_goal=True), "the random policy succeeds"),
         (
             RepeatTrial(task="push_button", seed=0, variation=0, differing=("reset",)),
             "a reset or a demonstration does not repeat",
         ),
         (replace(GOOD, demo=replace(DEMO, left_over=("pose of crumb",))), "an episode leaves something behind"),
-        (replace(IDLE, rest=replace(REST, drift=0.0011)), "button/cap moves by itself"),
-        (replace(IDLE, rest=replace(REST, penetration=0.0021)), "things overlap at a reset"),
-        (replace(IDLE, rest=replace(REST, held=("cup",))), "something is held at a reset"),
+        (replace(NOOP, episode=replace(STILL, drift=0.0011)), "button/cap moves by itself"),
+        (replace(NOOP, episode=replace(STILL, penetration=0.0021)), "objects overlap at a reset"),
+        (replace(NOOP, episode=replace(STILL, held=("cup",))), "the gripper holds an object at a reset"),
         (_words(3, ""), "variation 3 lacks instructions, or repeats one"),
         (_words(3, "Go.", "Go."), "variation 3 lacks instructions, or repeats one"),
         (_words(3, "Press button 1."), "variations (1, 3) have the same instructions"),
@@ -204,7 +203,7 @@ def test_reach_is_counted_by_waypoint() -> None:
 
 
 def test_the_page_shows_what_the_json_holds() -> None:
-    """Tables of tasks, variations and segments, the slowest with the reason, and pictures where there are some."""
+    """Tables of tasks, variations and legs, the slowest with the reason, and pictures where there are some."""
     slower = replace(DEMO, cost=replace(DEMO.cost, process=1.0, physics=0.8))
     demos = [replace(GOOD, task="stack_blocks", seed=i, variation=i % 3, demo=slower) for i in range(20)]
     slow = [*demos, *(replace(t, task="stack_blocks") for t in _trials(0))]
@@ -220,14 +219,23 @@ def test_the_page_shows_what_the_json_holds() -> None:
     assert "physics 80%" in slowest
 
 
+def test_the_page_shows_older_reports() -> None:
+    """With the keys of format 2."""
+    content = _content(summarise("push_button", _trials()))
+    task = dict(content["tasks"]["push_button"])
+    task["idle"], task["lasting"] = task.pop("noop"), task.pop("stable_success")
+    assert page({**content, "tasks": {"push_button": task}}) == page(content)
+
+
 def test_the_json_keeps_its_format() -> None:
     """`docs/results/demo_success.json` and its readers rely on these keys and their order."""
     failed = replace(GOOD, seed=50, failed=(FailedAttempt("no path: after 7 checks", 2),), demo=replace(DEMO, replayed=False))
     plain = summarise("push_button", [*_trials(), failed]).as_dict()
     assert list(plain) == [
-        "passed", "faults", "variations", "first_try", "within_tries", "same_scene", "unseen", "lasting", "replay", "key_frames",
-        "idle", "random", "repeat", "tidy", "accepted", "per_variation", "drift", "penetration", "held", "left_over",
-        "instructions", "reach", "median_frames", "median_simulated_s", "p95_simulated_s", "median_planning_s", "times_real_time",
+        "passed", "faults", "variations", "first_try", "within_tries", "same_scene", "unseen", "stable_success", "replay",
+        "key_frames", "noop", "random", "repeat", "tidy", "accepted", "per_variation", "drift", "penetration", "held",
+        "left_over", "instructions", "reach", "median_frames", "median_simulated_s", "p95_simulated_s", "median_planning_s",
+        "times_real_time",
         "speed", "segments", "failures", "errors",
     ]  # fmt: skip
     where = {"seed": 50, "variation": 0}
@@ -240,8 +248,8 @@ def test_the_json_keeps_its_format() -> None:
 
 def test_a_trial_without_a_start_state_is_counted_once() -> None:
     """For a demonstration or a draw it is a failure, for the other parts an error."""
-    records = [kind.without_start("push_button", 0, 0, "reset: no place") for kind in (DemoTrial, ReachTrial, IdleTrial)]
+    records = [kind.without_start("push_button", 0, 0, "reset: no place") for kind in (DemoTrial, ReachTrial, NoopTrial)]
     report = summarise("push_button", records)
     assert [(failure.cause, failure.count) for failure in report.failures] == [("reset: no place", 3)]
     assert report.errors == ("reset: no place",)
-    assert (report.within_tries.of, report.accepted.of, report.idle.count) == (1, 1, 0)
+    assert (report.within_tries.of, report.accepted.of, report.noop.count) == (1, 1, 0)

@@ -1,15 +1,18 @@
-"""Trials of running tasks: what is left of one layout does not spoil the next, and key frames alone reach the goal."""
+"""Trials of running tasks, how much a check does, and where the time of a demonstration goes."""
 
 from __future__ import annotations
+
+from dataclasses import asdict, fields
 
 import pytest
 
 from rlbench_pin.checking import KeyFramesTrial, ReachTrial
-from rlbench_pin.checking.trials import Item, work
+from rlbench_pin.checking.trials import REPEATS, CheckPlan, Item, Stopwatch, work
+from rlbench_pin.cli.check import Check
+from rlbench_pin.environment.presets import low_dim_config, make_environment
 
-pytestmark = pytest.mark.simulation
 
-
+@pytest.mark.simulation
 def test_tasks_that_clean_up_are_laid_out_again_and_again() -> None:
     """The stains of `wipe_desk` are taken away before the world is built again."""
     trials = work(Item("wipe_desk", "reach", (0, 1), max_variations=1))
@@ -17,7 +20,66 @@ def test_tasks_that_clean_up_are_laid_out_again_and_again() -> None:
     assert [trial.error for trial in trials] == ["", ""]
 
 
+@pytest.mark.simulation
 def test_key_frames_are_executed_by_poses_of_the_tip() -> None:
     """Those of a demonstration of `push_button` reach the goal."""
     trials = work(Item("push_button", "key_frames", (0, 1), max_variations=2))
     assert [trial.reached_goal for trial in trials if isinstance(trial, KeyFramesTrial)] == [True, True]
+
+
+@pytest.mark.simulation
+def test_kinds_of_work_are_parts_of_the_whole() -> None:
+    """Planning, physics and observing all take time, and together no more than there was; two demonstrations add up."""
+    with make_environment(low_dim_config()) as environment:
+        task = environment.get_task("reach_target")
+        watch = Stopwatch()
+        with watch.watching(task.runtime):
+            outcome = task.try_demo(seed=0)
+        assert outcome.demo is not None
+        once, ticks = watch.total, watch.ticks
+        assert all(seconds > 0.0 for seconds in watch.spent.values())
+        assert sum(watch.spent.values()) < once
+        assert ticks >= outcome.duration / task.world.control_dt
+        task.try_demo(seed=0)
+        assert watch.ticks == ticks
+        with pytest.raises(ZeroDivisionError), watch.watching(task.runtime):
+            task.try_demo(seed=0)
+            raise ZeroDivisionError
+        assert watch.ticks == 2 * ticks
+        assert watch.total > once
+
+
+def _seeds(plan: CheckPlan, at_once: int = 50) -> dict[str, list[int]]:
+    seeds: dict[str, list[int]] = {}
+    for item in plan.items("reach_target", at_once):
+        assert len(item.seeds) <= at_once
+        seeds.setdefault(item.part, []).extend(item.seeds)
+    return seeds
+
+
+def test_the_fields_are_the_arguments_of_the_command() -> None:
+    """With the same defaults."""
+    default = asdict(Check())
+    assert {field.name: default[field.name] for field in fields(CheckPlan)} == asdict(CheckPlan())
+
+
+def test_each_seed_is_tried_once_in_pieces_of_any_size() -> None:
+    """However the work is cut."""
+    plan = CheckPlan(episodes=12, seed=7, unseen=3, unseen_seed=100, placements=60, contract_seeds=9, key_frames=2)
+    expected = {
+        "words": [0],
+        "demos": list(range(7, 19)),
+        "unseen": [100, 101, 102],
+        "key_frames": [7, 8],
+        "repeat": list(range(7, 7 + REPEATS)),
+        "noop": list(range(7, 16)),
+        "random": list(range(7, 16)),
+        "reach": list(range(7, 67)),
+    }
+    assert _seeds(plan) == expected
+    assert _seeds(plan, 1) == expected
+
+
+def test_without_the_contract_only_demonstrations_are_made() -> None:
+    """And the key frames of them."""
+    assert _seeds(CheckPlan(episodes=2, key_frames=1, contract=False)) == {"demos": [0, 1], "key_frames": [0]}

@@ -6,19 +6,20 @@ import json
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
 from PIL import Image
 
-from rlbench_pin.checking import pool
-from rlbench_pin.checking.journal import TrialJournal
+from rlbench_pin.checking import run
 from rlbench_pin.checking.records import DemoTrial, FailedAttempt, ReachTrial, Trial
+from rlbench_pin.checking.run import TrialJournal
 from rlbench_pin.checking.trials import Item, work
 from rlbench_pin.cli.main import main
 from rlbench_pin.errors import ResetError, RlbenchPinError
+from rlbench_pin.processes import GivenUp
 
 Capture = pytest.CaptureFixture[str]
 QUICK = ("--episodes", "6", "--contract-seeds", "1", "--placements", "10")
@@ -39,7 +40,7 @@ def test_a_report_folder_holds_page_data_and_pictures(tmp_path: Path, capsys: Ca
     assert str(tmp_path / "report.md") in capsys.readouterr().out
     report = json.loads((tmp_path / "report.json").read_text())["tasks"]["reach_target"]
     assert report["passed"]
-    assert [report[rate]["of"] for rate in ("first_try", "idle", "random", "repeat", "tidy", "accepted")] == [6, 1, 1, 1, 6, 10]
+    assert [report[rate]["of"] for rate in ("first_try", "noop", "random", "repeat", "tidy", "accepted")] == [6, 1, 1, 1, 6, 10]
     assert len(report["instructions"]) == 20
     assert set(report["per_variation"]) == {"0", "1", "2", "3", "4", "5"}
     assert [(segment["waypoint"], segment["count"]) for segment in report["segments"]] == [(0, 6)]
@@ -62,7 +63,7 @@ def test_a_stopped_check_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         done.append(item)
         return work(item)
 
-    monkeypatch.setattr(pool, "work", stop_after_two)
+    monkeypatch.setattr(run, "work", stop_after_two)
     assert main([*arguments, "--out", str(tmp_path / "a")]) == 130
     journal = tmp_path / "a" / "trials.jsonl"
     assert len(journal.read_text().splitlines()) == 2
@@ -70,7 +71,7 @@ def test_a_stopped_check_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         file.write('{"key": "half a li')
 
     later: list[Item] = []
-    monkeypatch.setattr(pool, "work", lambda item: later.append(item) or work(item))
+    monkeypatch.setattr(run, "work", lambda item: later.append(item) or work(item))
     assert main([*arguments, "--out", str(tmp_path / "a")]) == 0
     assert [item.seeds for item in (*done, *later)] == [(0, 1, 2, 3, 4), (5, 6, 7, 8, 9), (10, 11)]
     assert main([*arguments, "--out", str(tmp_path / "b")]) == 0
@@ -80,7 +81,7 @@ def test_a_stopped_check_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 def test_trials_survive_the_journal(tmp_path: Path) -> None:
     """Whatever a trial holds comes back equal; another task file makes old trials void."""
-    items = [Item("open_drawer", part, (0,), 3) for part in ("words", "demos", "repeat", "idle", "random", "reach", "key_frames")]  # type: ignore[arg-type]
+    items = [Item("open_drawer", part, (0,), 3) for part in ("words", "demos", "repeat", "noop", "random", "reach", "key_frames")]  # type: ignore[arg-type]
     done = {item: work(item) for item in items}
     journal = TrialJournal(tmp_path / "trials.jsonl", ["open_drawer"])
     for item, trials in done.items():
@@ -137,15 +138,20 @@ def test_a_task_that_raises_fails_with_what_it_raised(tmp_path: Path, capsys: Ca
     assert "KeyError: 'cup'" in out
 
 
-def test_a_dead_worker_is_explained() -> None:
+def test_a_dead_worker_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
     """The error says what to do."""
 
-    class Dead:
-        def result(self) -> list[Trial]:
-            raise pool.BrokenProcessPool
+    class Dying:
+        def __init__(self, workers: int) -> None:
+            pass
 
-    with pytest.raises(RlbenchPinError, match="goes on from here"):
-        pool._result(Dead(), Item("reach_target", "demos", (0,), 1))  # type: ignore[arg-type]
+        def map(self, worker: object, items: Sequence[Item], stop: object) -> Iterator[GivenUp[Item]]:
+            yield GivenUp(items[0], "worker died: 3 times, the last with SIGKILL")
+
+    monkeypatch.setattr(run, "ProcessEngine", Dying)
+    items = [Item("reach_target", "demos", (seed,), 1) for seed in (0, 1)]
+    with pytest.raises(RlbenchPinError, match="'demos' of 'reach_target'.* died.*goes on from here"):
+        run.run_trials(items, 2, TrialJournal(None, ["reach_target"]))
 
 
 def test_a_reset_that_fails_counts_against_the_task(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:

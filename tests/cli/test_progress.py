@@ -7,13 +7,12 @@ from dataclasses import replace
 
 import pytest
 
-from rlbench_pin.checking.pool import CheckProgress
+from rlbench_pin.checking.run import CheckProgress
 from rlbench_pin.checking.trials import Item
 from rlbench_pin.cli.progress import CheckBar, RecordBar
 from rlbench_pin.processes import WorkerDeath
 from rlbench_pin.recording.config import WorkItem
-from rlbench_pin.recording.record import RecordReport
-from rlbench_pin.recording.work import ItemResult
+from rlbench_pin.recording.record import ItemResult, RecordReport
 
 Capture = pytest.CaptureFixture[str]
 ITEM = WorkItem("reach_target", "reach_target", 0, 0, 1, (0,))
@@ -97,7 +96,7 @@ def test_the_last_state_stays(clock: Clock, capsys: Capture) -> None:
 
 def test_the_bar_of_a_check_counts_trials_and_their_rate(clock: Clock, capsys: Capture) -> None:
     """Trials of an earlier run count as done but not for the rate; the last item is named."""
-    bar, item = CheckBar(), Item("open_drawer", "idle", (0, 1), 3)
+    bar, item = CheckBar(), Item("open_drawer", "noop", (0, 1), 3)
     bar(CheckProgress(20, 10, 0))
     assert re.search(r"check: +50%.* 10/20 ", last_line(capsys))
     for done in (2, 4):

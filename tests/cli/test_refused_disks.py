@@ -17,7 +17,7 @@ from rlbench_pin.datasets import VideoWriter
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.errors import StorageError
 from rlbench_pin.planning.problems import PlanningProblem, write_problem
-from rlbench_pin.recording.films.orbit import Orbit
+from rlbench_pin.recording.video import Orbit
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from tests.cli.support import TASK, exit_code
 from tests.demos_for_tests import mounted, simulate_full_disk

@@ -13,9 +13,9 @@ from rlbench_pin.cli import options
 from rlbench_pin.cli.main import main
 from rlbench_pin.cli.running import COMMANDS, run, summary
 from rlbench_pin.datasets import Compression
+from rlbench_pin.datasets.formats import ExportFormat
 from rlbench_pin.environment.observations.config import RenderMode
 from rlbench_pin.evaluation import FOLLOWERS
-from rlbench_pin.recording.export import ExportFormat
 
 Capture = pytest.CaptureFixture[str]
 HEAVY = ("pybullet", "ompl", "toppra", "osqp", "placo", "coal", "pinocchio", "h5py", "av", "scipy", "PIL", "tqdm")

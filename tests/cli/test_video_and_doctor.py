@@ -8,14 +8,12 @@ import av
 import numpy as np
 import pytest
 
-from rlbench_pin.checking.judge import demo_bytes
+from rlbench_pin.checking.validate import demo_bytes
 from rlbench_pin.cli.doctor import check_picture
 from rlbench_pin.cli.main import main
 from rlbench_pin.environment import low_dim_config, make_environment
 from rlbench_pin.errors import CameraError
-from rlbench_pin.recording.film import film_view
-from rlbench_pin.recording.films.grid import Reel, grid_frames, grid_size
-from rlbench_pin.recording.films.orbit import Orbit
+from rlbench_pin.recording.video import Orbit, Reel, grid_frames, grid_size, side_view
 
 
 def test_the_orbit_stays_inside_the_room_and_looks_at_its_centre():
@@ -38,7 +36,7 @@ def test_films_have_the_arm_and_the_task_in_the_picture(name):
         world = task.world
         room = [i for i, mask in world.masks.items() if mask.partition("/")[0] in world.room]
         orbit = Orbit(size=(160, 90)).around(world)
-        for view in (film_view(world), orbit.view(0), orbit.view(300)):
+        for view in (side_view(world), orbit.view(0), orbit.view(300)):
             mask = world.render(view, rgb=False, depth=False).mask
             assert np.isin([*mask[0], *mask[-1], *mask[:, 0], *mask[:, -1]], room).all()
             rows, columns = np.nonzero(~np.isin(mask, room))

@@ -1,7 +1,7 @@
 """What every task of the registry must keep, asked of each without naming it.
 
-This is the quick form: one demonstration played twice, one replay, one seed of rest and flailing. Its longer half is marked
-`slow`; the long form is `make sweep`: `rlbench-pin check` with 100 demonstrations and 20 seeds.
+This is the quick form: one demonstration played twice, one replay, one seed of the no-op and the random policy. Its longer half
+is marked `slow`; the long form is `make sweep`: `rlbench-pin check` with 100 demonstrations and 20 seeds.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from rlbench_pin.checking import judge
+from rlbench_pin.checking import validate
 from rlbench_pin.datasets import key_frames
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.motion import REST_SPEED
 from rlbench_pin.environment.presets import key_frame_mode
-from rlbench_pin.environment.replay import key_frame_actions
+from rlbench_pin.environment.replay import key_frame_actions, replay_succeeds
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.observation import Demo
 
@@ -30,7 +30,7 @@ PERACT = (
 )  # fmt: skip
 """The tasks of the library that are among the 18 of multi-task key-frame agents."""
 SHORT = 60
-"""Control ticks of resting and flailing in the quick form; 3 s."""
+"""Control ticks of the no-op and the random policy in the quick form; 3 s."""
 
 
 def long(*values: int) -> object:
@@ -55,8 +55,8 @@ def test_instructions_are_distinct_sentences_for_every_variation(task_env: TaskE
         words[variation], obs = task_env.reset(seed=variation, variation=variation)
         assert all(isinstance(w, str) for w in words[variation])
         assert obs.misc["variation_index"] == variation
-    assert judge.poor_instructions(words) == ()
-    assert task_env.task.variations_share_goals is bool(judge.shared_instructions(words))
+    assert validate.poor_instructions(words) == ()
+    assert task_env.task.variations_share_goals is bool(validate.shared_instructions(words))
     task_env.set_variation(0)
 
 
@@ -69,24 +69,24 @@ def test_the_same_seed_gives_the_same_world(task_env: TaskEnvironment) -> None:
     assert task_env.reset(seed=3)[1].get_low_dim_data().tobytes() == first.tobytes()
 
 
-@pytest.mark.parametrize(("seed", "steps"), [(0, SHORT), long(1, judge.IDLE_STEPS)])
+@pytest.mark.parametrize(("seed", "steps"), [(0, SHORT), long(1, validate.NOOP_STEPS)])
 def test_a_scene_left_alone_stays_as_it_is(task_env: TaskEnvironment, seed: int, steps: int) -> None:
     """At the reset nothing is held or overlaps and the arm is still; then nothing moves by itself, and nothing is solved."""
-    found = judge.rest(task_env, seed, -1, steps)
+    found = validate.noop_episode(task_env, seed, -1, steps)
     assert found.held == ()
-    assert found.penetration <= judge.MAX_PENETRATION
+    assert found.penetration <= validate.MAX_PENETRATION
     assert found.arm_speed < REST_SPEED
     assert not found.success
-    assert found.drift <= judge.MAX_DRIFT, found.drifter
+    assert found.drift <= validate.MAX_DRIFT, found.drifter
     task_env.set_variation(0)
 
 
-@pytest.mark.parametrize(("seed", "steps"), [(0, SHORT), long(0, judge.RANDOM_STEPS)])
-def test_flailing_never_succeeds(task_env: TaskEnvironment, seed: int, steps: int) -> None:
+@pytest.mark.parametrize(("seed", "steps"), [(0, SHORT), long(0, validate.RANDOM_STEPS)])
+def test_random_actions_never_succeed(task_env: TaskEnvironment, seed: int, steps: int) -> None:
     """Random joint motion solves nothing."""
     if task_env.task.solved_by_chance:
         pytest.skip("a random motion may pass through the goal; `rlbench-pin check` reports how often")
-    assert not judge.flail_succeeds(task_env, seed, -1, steps)
+    assert not validate.random_succeeds(task_env, seed, -1, steps)
     task_env.set_variation(0)
 
 
@@ -98,7 +98,7 @@ def test_a_demonstration_repeats_replays_and_leaves_nothing_over(task_env: TaskE
     demo = demonstrate(task_env, 7)
     assert np.abs(demo[-1].joint_velocities).max() < 0.1
     assert replays(task_env, demo) or all(replays(task_env, demonstrate(task_env, seed)) for seed in (30, 31))
-    assert judge.demo_bytes(demonstrate(task_env, 7)) == judge.demo_bytes(demo)
+    assert validate.demo_bytes(demonstrate(task_env, 7)) == validate.demo_bytes(demo)
 
 
 @pytest.mark.slow
@@ -147,5 +147,5 @@ def demonstrate(task_env: TaskEnvironment, seed: int) -> Demo:
 
 def replays(task_env: TaskEnvironment, demo: Demo) -> bool:
     """Whether the joint-position actions of a demonstration just played succeed again; nothing may be left over from it."""
-    assert judge.left_over(task_env, demo) == ()
-    return judge.replay_succeeds(task_env, demo)
+    assert validate.left_over(task_env, demo) == ()
+    return replay_succeeds(task_env, demo)

@@ -1,4 +1,4 @@
-"""Where resets put a task: as the specification and the footprint say, or what the arm cannot reach is a listed departure."""
+"""Where resets put a task: as the specification and the footprint say, or what the arm cannot reach is a listed deviation."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.robot.description import robot_description
-from rlbench_pin.scene import DepartureSpec, SceneSpec
+from rlbench_pin.scene import DeviationSpec, SceneSpec
 from rlbench_pin.sim import World
 from rlbench_pin.spatial import quaternion_yaw
 from rlbench_pin.tasks import Task, place_task
@@ -31,7 +31,7 @@ def test_what_resets_accept_is_spread_as_declared(task_env: TaskEnvironment, res
     """x, y and yaw of the task lie as a draw of them does, the yaw as specified; what reach takes away is listed."""
     accepted, share = played(task_env, resets)
     declared = draws(task_env.task)
-    listed = {entry.name: entry for entry in task_env.task.world.spec.departure}
+    listed = {entry.name: entry for entry in task_env.task.world.spec.deviation}
     if SPECIFIED[task_env.get_name()]["static"] == [1.0]:
         assert not np.ptp(accepted, axis=0).any()
         return
@@ -45,14 +45,14 @@ def test_what_resets_accept_is_spread_as_declared(task_env: TaskEnvironment, res
         assert apart(here, asked) <= limit, f"{name} is not spread as declared"
 
 
-def check_figure(name: str, here: float, least: float, slack: float, listed: dict[str, DepartureSpec]) -> None:
-    """Check that a figure is large enough, or that the departure which is listed names it."""
+def check_figure(name: str, here: float, least: float, slack: float, listed: dict[str, DeviationSpec]) -> None:
+    """Check that a figure is large enough, or that the deviation which is listed names it."""
     if name not in listed:
-        assert here >= least - slack, f"{name} is {here:.3f}: mend it or list a departure"
+        assert here >= least - slack, f"{name} is {here:.3f}: mend it or list a deviation"
         return
     text = listed[name].here.partition(":")[0]
     said = float(text.split()[0]) / (100.0 if "%" in text else 1.0)
-    assert said < least, f"{name} is as declared: strike the departure"
+    assert said < least, f"{name} is as declared: strike the deviation"
     assert abs(said - here) <= slack, f"{name} is {here:.3f}, listed as {text}"
 
 

@@ -20,10 +20,10 @@ import pytest
 
 from rlbench_pin.cli.main import main
 from rlbench_pin.datasets import DatasetWriter, read_manifest, task_faults
+from rlbench_pin.datasets.formats import ExportFormat, find_exporter
 from rlbench_pin.datasets.merge import merge_datasets
 from rlbench_pin.errors import StorageError
 from rlbench_pin.observation import Demo, Observation
-from rlbench_pin.recording.export import ExportFormat, find_exporter
 from rlbench_pin.recording.rerender import seeds_of, write_seeds
 from tests.demos_for_tests import mounted, simulate_full_disk
 

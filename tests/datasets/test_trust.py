@@ -37,7 +37,7 @@ from rlbench_pin.environment.stored import read_stored_descriptions
 from rlbench_pin.errors import DatasetError, EpisodeFileError
 from rlbench_pin.processes import SerialEngine
 from rlbench_pin.recording.config import PictureConfig
-from rlbench_pin.recording.replay_stored import replay_stored
+from rlbench_pin.recording.replay import replay_stored
 from rlbench_pin.recording.rerender import read_seeds, rerender
 from tests.demos_for_tests import edit_manifest, make_demo
 

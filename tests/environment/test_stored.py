@@ -10,7 +10,7 @@ from PIL import Image
 
 from rlbench_pin import Environment
 from rlbench_pin.datasets import read_picture
-from rlbench_pin.datasets.formats.rlbench_folders import export_rlbench
+from rlbench_pin.datasets.formats.rlbench import export_rlbench
 from rlbench_pin.environment import Discrete, JointPosition, MoveArmThenGripper, ObservationConfig
 from rlbench_pin.errors import DatasetError, UnknownName
 from rlbench_pin.processes import SerialEngine

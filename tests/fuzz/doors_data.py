@@ -25,10 +25,10 @@ from tests.fuzz.doors import Door, Fresh, functions, methods, parameters_of
 SKIPPED = frozenset({
     "RandomizeEvery", "RelativeFrame",  # enumerations of Python
     "Color", "BodySnapshot", "Shape", "WorldSnapshot",  # records that files and worlds fill
-    "EpisodeEntry", "KeptTask", "Trial", "DemoTrial", "IdleTrial", "KeyFramesTrial", "RandomTrial", "ReachTrial",
+    "EpisodeEntry", "KeptTask", "Trial", "DemoTrial", "NoopTrial", "KeyFramesTrial", "RandomTrial", "ReachTrial",
     "RepeatTrial", "WordsTrial",
-    "Rate", "Rest", "Move", "TaskInfo", "StoredEpisode", "RecordReport", "ReplayResult", "Command", "ControllerSummary", "Leg",
-    "LegTrial", "CheckProgress", "Failure", "Item", "Reach", "TaskReport", "TaskState", "DemoOutcome", "EnvironmentState",
+    "Rate", "NoopEpisode", "Move", "TaskInfo", "StoredEpisode", "RecordReport", "ReplayResult", "Command", "ControllerSummary",
+    "Leg", "LegTrial", "CheckProgress", "Failure", "Item", "Reach", "TaskReport", "TaskState", "DemoOutcome", "EnvironmentState",
     "SegmentReport", "ActionSpec", "EpisodeItem", "EpisodeOutcome", "EvaluationProgress", "PolicyContext",
     "Reference", "TaskSet", "TaskSelection", "Comparison", "Pairs", "TaskComparison", "PValues", "Summary",
     "TaskSummary", "Estimate", "Table",  # records that doors return, or policies are given
@@ -43,7 +43,7 @@ SKIPPED = frozenset({
     "SpawnBoundary", "clearance", "easiest_top_grasp", "free_direction", "place_task", "settle", "at_rest",
     "swap_places",  # likewise, or asked in every tick
 })  # fmt: skip
-SMALL = EvaluationConfig(policy="noop", tasks=("reach_target",), episodes=1, max_seconds=0.1)
+SMALL = EvaluationConfig(policy="rest", tasks=("reach_target",), episodes=1, max_seconds=0.1)
 """The smallest evaluation."""
 LONG = ("close", "get_task", "step", "set_state", "get_demos", "reset_to_demo", "remove_camera", "put", "try_demo")
 """These have cases elsewhere, or need what a made-up demonstration has not."""
@@ -125,7 +125,7 @@ def special_samples(folder: Path, task: TaskEnvironment, numbers: Iterator[int],
         "ObservationConfig.add_camera.camera": extra,
     }
     special |= {f"{name}.task": kind for name in ("keep_task", "task_digest", "task_reference", "task_scene")}
-    special |= {f"{name}.task": task for name in ("Film", "convert_by_playing", "replay_demo", "verify")}
+    special |= {f"{name}.task": task for name in ("VideoRecorder", "convert_by_playing", "replay_demo", "verify")}
     special |= {"keep_tasks.tasks": [kind], "keep_tasks.root": new, "keep_task.root": new}
     return special | more_samples(library, new, first) | evaluation_samples(folder, numbers)
 
@@ -170,12 +170,12 @@ def policy_samples() -> dict[str, object]:
     return {
         "ChallengeConfig.learner": "nearest",
         "find_learner.reference": "nearest",
-        "find_policy.reference": "noop",
+        "find_policy.reference": "rest",
         "learning_curve.learner": "nearest",
         "learning_curve.split": "V1",
         "learning_curve.results": {},
         "meta_split.name": "V1",
-        "open_policy.reference": "noop",
+        "open_policy.reference": "rest",
         "FunctionPolicy.function": lambda observation: observation,
         "KeyFrame.is_open": True,
         "PolicySettings.action_mode": {"mode": "JointPositionActionMode"},
@@ -189,7 +189,7 @@ def more_samples(library: Path, new: Fresh, first: Path) -> dict[str, object]:
         "counted_demo.fields": ["front_rgb"],
         "replay_stored.paths": [first],
         "EpisodeRunner.config": SMALL,
-        "EvaluationConfig.policy": "noop",
+        "EvaluationConfig.policy": "rest",
         "evaluation_seed.seed": 0,
         "evaluation_seed.index": 0,
         "plan_episodes.config": SMALL,

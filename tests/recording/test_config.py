@@ -1,19 +1,22 @@
-"""What a recording will make: its pieces of work, their seeds, and which settings are refused."""
+"""The items of a recording, their seeds, which settings are refused, and `recording.json`, which is checked when it is read."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+import json
+from dataclasses import asdict, replace
+from pathlib import Path
 
 import pytest
 
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.environment.episode import drawn_variations
-from rlbench_pin.errors import CameraError, TaskEnvironmentError, UnknownName
-from rlbench_pin.recording import PictureConfig, RecordConfig
-from rlbench_pin.recording.config import item_seed, plan_items
+from rlbench_pin.errors import CameraError, EpisodeFileError, TaskEnvironmentError, UnknownName
+from rlbench_pin.recording import PictureConfig, RecordConfig, read_recording
+from rlbench_pin.recording.config import item_seed, plan_items, write_recording
 
 TASK = "reach_target"
 CONFIG = RecordConfig(tasks=(TASK,), episodes=6, variations=2, max_attempts=3, pictures=PictureConfig(products=()))
+FILED = RecordConfig(tasks=("reach_target",), episodes=3, pictures=PictureConfig(products=()))
 
 
 def test_the_seed_of_an_item_follows_from_its_name_alone() -> None:
@@ -92,3 +95,42 @@ def test_shadows_and_speed() -> None:
     with plain.environment(max_velocity=0.5) as environment:
         planner = environment.get_task(TASK).runtime.planner
     assert planner.config.max_velocity == 0.5
+
+
+def test_settings_come_back(tmp_path: Path) -> None:
+    """As they were, tuples included."""
+    write_recording(tmp_path, FILED)
+    assert read_recording(tmp_path) == FILED
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"tasks": "reach_target"}, {"tasks": []}, {"tasks": [1]}, {"tasks": None}, {"episodes": 0}, {"episodes": 1.5},
+        {"episodes": True}, {"episodes": 10**30}, {"per_variation": 2}, {"variations": "all"}, {"variations": -2},
+        {"draw_variations": "yes"}, {"seed": -1}, {"seed": "0"}, {"max_attempts": 0}, {"max_velocity": 0},
+        {"max_velocity": "fast"}, {"max_acceleration": -1.0}, {"max_acceleration": True}, {"unknown": 1},
+        {"pictures": None}, {"pictures": []}, {"pictures": {"image_size": [128]}}, {"pictures": {"image_size": [128, 0]}},
+        {"pictures": {"image_size": [1e9, 1e9]}}, {"pictures": {"image_size": 0}}, {"pictures": {"cameras": ["nose"]}},
+        {"pictures": {"cameras": [[]]}}, {"pictures": {"products": "rgb"}}, {"pictures": {"renderer": 7}},
+        {"pictures": {"render_mode": "vulkan"}}, {"pictures": {"compression": "zip"}}, {"pictures": {"zoom": 3}},
+    ],
+    ids=str,
+)  # fmt: skip
+def test_a_setting_that_is_senseless_is_refused(tmp_path: Path, change: dict[str, object]) -> None:
+    """With the name of the file and what to do instead."""
+    content = {"version": 1, **asdict(FILED), **change}
+    (tmp_path / "recording.json").write_text(json.dumps(content))
+    with pytest.raises(EpisodeFileError, match=r"recording\.json.*naming the tasks"):
+        read_recording(tmp_path)
+
+
+@pytest.mark.parametrize("text", ["", "[" * 100_000, "[]", "7", "null", "{}", '{"version": NaN}', "\xff", '{"version": 1}'])
+def test_what_is_no_recording_is_refused(tmp_path: Path, text: str) -> None:
+    """Whatever the file holds, and where it is a folder."""
+    (tmp_path / "recording.json").write_bytes(text.encode("latin1"))
+    with pytest.raises(EpisodeFileError, match=r"recording\.json"):
+        read_recording(tmp_path)
+    (tmp_path / "folder" / "recording.json").mkdir(parents=True)
+    with pytest.raises(EpisodeFileError, match=r"recording\.json"):
+        read_recording(tmp_path / "folder")

@@ -16,7 +16,7 @@ from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import DatasetConflict, EpisodeFileError, TaskError, UnknownName, UntrustedTaskFile
 from rlbench_pin.recording import PictureConfig, ProcessEngine, RecordConfig, SerialEngine, read_recording, record, rerender
-from rlbench_pin.recording.replay_stored import replay_stored
+from rlbench_pin.recording.replay import replay_stored
 from rlbench_pin.tasks import own_tasks, stored_task
 
 pytestmark = pytest.mark.simulation

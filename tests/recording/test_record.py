@@ -19,8 +19,8 @@ from rlbench_pin.datasets.layout import episode_path
 from rlbench_pin.datasets.storage import hold
 from rlbench_pin.errors import DatasetConflict, DatasetError, StorageError
 from rlbench_pin.processes import SerialEngine
-from rlbench_pin.recording.config import PictureConfig, RecordConfig, plan_items
-from rlbench_pin.recording.record import RecordReport, read_recording, record
+from rlbench_pin.recording.config import PictureConfig, RecordConfig, plan_items, read_recording
+from rlbench_pin.recording.record import RecordReport, record
 from tests.demos_for_tests import mounted, simulate_full_disk
 from tests.engines_for_tests import MadeUpEngine
 

@@ -18,7 +18,7 @@ from rlbench_pin.tasks import LIBRARY
 
 CUBE = 'asset = "objects/cube/cube.urdf"'
 CHEST = '[[body]]\nname = "chest"\nasset = "objects/chest/chest.urdf"\n'
-DEPARTURE = '[[departure]]\nname = "yaw"\nspecified = "0"\nhere = "1"\nreason = "because"\n'
+DEVIATION = '[[deviation]]\nname = "yaw"\nspecified = "0"\nhere = "1"\nreason = "because"\n'
 
 MISTAKES = {
     "no format": ("", "key 'format'", "format = 2"),
@@ -112,14 +112,14 @@ MISTAKES = {
     ),
     "sensor size zero": ('format = 1\n[[sensor]]\nname = "a"\nshape = "sphere"\nsize = [0]', "key 'size.0'", "greater than 0"),
     "region size": ('format = 1\n[[region]]\nname = "a"\nsize = [1, 0, 0]', "[[region]] 'a', key 'size.1'", "greater than 0"),
-    "departure without reason": (
-        'format = 2\n[[departure]]\nname = "yaw"\nspecified = "0"\nhere = "1"',
-        "[[departure]] 'yaw'",
+    "deviation without reason": (
+        'format = 2\n[[deviation]]\nname = "yaw"\nspecified = "0"\nhere = "1"',
+        "[[deviation]] 'yaw'",
         "'reason' is missing",
     ),
-    "empty departure": (f"format = 2\n{DEPARTURE}".replace("because", ""), "[[departure]] 'yaw', key 'reason'", "1 character"),
-    "misspelt departure": (f"format = 2\n{DEPARTURE}why = 1", "key 'why'", "Known keys: binding, here, name, reason, specified"),
-    "departure twice": (f"format = 2\n{DEPARTURE}{DEPARTURE}", "[[departure]] 'yaw'", "twice"),
+    "empty deviation": (f"format = 2\n{DEVIATION}".replace("because", ""), "[[deviation]] 'yaw', key 'reason'", "1 character"),
+    "misspelt deviation": (f"format = 2\n{DEVIATION}why = 1", "key 'why'", "Known keys: binding, here, name, reason, specified"),
+    "deviation twice": (f"format = 2\n{DEVIATION}{DEVIATION}", "[[deviation]] 'yaw'", "twice"),
     "yaw bounds": ("format = 1\n[placement]\nyaw = [1, 0]", "[placement], key 'yaw'", "above the upper bound"),
 }
 
@@ -129,6 +129,15 @@ def written(folder: Path, text: str) -> Path:
     file = folder / "scene.toml"
     file.write_text(text)
     return file
+
+
+def test_older_files_name_the_deviations_otherwise(tmp_path: Path) -> None:
+    """`[[departure]]` is read as `[[deviation]]`."""
+    new, old = (
+        read_scene(written(tmp_path, f"format = 2\n{text}")) for text in (DEVIATION, DEVIATION.replace("deviation", "departure"))
+    )
+    assert old == new
+    assert [entry.name for entry in old.deviation] == ["yaw"]
 
 
 @pytest.mark.parametrize(("text", "where", "advice"), MISTAKES.values(), ids=MISTAKES.keys())

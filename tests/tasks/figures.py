@@ -1,4 +1,4 @@
-"""The figures of a task that can be measured, by the names that `specification.toml` and `[[departure]]` give them."""
+"""The figures of a task that can be measured, by the names that `specification.toml` and `[[deviation]]` give them."""
 
 from __future__ import annotations
 

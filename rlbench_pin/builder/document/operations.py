@@ -61,7 +61,7 @@ def added(scene: SceneText, python: str, table: str, values: Mapping[str, Any]) 
     if table == "waypoint":
         return waypoint_inserted(scene, python, len(scene.of_table("waypoint")), values)
     name = values.get("name")
-    if name is None and table in ("joint", "departure"):
+    if name is None and table in ("joint", "deviation"):
         raise InvalidValue("name", name, f"has to be given for a {table}")
     if name is None:
         stem = name_from_asset(as_text(values.get("asset"), "asset")) if table == "body" else table

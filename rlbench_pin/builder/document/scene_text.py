@@ -37,6 +37,8 @@ _EXACT = 1e-12
 
 
 # Layout -----------------------------------------------------------------------------------------------------------------------
+NOTES = ("deviation", "departure")
+"""The table of deviations, and its name in older files."""
 
 
 @dataclass(frozen=True)
@@ -231,9 +233,9 @@ class SceneText:
     @cached_property
     def entries(self) -> tuple[Entry, ...]:
         """The entries of all arrays of tables, in the order of the file."""
-        counts, found = dict.fromkeys(TABLES, 0), []
+        counts, found = dict.fromkeys((*TABLES, *NOTES), 0), []
         for number, section in enumerate(self.sections):
-            if len(section.path) != 1 or section.path[0] not in TABLES:
+            if len(section.path) != 1 or section.path[0] not in (*TABLES, *NOTES):
                 continue
             table = section.path[0]
             content = self.raw.get(table)
@@ -259,7 +261,7 @@ class SceneText:
         return tuple(
             Element(entry.table, name, name.partition("/")[0] if entry.table == "joint" else str(entry.raw.get("parent", "root")))
             for entry in self.entries
-            if entry.table != "departure"
+            if entry.table not in NOTES
             for name in entry.names
         )
 
@@ -270,7 +272,7 @@ class SceneText:
     def find(self, name: str) -> Entry:
         """Return the entry of an element, or raise UnknownName."""
         for entry in self.entries:
-            if name in entry.names and entry.table != "departure":
+            if name in entry.names and entry.table not in NOTES:
                 return entry
         raise UnknownName("element of the scene", name, self.names)
 
@@ -491,7 +493,7 @@ def renamed(scene: SceneText, names: Mapping[str, str]) -> SceneText:
         scene = detached(scene, name)
     found: list[Replacement] = []
     for entry in scene.entries:
-        for key in ("name", "parent") if entry.table != "departure" else ():
+        for key in ("name", "parent") if entry.table not in NOTES else ():
             item, old = entry.section.item(key), entry.raw.get(key)
             if item is None or not isinstance(old, str):
                 continue

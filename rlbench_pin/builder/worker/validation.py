@@ -8,14 +8,13 @@ from pathlib import Path
 
 from rlbench_pin.builder.contracts import ValidationLine
 from rlbench_pin.checking import Item, Part, TaskReport, Trial, summarise
-from rlbench_pin.checking.judge import MAX_DRIFT, MAX_PENETRATION
-from rlbench_pin.checking.plan import CheckPlan
-from rlbench_pin.checking.records import DemoTrial, IdleTrial, ReachTrial, SolvedDemo
-from rlbench_pin.checking.trials import work
+from rlbench_pin.checking.records import DemoTrial, NoopTrial, ReachTrial, SolvedDemo
+from rlbench_pin.checking.trials import CheckPlan, work
+from rlbench_pin.checking.validate import MAX_DRIFT, MAX_PENETRATION
 from rlbench_pin.rates import Rate
 from rlbench_pin.tasks import find_task
 
-_ORDER: tuple[Part, ...] = ("words", "idle", "demos", "reach", "repeat", "random", "key_frames")
+_ORDER: tuple[Part, ...] = ("words", "noop", "demos", "reach", "repeat", "random", "key_frames")
 _AT_ONCE: dict[Part, int] = {"reach": 25}
 """Seeds of an item of a part; 1 for other parts."""
 
@@ -123,32 +122,32 @@ def _left_over(trial: Trial) -> Iterator[str]:
         yield f"the next episode finds {', '.join(trial.demo.left_over)}"
 
 
-def _resting(cause: Callable[[IdleTrial], str]) -> Callable[[Trial], Iterator[str]]:
+def _in_noop(cause: Callable[[NoopTrial], str]) -> Callable[[Trial], Iterator[str]]:
     """Return a function that yields the cause of a trial without actions, unless it is empty."""
 
     def causes(trial: Trial) -> Iterator[str]:
-        found = cause(trial) if isinstance(trial, IdleTrial) and trial.rest is not None else ""
+        found = cause(trial) if isinstance(trial, NoopTrial) and trial.episode is not None else ""
         if found:
             yield found
 
     return causes
 
 
-def _drift(trial: IdleTrial) -> str:
-    assert trial.rest is not None
-    too_far = trial.rest.drift > MAX_DRIFT
-    return f"{trial.rest.drifter} moves {_millimetres(trial.rest.drift)} by itself" if too_far else ""
+def _drift(trial: NoopTrial) -> str:
+    assert trial.episode is not None
+    too_far = trial.episode.drift > MAX_DRIFT
+    return f"{trial.episode.drifter} moves {_millimetres(trial.episode.drift)} by itself" if too_far else ""
 
 
-def _overlap(trial: IdleTrial) -> str:
-    assert trial.rest is not None
-    too_deep = trial.rest.penetration > MAX_PENETRATION
-    return f"objects overlap by {_millimetres(trial.rest.penetration)} at the reset" if too_deep else ""
+def _overlap(trial: NoopTrial) -> str:
+    assert trial.episode is not None
+    too_deep = trial.episode.penetration > MAX_PENETRATION
+    return f"objects overlap by {_millimetres(trial.episode.penetration)} at the reset" if too_deep else ""
 
 
-def _held(trial: IdleTrial) -> str:
-    assert trial.rest is not None
-    return f"{', '.join(trial.rest.held)} is held at the reset" if trial.rest.held else ""
+def _held(trial: NoopTrial) -> str:
+    assert trial.episode is not None
+    return f"{', '.join(trial.episode.held)} is held at the reset" if trial.episode.held else ""
 
 
 def _incidents(trial: Trial) -> Iterator[str]:
@@ -165,17 +164,17 @@ def _unreached(trial: Trial) -> Iterator[str]:
 
 _LINES = (
     Line("instructions", "words", lambda r: f"{len(r.words)} variations", _incidents),
-    Line("rest", "idle", lambda r: _rate(r.idle), _incidents),
-    Line("drift", "idle", lambda r: _millimetres(r.drift.value), _resting(_drift)),
-    Line("overlap", "idle", lambda r: _millimetres(r.penetration.value), _resting(_overlap)),
-    Line("held", "idle", lambda r: ", ".join(r.held) or "nothing", _resting(_held)),
+    Line("noop", "noop", lambda r: _rate(r.noop), _incidents),
+    Line("drift", "noop", lambda r: _millimetres(r.drift.value), _in_noop(_drift)),
+    Line("overlap", "noop", lambda r: _millimetres(r.penetration.value), _in_noop(_overlap)),
+    Line("held", "noop", lambda r: ", ".join(r.held) or "nothing", _in_noop(_held)),
     Line("first try", "demos", lambda r: _rate(r.first_try), _first_attempts),
     Line("in tries", "demos", lambda r: _rate(r.within_tries), _all_attempts),
-    Line("lasts", "demos", lambda r: _rate(r.lasting), _after("the goal is lost again", lambda demo: not demo.lasts)),
+    Line("stable", "demos", lambda r: _rate(r.stable_success), _after("the goal is lost again", lambda demo: not demo.stable)),
     Line("replay", "demos", lambda r: _rate(r.replay), _after("goal not reached", lambda demo: demo.replayed is False)),
     Line("left over", "demos", lambda r: ", ".join(r.left_over) or "nothing", _left_over),
     Line("reach", "reach", lambda r: _rate(r.accepted), _unreached),
     Line("repeat", "repeat", lambda r: _rate(r.repeat), _incidents),
-    Line("flail", "random", lambda r: _rate(r.random), _incidents),
-    Line("keys", "key_frames", lambda r: _rate(r.key_frames), _incidents),
+    Line("random", "random", lambda r: _rate(r.random), _incidents),
+    Line("key frames", "key_frames", lambda r: _rate(r.key_frames), _incidents),
 )

@@ -400,7 +400,7 @@ def _without_places(scene: SceneSpec) -> SceneSpec:
         name: tuple(item.model_copy(update=at_origin) for item in getattr(scene, name)) for name in _POSED
     }
     joints = tuple(joint.model_copy(update={"position": 0.0}) for joint in scene.joint)
-    return scene.model_copy(update={**tables, "joint": joints, "placement": PlacementSpec(), "departure": (), "file": ""})
+    return scene.model_copy(update={**tables, "joint": joints, "placement": PlacementSpec(), "deviation": (), "file": ""})
 
 
 def _depth(scene: SceneSpec, name: str) -> int:

@@ -1,22 +1,26 @@
-"""Formats of other libraries: one exporter per module, and the reader of RLBench-style folders.
-
-`lerobot` and `zarr_buffer` need extras, so they are imported by name; `rlbench_pin.recording.export` does that for every format.
-"""
+"""Formats of other libraries, one module each: exporters, and the reader of RLBench-style folders."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import importlib
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Literal
 
 from rlbench_pin.datasets.formats.common import StoredEpisode, stored_episodes
-from rlbench_pin.datasets.formats.rlbench_folders import export_rlbench
-from rlbench_pin.datasets.formats.rlbench_reader import folder_demos, folder_descriptions, folder_episodes, read_folder
+from rlbench_pin.datasets.formats.rlbench import export_rlbench, folder_demos, folder_descriptions, folder_episodes, read_folder
 from rlbench_pin.datasets.formats.robomimic import export_robomimic
-from rlbench_pin.front_door import front_door
+from rlbench_pin.errors import MissingExtra
+from rlbench_pin.values import as_choice, as_function, as_names
 
 __all__ = [
+    "ExportFormat",
     "StoredEpisode",
+    "export_dataset",
     "export_rlbench",
     "export_robomimic",
+    "find_exporter",
     "folder_demos",
     "folder_descriptions",
     "folder_episodes",
@@ -24,5 +28,62 @@ __all__ = [
     "stored_episodes",
 ]
 
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)
+ExportFormat = Literal["lerobot", "robomimic", "rlbench", "peract", "zarr"]
+"""`lerobot` (LeRobotDataset v3), `robomimic` (one HDF5 file), `rlbench` and `peract` (folders of PNG files), `zarr`."""
+
+# Format -> module, function, its options, extra that brings the library it needs.
+_EXPORTERS: dict[str, tuple[str, str, dict[str, str], str]] = {
+    "lerobot": ("lerobot", "export_lerobot", {}, "lerobot"),
+    "robomimic": ("robomimic", "export_robomimic", {}, ""),
+    "rlbench": ("rlbench", "export_rlbench", {"layout": "upstream"}, ""),
+    "peract": ("rlbench", "export_rlbench", {"layout": "peract"}, ""),
+    "zarr": ("zarr_buffer", "export_zarr", {}, "zarr"),
+}
+
+
+def export_dataset(
+    name: ExportFormat,
+    root: Path,
+    out: Path,
+    *,
+    tasks: Sequence[str] = (),
+    cameras: Sequence[str] = (),
+    on_episode: Callable[[int], None] | None = None,
+) -> Path:
+    """Write the episodes of a dataset in the format of another library, and return where they are.
+
+    Args:
+        name: The format.
+        root: Folder of the dataset.
+        out: The new folder or file.
+        tasks: Only these; all when none is named.
+        cameras: Cameras whose images are exported; all stored ones when none is named. Folders always get all.
+        on_episode: Called with the number of episodes written so far.
+
+    Raises:
+        MissingExtra: The library that the format needs is not installed.
+        DatasetError: Something is missing or damaged, or `out` exists.
+        StorageError: The disk cannot be written to.
+    """
+    as_function(on_episode, "on_episode")
+    return find_exporter(name, as_names(cameras, "cameras"))(root, out, tasks=tasks, on_episode=on_episode)
+
+
+def find_exporter(name: ExportFormat, cameras: tuple[str, ...] = ()) -> Callable[..., Path]:
+    """Return the function that writes a format; its library is imported now.
+
+    Args:
+        name: The format.
+        cameras: Cameras whose images are exported; all stored ones when none is named. Folders always get all.
+
+    Raises:
+        MissingExtra: The library that the format needs is not installed.
+        UnknownName: No format is called so.
+    """
+    as_choice(name, "format", _EXPORTERS)
+    module, function, options, extra = _EXPORTERS[name]
+    try:
+        export: Callable[..., Path] = getattr(importlib.import_module(f"{__name__}.{module}"), function)
+    except ImportError as error:
+        raise MissingExtra(f"The export to '{name}'", error.name or extra, extra) from error
+    return partial(export, **options) if module == "rlbench" else partial(export, cameras=cameras, **options)

@@ -6,7 +6,7 @@ import fcntl
 import glob
 import os
 import shutil
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -57,10 +57,19 @@ def stored_episodes(root: Path, tasks: Sequence[str] = ()) -> list[StoredEpisode
     return episodes
 
 
+def opened(episodes: Iterable[StoredEpisode], on_episode: OnEpisode | None) -> Iterator[tuple[StoredEpisode, Episode]]:
+    """Yield episodes, each open until the next one; call `on_episode` after each."""
+    for index, stored in enumerate(episodes):
+        with stored.open() as episode:
+            yield stored, episode
+        if on_episode is not None:
+            on_episode(index + 1)
+
+
 def actions(episode: Episode) -> np.ndarray:
     """Return the commands of an episode, shape (frames - 1, n + 1): row t leads from frame t to frame t + 1.
 
-    The first n numbers are absolute joint positions [rad], the last is the hand: 1 open, 0 closed.
+    The first n numbers are absolute joint positions [rad], the last is the gripper: 1 open, 0 closed.
     """
     commands = episode.misc("joint_position_action")[1:]
     if not commands or any(c is None for c in commands):
@@ -69,7 +78,7 @@ def actions(episode: Episode) -> np.ndarray:
 
 
 def joint_state(episode: Episode) -> np.ndarray:
-    """Return joint positions [rad] and the hand (1 open) of every frame, shape (frames, n + 1)."""
+    """Return joint positions [rad] and the gripper (1 open) of every frame, shape (frames, n + 1)."""
     return np.column_stack([episode.array("joint_positions"), episode.array("gripper_open")])
 
 
@@ -79,10 +88,10 @@ def joint_names(count: int) -> list[str]:
 
 
 def rgb_cameras(episodes: Sequence[StoredEpisode], wanted: Sequence[str] = ()) -> dict[str, tuple[int, int, int]]:
-    """Return the cameras whose colours are stored, and the shape of their pictures.
+    """Return the cameras whose colour images are stored, and the shapes of the images.
 
     Raises:
-        DatasetError: A camera that is wanted has no pictures, or pictures of one camera differ in size.
+        DatasetError: A camera that is wanted has no images, or images of one camera differ in size.
     """
     wanted = as_names(wanted, "cameras")
     shapes: dict[str, tuple[int, int, int]] | None = None
@@ -90,7 +99,7 @@ def rgb_cameras(episodes: Sequence[StoredEpisode], wanted: Sequence[str] = ()) -
         with Episode(stored.path) as episode:
             fields = frozenset(episode.fields)
             names = [c for c in CAMERAS if f"{c}_rgb" in episode.fields and (not wanted or c in wanted)]
-            found = {name: _picture_shape(episode, f"{name}_rgb") for name in names}
+            found = {name: _image_shape(episode, f"{name}_rgb") for name in names}
         if missing := sorted(set(wanted) - set(found)):
             held = [camera for camera in CAMERAS if f"{camera}_rgb" in fields]
             raise DatasetError(
@@ -100,17 +109,17 @@ def rgb_cameras(episodes: Sequence[StoredEpisode], wanted: Sequence[str] = ()) -
             )
         if shapes is not None and shapes != found:
             raise DatasetConflict(
-                f"'{stored.path}' holds pictures {found}, episodes before it {shapes}. "
+                f"'{stored.path}' holds images {found}, episodes before it {shapes}. "
                 "Make them alike with `rlbench-pin dataset rerender` first."
             )
         shapes = found
     return shapes or {}
 
 
-def _picture_shape(episode: Episode, field: str) -> tuple[int, int, int]:
+def _image_shape(episode: Episode, field: str) -> tuple[int, int, int]:
     shape = episode.shape(field)
     if len(shape) != 3 or shape[2] != 3:
-        raise DatasetError(f"'{episode.path}' holds {field} of shape {shape} a frame, which is no picture. Record it again.")
+        raise DatasetError(f"'{episode.path}' holds {field} of shape {shape} a frame, which is not an image. Record it again.")
     return shape[0], shape[1], 3
 
 

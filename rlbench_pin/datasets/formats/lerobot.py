@@ -1,4 +1,4 @@
-"""Export to a LeRobotDataset, version 3.0: frames in Parquet, pictures in MP4, many episodes to a file.
+"""Export to a LeRobotDataset, version 3.0: frames in Parquet, images in MP4, many episodes to a file.
 
 Frame t has the state of frame t and the command that leads to frame t + 1; the last frame repeats the last command.
 """
@@ -26,19 +26,90 @@ from rlbench_pin.datasets.formats.common import (
     joint_names,
     joint_state,
     new_folder,
+    opened,
     rgb_cameras,
     stored_episodes,
 )
-from rlbench_pin.datasets.formats.lerobot_video import VideoFiles
+from rlbench_pin.datasets.video import VideoWriter
 
+KEY_FRAMES = 2
+"""Every so many frames can be read without those before it."""
+QUALITY = 18
+"""Constant rate factor of H.264; lower is better, 18 looks like the original."""
 VERSION = "v3.0"
 CHUNK_SIZE, DATA_MEGABYTES, VIDEO_MEGABYTES = 1000, 100, 200
 _DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 _VIDEO = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
 _EPISODES = "meta/episodes/chunk-000/file-000.parquet"
-_PICTURES_FOR_STATISTICS = 100
-
+_IMAGES_FOR_STATISTICS = 100
 Column = list[Any] | np.ndarray
+
+
+class VideoFiles:
+    """Appends episodes to the running file, and begins another when it is full.
+
+    Args:
+        folder: Folder of the dataset.
+        key: Feature.
+        shape: Height, width and 3.
+        megabytes: Size at which another file is begun.
+        chunk_size: Files to a folder.
+    """
+
+    def __init__(self, folder: Path, key: str, shape: tuple[int, int, int], megabytes: int, chunk_size: int) -> None:
+        self._folder, self._key, self._shape = folder, key, shape
+        self._limit, self._chunk_size = megabytes * 2**20, chunk_size
+        self._writer: VideoWriter | None = None
+        self._number = -1
+        self.codec = ""
+
+    def add(self, images: Sequence[np.ndarray]) -> dict[str, int | float]:
+        if self._writer is None or self._writer.bytes_written > self._limit:
+            self._next_file()
+        assert self._writer is not None
+        first = self._writer.frames
+        for image in images:
+            self._writer.add(image)
+        place = {
+            "chunk_index": self._number // self._chunk_size,
+            "file_index": self._number % self._chunk_size,
+            "from_timestamp": first / FPS,
+            "to_timestamp": (first + len(images)) / FPS,
+        }
+        return {f"videos/{self._key}/{name}": value for name, value in place.items()}
+
+    def close(self) -> None:
+        if self._writer is not None:
+            self._writer.close()
+        self._writer = None
+
+    def discard(self) -> None:
+        if self._writer is not None:
+            self._writer.discard()
+        self._writer = None
+
+    def info(self) -> dict[str, object]:
+        """Return the description of the encoding that readers need."""
+        height, width, _ = self._shape
+        return {
+            "video.height": height,
+            "video.width": width,
+            "video.codec": self.codec,
+            "video.pix_fmt": "yuv420p",
+            "video.is_depth_map": False,
+            "video.fps": FPS,
+            "video.channels": 3,
+            "has_audio": False,
+        }
+
+    def _next_file(self) -> None:
+        self.close()
+        self._number += 1
+        chunk, file = divmod(self._number, self._chunk_size)
+        path = self._folder / "videos" / self._key / f"chunk-{chunk:03d}" / f"file-{file:03d}.mp4"
+        height, width, _ = self._shape
+        self._writer = VideoWriter(path, (width, height), FPS, key_frames=KEY_FRAMES, quality=QUALITY)
+        self.codec = self._writer.codec
 
 
 def export_lerobot(
@@ -56,23 +127,20 @@ def export_lerobot(
         root: Folder of the dataset.
         out: The new folder; `LeRobotDataset(repo_id, root=out)` loads it.
         tasks: Only these; all when none is named.
-        cameras: Cameras whose colours go along; all stored ones when none is named.
+        cameras: Cameras whose images are exported; all stored ones when none is named.
         robot_type: What LeRobot is to call the arm; stored episodes do not name it.
         on_episode: Called after each episode.
 
     Raises:
-        DatasetError: Something is missing or damaged, or pictures cannot be encoded.
+        DatasetError: Something is missing or damaged, or images cannot be encoded.
     """
     episodes = stored_episodes(root, tasks)
     shapes = rgb_cameras(episodes, cameras)
     with new_folder(out) as folder:
         export = _Export(folder, {f"observation.images.{name}": shape for name, shape in shapes.items()}, robot_type)
         try:
-            for index, stored in enumerate(episodes):
-                with stored.open() as episode:
-                    export.add(stored, episode)
-                if on_episode is not None:
-                    on_episode(index + 1)
+            for stored, episode in opened(episodes, on_episode):
+                export.add(stored, episode)
             export.finish()
         except BaseException:
             export.discard()
@@ -85,8 +153,8 @@ class _Export:
     """What has been written so far."""
 
     folder: Path
-    pictures: dict[str, tuple[int, int, int]]
-    """Feature -> shape of its pictures."""
+    images: dict[str, tuple[int, int, int]]
+    """Feature -> shape of its images."""
     robot_type: str
     """Name of the arm."""
     instructions: dict[str, int] = field(default_factory=dict)
@@ -102,11 +170,10 @@ class _Export:
     def __post_init__(self) -> None:
         self._data = _DataFiles(self.folder)
         self._videos = {
-            key: VideoFiles(self.folder, key, shape, VIDEO_MEGABYTES, CHUNK_SIZE) for key, shape in self.pictures.items()
+            key: VideoFiles(self.folder, key, shape, VIDEO_MEGABYTES, CHUNK_SIZE) for key, shape in self.images.items()
         }
 
     def add(self, stored: StoredEpisode, episode: Episode) -> None:
-        """Write one episode."""
         text = episode.instructions[0] if episode.instructions else stored.task.replace("_", " ")
         task = self.instructions.setdefault(text, len(self.instructions))
         columns = self._columns(episode, task)
@@ -123,11 +190,11 @@ class _Export:
         }
         statistics = {name: column_statistics(np.asarray(values)) for name, values in columns.items()}
         for key, videos in self._videos.items():
-            pictures = episode.series(key.removeprefix("observation.images.") + "_rgb")
-            row.update(videos.add(pictures))
-            sample = _channels(pictures)
+            images = episode.series(key.removeprefix("observation.images.") + "_rgb")
+            row.update(videos.add(images))
+            sample = _channels(images)
             self.samples.setdefault(key, []).append(sample)
-            statistics[key] = _per_channel(sample, len(pictures))
+            statistics[key] = _per_channel(sample, len(images))
         for name, values in columns.items():
             self.samples.setdefault(name, []).append(np.asarray(values))
         row.update({f"stats/{name}/{kind}": value for name, kinds in statistics.items() for kind, value in kinds.items()})
@@ -162,7 +229,6 @@ class _Export:
         _write_json(self.folder / "meta" / "info.json", self._info())
 
     def close(self) -> None:
-        """Close all files."""
         self._data.close()
         for videos in self._videos.values():
             videos.close()
@@ -177,7 +243,7 @@ class _Export:
     def _statistics(self) -> dict[str, Any]:
         whole = {name: np.concatenate(values) for name, values in self.samples.items()}
         return {
-            name: _per_channel(values, self.frames) if name in self.pictures else column_statistics(values)
+            name: _per_channel(values, self.frames) if name in self.images else column_statistics(values)
             for name, values in whole.items()
         }
 
@@ -194,7 +260,7 @@ class _Export:
             "fps": FPS,
             "splits": {"train": f"0:{len(self.rows)}"},
             "data_path": _DATA,
-            "video_path": _VIDEO if self.pictures else None,
+            "video_path": _VIDEO if self.images else None,
             "features": self._features(),
         }
 
@@ -204,19 +270,19 @@ class _Export:
             "next.reward": "float32", "next.done": "bool", "timestamp": "float32", "frame_index": "int64",
             "episode_index": "int64", "index": "int64", "task_index": "int64",
         }  # fmt: skip
-        pictures = {
+        images = {
             key: {
                 "dtype": "video",
                 "shape": list(shape),
                 "names": ["height", "width", "channels"],
                 "info": self._videos[key].info(),
             }
-            for key, shape in self.pictures.items()
+            for key, shape in self.images.items()
         }
         return {
             "observation.state": joints,
             "action": joints,
-            **pictures,
+            **images,
             **{name: {"dtype": dtype, "shape": [1], "names": None} for name, dtype in scalars.items()},
         }
 
@@ -229,7 +295,6 @@ class _DataFiles:
         self._writer: Any = None
 
     def add(self, columns: dict[str, np.ndarray]) -> dict[str, int]:
-        """Append the frames of one episode and return where they are."""
         table = pa.table({name: _arrow(values) for name, values in columns.items()})
         if self._writer is None or self._bytes + table.nbytes > DATA_MEGABYTES * 2**20:
             self.close()
@@ -243,7 +308,6 @@ class _DataFiles:
         return {f"data/{name}": value for name, value in self._place().items()}
 
     def close(self) -> None:
-        """Finish the present file."""
         if self._writer is not None:
             writer, self._writer = self._writer, None
             with self._file:  # on a full disk the writer would leave it open
@@ -259,16 +323,15 @@ def _arrow(values: np.ndarray) -> pa.Array:
     return pa.FixedSizeListArray.from_arrays(pa.array(values.reshape(-1)), values.shape[1])
 
 
-def _channels(pictures: Sequence[np.ndarray]) -> np.ndarray:
-    """Return colours (n, 3) in 0..1 of some pixels of some pictures, spread evenly."""
-    every = max(1, len(pictures) // _PICTURES_FOR_STATISTICS)
-    return np.concatenate([picture[::4, ::4].reshape(-1, 3) for picture in pictures[::every]]).astype(np.float32) / 255.0
+def _channels(images: Sequence[np.ndarray]) -> np.ndarray:
+    """Return colours (n, 3) in 0..1 of some pixels of some images, spread evenly."""
+    every = max(1, len(images) // _IMAGES_FOR_STATISTICS)
+    return np.concatenate([image[::4, ::4].reshape(-1, 3) for image in images[::every]]).astype(np.float32) / 255.0
 
 
-def _per_channel(colours: np.ndarray, pictures: int) -> dict[str, Any]:
-    """Return the statistics of colours, each of shape (3, 1, 1)."""
+def _per_channel(colours: np.ndarray, images: int) -> dict[str, Any]:
     shaped = {kind: [[[v]] for v in value] for kind, value in column_statistics(colours).items() if kind != "count"}
-    return {**shaped, "count": [pictures]}
+    return {**shaped, "count": [images]}
 
 
 def _write_tasks(path: Path, instructions: dict[str, int]) -> None:

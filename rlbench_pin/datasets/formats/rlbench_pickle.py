@@ -175,7 +175,6 @@ def _no_bytes() -> bytes:
 
 
 def _new_object(cls: type, base: type, state: object) -> object:
-    """Make an object as protocols 0 and 1 do."""
     if cls not in _CLASS_PATHS or base is not object or state is not None:
         raise _Refused(f"an object of {cls!r}")
     return cls()
@@ -202,11 +201,10 @@ class _Reader(pickle.Unpickler):
     """Resolves the names of the table and no others."""
 
     def find_class(self, module: str, name: str) -> Callable[..., Any]:
-        """Return what stands for a name."""
         if (module, name) not in _ALLOWED:
             raise _Refused(f"'{module}.{name}'")
         return _ALLOWED[(module, name)]
 
     def persistent_load(self, key: object) -> object:
-        """Refuse references to things outside the file."""
-        raise _Refused(f"the outside thing {key!r}")
+        """Refuse references to objects outside the file."""
+        raise _Refused(f"the outside object {key!r}")

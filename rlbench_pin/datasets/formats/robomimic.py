@@ -10,7 +10,15 @@ import h5py
 import numpy as np
 
 from rlbench_pin.datasets.episode import Episode
-from rlbench_pin.datasets.formats.common import OnEpisode, StoredEpisode, actions, new_folder, rgb_cameras, stored_episodes
+from rlbench_pin.datasets.formats.common import (
+    OnEpisode,
+    StoredEpisode,
+    actions,
+    new_folder,
+    opened,
+    rgb_cameras,
+    stored_episodes,
+)
 from rlbench_pin.datasets.storage import DeferredErrorFile
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import CAMERAS, LOW_DIM
@@ -26,14 +34,14 @@ def export_robomimic(
 ) -> Path:
     """Write the episodes of one task to an HDF5 file.
 
-    Actions are absolute joint positions and the hand, scaled to -1..1 by the lowest and highest of the whole file; `data` has
+    Actions are absolute joint positions and the gripper, scaled to -1..1 by the lowest and highest of the whole file; `data` has
     both as attributes `action_low` and `action_high`, so that action = low + (scaled + 1) / 2 * (high - low).
 
     Args:
         root: Folder of the dataset.
         out: The file, which must not exist.
         tasks: The task; may be left out when only one is stored.
-        cameras: Cameras whose pictures go along; all stored ones when none is named.
+        cameras: Cameras whose images are exported; all stored ones when none is named.
         on_episode: Called after each episode.
 
     Raises:
@@ -49,13 +57,10 @@ def export_robomimic(
     with new_folder(out, _FILE) as folder, DeferredErrorFile(folder / _FILE) as raw, h5py.File(raw, "w") as file:
         data = file.create_group("data")
         total = 0
-        for index, stored in enumerate(episodes):
-            with stored.open() as episode:
-                total += _write(data.create_group(f"demo_{index}"), stored, episode, list(shapes), low, high)
+        for index, (stored, episode) in enumerate(opened(episodes, on_episode)):
+            total += _write(data.create_group(f"demo_{index}"), stored, episode, list(shapes), low, high)
             file.flush()
             raw.check()
-            if on_episode is not None:
-                on_episode(index + 1)
         data.attrs["total"] = total
         data.attrs["action_low"], data.attrs["action_high"] = low, high
         data.attrs["env_args"] = json.dumps(_env_args(episodes[0].task))

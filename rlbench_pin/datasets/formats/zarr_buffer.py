@@ -19,6 +19,7 @@ from rlbench_pin.datasets.formats.common import (
     joint_names,
     joint_state,
     new_folder,
+    opened,
     rgb_cameras,
     stored_episodes,
 )
@@ -29,14 +30,14 @@ def export_zarr(
 ) -> Path:
     """Write the episodes of a dataset to a Zarr group.
 
-    `data` holds `state` (joint positions [rad] and hand), `tip_pose`, `action` (absolute joint positions and hand, the last of
-    an episode repeated) and one `<camera>_rgb` each; `meta` holds `episode_ends`, `task_index` and the sentences.
+    `data` holds `state` (joint positions [rad] and gripper), `tip_pose`, `action` (absolute joint positions and gripper, the last
+    of an episode repeated) and one `<camera>_rgb` each; `meta` holds `episode_ends`, `task_index` and the sentences.
 
     Args:
         root: Folder of the dataset.
         out: The new folder, conventionally `<name>.zarr`.
         tasks: Only these; all when none is named.
-        cameras: Cameras whose colours go along; all stored ones when none is named.
+        cameras: Cameras whose images are exported; all stored ones when none is named.
         on_episode: Called after each episode.
     """
     episodes = stored_episodes(root, tasks)
@@ -47,16 +48,13 @@ def export_zarr(
         ends: list[int] = []
         numbers: list[int] = []
         sentences: dict[str, int] = {}
-        for index, stored in enumerate(episodes):
-            with stored.open() as episode:
-                columns = _columns(episode, list(shapes))
-                text = episode.instructions[0] if episode.instructions else stored.task
+        for stored, episode in opened(episodes, on_episode):
+            columns = _columns(episode, list(shapes))
+            text = episode.instructions[0] if episode.instructions else stored.task
             _append(data, columns)
             store.check()
             ends.append((ends[-1] if ends else 0) + len(columns["action"]))
             numbers.append(sentences.setdefault(text, len(sentences)))
-            if on_episode is not None:
-                on_episode(index + 1)
         meta.create_array("episode_ends", data=np.array(ends, dtype=np.int64))
         meta.create_array("task_index", data=np.array(numbers, dtype=np.int64))
         meta.attrs.update({"tasks": list(sentences), "fps": FPS, "names": joint_names(columns["action"].shape[1])})

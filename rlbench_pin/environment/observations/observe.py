@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rlbench_pin.datasets.formats.rlbench_pictures import decode_mask
+from rlbench_pin.datasets.formats.rlbench import decode_mask
 from rlbench_pin.environment.observations.cameras import CameraPlaces, Cameras
 from rlbench_pin.environment.observations.config import (
     LOW_DIM_FIELDS,

@@ -30,7 +30,7 @@ from rlbench_pin.evaluation.results.tables import Table
 from rlbench_pin.evaluation.run.config import EpisodeItem, EvaluationConfig
 from rlbench_pin.evaluation.run.episode import EpisodeOutcome
 from rlbench_pin.evaluation.run.evaluate import EvaluationProgress, EvaluationStopped, evaluate, journal_path
-from rlbench_pin.evaluation.run.origin import checkout_commit
+from rlbench_pin.evaluation.run.provenance import checkout_commit
 from rlbench_pin.evaluation.run.runner import Around, EpisodeRunner
 from rlbench_pin.processes import Engine, ProcessEngine
 from rlbench_pin.rates import Rate

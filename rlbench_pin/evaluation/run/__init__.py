@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from rlbench_pin.environment.episode import EVALUATION_SEEDS
 from rlbench_pin.evaluation.run.config import EpisodeItem, EvaluationConfig, evaluation_seed, plan_episodes
 from rlbench_pin.evaluation.run.episode import EpisodeOutcome
-from rlbench_pin.evaluation.run.evaluate import EvaluationProgress, EvaluationStopped, evaluate
-from rlbench_pin.evaluation.run.journal import EvaluationConflict
+from rlbench_pin.evaluation.run.evaluate import EvaluationConflict, EvaluationProgress, EvaluationStopped, evaluate
 from rlbench_pin.evaluation.run.runner import EpisodeRunner
-from rlbench_pin.front_door import front_door
 
 __all__ = [
     "EVALUATION_SEEDS",
@@ -25,6 +21,3 @@ __all__ = [
     "evaluation_seed",
     "plan_episodes",
 ]
-
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__)

@@ -61,7 +61,6 @@ class EvaluationConfig:
     """Whether policies are told the name of the task beside the instruction."""
 
     def __post_init__(self) -> None:
-        """Check every value, and keep it as plain Python has it."""
         checked = {
             "policy": as_text(self.policy, "policy", InvalidArgument),
             "tasks": tuple(as_names(self.tasks, "tasks", InvalidArgument)),
@@ -178,7 +177,7 @@ def make_environment(config: EvaluationConfig, settings: PolicySettings) -> Envi
 
 
 def expert_settings() -> PolicySettings:
-    """Return the settings with which demonstrations are played, and other things are done that need no policy."""
+    """Return the settings with which demonstrations are played, and that need no policy."""
     return PolicySettings.of(MoveArmThenGripper(JointPosition(), Discrete()), low_dim_config())
 
 

@@ -1,28 +1,136 @@
-"""One episode: what a policy does in it, step by step, and the record of it."""
+"""One episode of an evaluation: its limits, what is counted, and how it is played."""
 
 from __future__ import annotations
 
+import math
 import time
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from rlbench_pin.environment.actions import ActionMode, EndEffectorPoseViaPlanning, unwrapped
 from rlbench_pin.environment.demos import DemoPlayer, try_play
+from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.evaluation.policies.client import PolicyClient
 from rlbench_pin.evaluation.policies.policy import PolicyContext, PolicyFault
+from rlbench_pin.evaluation.policies.settings import PolicySettings
 from rlbench_pin.evaluation.results.records import End, EpisodeRecord
 from rlbench_pin.evaluation.run.config import EpisodeItem, EvaluationConfig
-from rlbench_pin.evaluation.run.limits import Limits
-from rlbench_pin.evaluation.run.meter import Meter
 from rlbench_pin.observation import Observation
 
+KEY_FRAMES = 25
+"""Actions of an episode at most, unless said otherwise, where each plans a motion to a pose."""
+LEAST_FORCE = 1.0
+"""A contact that is lighter is none [N]."""
+APART = 5
+"""Control ticks without contact after which the next one with the same body counts as another collision."""
+POSITION_TOLERANCE = 1e-3
+"""How far a joint may be beyond its limit before that counts [rad], or [m]."""
+VELOCITY_TOLERANCE = 0.01
+"""By which share of its limit a joint may be faster before that counts."""
+POSITION, VELOCITY = "joint position", "joint velocity"
 LONGEST_DETAIL = 500
 """Letters that a record keeps of what was said of a fault."""
 NO_DEMONSTRATION = "no demonstration"
 """The fault of the expert."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Where an episode is cut off."""
+
+    steps: int
+    """Actions."""
+    seconds: float
+    """Simulated time [s]."""
+
+    @classmethod
+    def of(cls, config: EvaluationConfig, settings: PolicySettings, mode: ActionMode, control_period: float) -> Limits:
+        """Return the limits of a policy's episodes.
+
+        Args:
+            config: What the user asks for, which goes first.
+            settings: What the policy suggests, which goes second.
+            mode: Its action mode: 25 for one that plans motions to poses, otherwise as many ticks as the seconds have.
+            control_period: Time of a control tick [s].
+        """
+        ticks = math.ceil(config.max_seconds / control_period)
+        usual = KEY_FRAMES if isinstance(unwrapped(mode.arm_action_mode), EndEffectorPoseViaPlanning) else ticks
+        return cls(config.max_steps or settings.max_steps or usual, config.max_seconds)
+
+
+@dataclass
+class Meter:
+    """Counts, for one episode, what happens in every physics step and control tick.
+
+    A collision is a contact of arm or gripper with a body that they do not hold and are not meant to grasp; what the fingers do
+    to the bodies of a task is the task itself, so that fingers collide with the room alone: table, walls, floor.
+    """
+
+    runtime: Runtime
+    collisions: int = 0
+    """Times that such a contact began."""
+    max_force: float = 0.0
+    """Largest normal force of arm and gripper together on one such body, in any physics step [N]."""
+    violations: dict[str, int] = field(default_factory=dict)
+    """Limit -> control ticks at whose end a joint was beyond it."""
+
+    def __post_init__(self) -> None:
+        self._arm, self._limits = self.runtime.description, self.runtime.model.limits
+        self._room = frozenset(self.runtime.world.room)
+        self._ticks = 0
+        self._last: dict[str, int] = {}
+        self._touched: set[str] = set()
+
+    @contextmanager
+    def running(self) -> Iterator[Meter]:
+        world = self.runtime.world
+        world.on_physics.insert(0, self._after_physics)
+        try:
+            with self.runtime.calling(after=self._after_tick):
+                yield self
+        finally:
+            world.on_physics.remove(self._after_physics)
+
+    def _after_physics(self) -> None:
+        """Look at the contacts of the physics step before."""
+        forces: dict[str, float] = {}
+        for (link, body), force in self.runtime.robot.contact_forces().items():
+            if not self._may_touch(link, body):
+                forces[body] = forces.get(body, 0.0) + force
+        for body, force in forces.items():
+            if force >= LEAST_FORCE:
+                self._touched.add(body)
+                self.max_force = max(self.max_force, force)
+
+    def _may_touch(self, link: str, body: str) -> bool:
+        if body in self.runtime.gripper.grasped:
+            return True
+        if link in self._arm.finger_links:
+            return body not in self._room
+        return link == self._arm.hand_link and body in self.runtime.task.get_graspable_objects()
+
+    def _after_tick(self) -> None:
+        self._after_physics()
+        self._ticks += 1
+        for body in self._touched:
+            if self._ticks - self._last.get(body, -APART - 1) > APART:
+                self.collisions += 1
+            self._last[body] = self._ticks
+        self._touched.clear()
+        q, v = self.runtime.robot.joint_positions, self.runtime.robot.joint_velocities
+        if not self._limits.contains(q, POSITION_TOLERANCE):
+            self._count(POSITION)
+        if bool(np.any(np.abs(v) > (1.0 + VELOCITY_TOLERANCE) * self._limits.velocity)):
+            self._count(VELOCITY)
+
+    def _count(self, limit: str) -> None:
+        self.violations[limit] = self.violations.get(limit, 0) + 1
 
 
 @dataclass(frozen=True)
@@ -57,7 +165,6 @@ class Episode:
     """Time of each answer so far [s]."""
 
     def __post_init__(self) -> None:
-        """Count from now on."""
         self.meter = Meter(self.task.runtime)
         self._began = self.task.world.ticks
 

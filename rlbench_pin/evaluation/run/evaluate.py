@@ -6,27 +6,27 @@ whenever, `resume` goes on where it ended; the results file is the same to the b
 
 from __future__ import annotations
 
+import json
 import threading
-from collections.abc import Callable, Sequence
-from contextlib import closing
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from rlbench_pin.environment.demos import library_versions
-from rlbench_pin.errors import RlbenchPinError, shown
+from rlbench_pin.errors import InvalidValue, RlbenchPinError, shown
 from rlbench_pin.evaluation.policies.settings import PolicySettings
-from rlbench_pin.evaluation.results.records import Results, read_results, write_results
+from rlbench_pin.evaluation.results.records import EpisodeRecord, Results, read_results, write_results
 from rlbench_pin.evaluation.run.config import EpisodeItem, EvaluationConfig, plan_episodes
 from rlbench_pin.evaluation.run.episode import EpisodeOutcome
-from rlbench_pin.evaluation.run.journal import EvaluationConflict, Journal, OpenJournal
-from rlbench_pin.evaluation.run.origin import checkout_commit
-from rlbench_pin.evaluation.run.policy_files import policy_digests
+from rlbench_pin.evaluation.run.provenance import checkout_commit, policy_digests, times_path, write_times
 from rlbench_pin.evaluation.run.runner import NOT_PLAYED, EpisodeRunner, not_played
-from rlbench_pin.evaluation.run.times import times_path, write_times
-from rlbench_pin.processes import Engine, GivenUp, ProcessEngine, WorkerDeath
+from rlbench_pin.processes import Engine, GivenUp, Journal, JournalInUse, ProcessEngine, WorkerDeath, exclusive, run_jobs
 from rlbench_pin.values import as_flag, as_function, as_path, as_record
+
+_JOURNAL_FORMAT = 1
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,18 @@ class EvaluationProgress:
     latest: EpisodeOutcome | None = None
     """The episode that was finished last; None at the start."""
 
+    @classmethod
+    def of(cls, wanted: int, found: Sequence[EpisodeOutcome]) -> EvaluationProgress:
+        """Return the progress at the start.
+
+        Args:
+            wanted: Episodes of the whole evaluation.
+            found: Episodes that were played before.
+        """
+        records = [outcome.record for outcome in found]
+        successes, faults = sum(r.success for r in records), sum(bool(r.fault) for r in records)
+        return cls(wanted, len(found), successes=successes, faults=faults)
+
     def with_outcome(self, outcome: EpisodeOutcome) -> EvaluationProgress:
         """Return the progress after one more episode."""
         successes, faults = self.successes + outcome.record.success, self.faults + bool(outcome.record.fault)
@@ -56,6 +68,10 @@ class EvaluationProgress:
 
 OnProgress = Callable[[EvaluationProgress], None]
 """Called with how far the evaluation is."""
+
+
+class EvaluationConflict(RlbenchPinError):
+    """There is another evaluation where this one is to be written."""
 
 
 class EvaluationStopped(RlbenchPinError):
@@ -98,39 +114,36 @@ def evaluate(
     stop = threading.Event() if stop is None else as_record(stop, threading.Event, "stop")
     as_function(on_progress, "on_progress")
     as_function(make_runner, "make_runner")
-    work = _Work(config, make_runner, engine, on_progress or (lambda progress: None), stop)
     _check_out(out, as_flag(resume, "resume"))
-    return _evaluated(work, out, resume)
-
-
-@dataclass(frozen=True)
-class _Work:
-    """What is to be played, by whom, and who watches and stops it."""
-
-    config: EvaluationConfig
-    make_runner: Callable[[EvaluationConfig], EpisodeRunner]
-    engine: Engine
-    watch: OnProgress
-    stop: threading.Event
-
-
-def _evaluated(work: _Work, out: Path, resume: bool) -> Results:
-    """Do what `evaluate` promises, with arguments that are checked."""
-    config = work.config
-    with work.make_runner(config) as runner:
+    with make_runner(config) as runner:
         settings = runner.settings()
     items = plan_episodes(config)
     empty = empty_results(config, settings, items)
     if out.exists():
         return _finished(out, empty)
-    with Journal(journal_path(out), _head(empty, items)).opened(resume) as journal:
-        outcomes = _play(work, items, journal)
+    path = journal_path(out)
+    with _exclusive(path):
+        journal = EpisodeJournal(path, _head(empty, items), resume)
+        outcomes = {outcome.item: outcome for outcome in journal.found(items)}
+        watch = on_progress or (lambda progress: None)
+        progress = EvaluationProgress.of(len(items), list(outcomes.values()))
+        watch(progress)
+        todo = [item for item in items if item not in outcomes]
+        worker = partial(make_runner, config)
+        for event in run_jobs(todo, worker, store=journal.add, lost=_lost, engine=engine, stop=stop):
+            if isinstance(event, WorkerDeath):
+                progress = replace(progress, deaths=progress.deaths + 1)
+            else:
+                outcomes[event.item] = event
+                progress = progress.with_outcome(event)
+            watch(progress)
         if len(outcomes) < len(items):
-            raise EvaluationStopped(len(outcomes), len(items), journal.path)
-        write_times(times_path(out), config, outcomes)
-        results = replace(empty, episodes=tuple(outcome.record for outcome in outcomes))
+            raise EvaluationStopped(len(outcomes), len(items), path)
+        ordered = [outcomes[item] for item in items]
+        write_times(times_path(out), config, ordered)
+        results = replace(empty, episodes=tuple(outcome.record for outcome in ordered))
         write_results(out, results)
-        journal.path.unlink(missing_ok=True)
+        path.unlink(missing_ok=True)
     return results
 
 
@@ -182,27 +195,93 @@ def _finished(out: Path, empty: Results) -> Results:
     return results
 
 
-def _play(work: _Work, items: Sequence[EpisodeItem], journal: OpenJournal) -> list[EpisodeOutcome]:
-    """Play what the journal does not hold, keep it there, and return all that is played, in order."""
-    outcomes = {outcome.item: outcome for outcome in journal.found(items)}
-    records = [outcome.record for outcome in outcomes.values()]
-    successes, faults = sum(r.success for r in records), sum(bool(r.fault) for r in records)
-    progress = EvaluationProgress(len(items), len(outcomes), successes=successes, faults=faults)
-    work.watch(progress)
-    todo = [item for item in items if item not in outcomes]
-    with closing(work.engine.map(partial(work.make_runner, work.config), todo, work.stop)) as events:
-        for event in events:
-            if isinstance(event, WorkerDeath):
-                progress = replace(progress, deaths=progress.deaths + 1)
-            else:
-                outcome = _lost(event) if isinstance(event, GivenUp) else event
-                journal.add(outcome)
-                outcomes[outcome.item] = outcome
-                progress = progress.with_outcome(outcome)
-            work.watch(progress)
-    return [outcomes[item] for item in items if item in outcomes]
-
-
 def _lost(given_up: GivenUp[EpisodeItem]) -> EpisodeOutcome:
-    """Return what is known of an episode that ended worker after worker."""
+    """Return the outcome of an episode with which too many workers died."""
     return EpisodeOutcome(given_up.item, not_played(given_up.item, NOT_PLAYED, given_up.cause))
+
+
+class EpisodeJournal:
+    """The finished episodes of one evaluation: a first line that describes the evaluation, then a line per episode.
+
+    Args:
+        path: The file.
+        head: Describes the evaluation, as plain data.
+        resume: Use the episodes of the file; otherwise it must be empty.
+
+    Raises:
+        EvaluationConflict: It contains episodes and must not, or those of another evaluation.
+        StorageError: It cannot be read or written.
+    """
+
+    def __init__(self, path: Path, head: Mapping[str, Any], resume: bool) -> None:
+        self._journal = Journal(path)
+        head = json.loads(json.dumps({"format": _JOURNAL_FORMAT, **head}))
+        lines = self._journal.lines
+        if lines and lines[0] is None:
+            raise EvaluationConflict(f"'{path}' is no journal of an evaluation. Delete it, or choose another file.")
+        if lines and not resume:
+            raise EvaluationConflict(
+                f"'{path}' holds {len(lines) - 1} episodes of an evaluation that did not end. Go on with `--resume`, "
+                "delete the file, or choose another one for the results."
+            )
+        if lines:
+            _check_head(path, lines[0] or {}, head)
+        else:
+            self._journal.append(head)
+        self._lines = {_key(line): line for line in lines[1:] if line and _key(line) is not None}
+
+    def found(self, items: Sequence[EpisodeItem]) -> list[EpisodeOutcome]:
+        """Return the outcomes of the items that were played before."""
+        outcomes = (self._outcome(item) for item in items)
+        return [outcome for outcome in outcomes if outcome is not None]
+
+    def _outcome(self, item: EpisodeItem) -> EpisodeOutcome | None:
+        line = self._lines.get((item.name, item.variation, item.seed))
+        if line is None:
+            return None
+        try:
+            return EpisodeOutcome(item, EpisodeRecord(**line["record"]), tuple(float(t) for t in line["times"]))
+        except (InvalidValue, RlbenchPinError, KeyError, TypeError, ValueError):  # damaged: it is played again
+            return None
+
+    def add(self, outcome: EpisodeOutcome) -> None:
+        """Append an episode, with its times in microseconds.
+
+        Raises:
+            StorageError: The disk cannot be written. Episodes that were added before are complete.
+        """
+        self._journal.append({"record": asdict(outcome.record), "times": [round(t, 6) for t in outcome.action_times]})
+
+
+def _check_head(path: Path, before: Mapping[str, Any], head: Mapping[str, Any]) -> None:
+    """Raise EvaluationConflict unless the first line of a journal is this head."""
+    for name in sorted({*head, *before}):
+        then, now = before.get(name), head.get(name)
+        if then == now:
+            continue
+        if isinstance(then, dict) and isinstance(now, dict):
+            names = [key for key in sorted({*then, *now}) if then.get(key) != now.get(key)]
+            then, now = ({key: entries.get(key) for key in names} for entries in (then, now))
+        raise EvaluationConflict(
+            f"'{path}' was begun with {name} = {shown(then)}, this is {name} = {shown(now)}. Go on with the same, "
+            "or choose another file for the results."
+        )
+
+
+def _key(line: Mapping[str, Any]) -> tuple[str, int, int] | None:
+    record = line.get("record")
+    if not isinstance(record, dict):
+        return None
+    key = tuple(record.get(name) for name in ("task", "variation", "seed"))
+    return key if isinstance(key[0], str) and all(type(part) is int for part in key[1:]) else None  # type: ignore[return-value]
+
+
+@contextmanager
+def _exclusive(path: Path) -> Iterator[None]:
+    try:
+        with exclusive(path):
+            yield
+    except JournalInUse as error:
+        raise EvaluationConflict(
+            f"Another evaluation writes to '{path}'. Wait for it, or choose another file for the results."
+        ) from error

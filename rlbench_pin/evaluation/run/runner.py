@@ -20,12 +20,11 @@ from rlbench_pin.evaluation.run.config import (
     found_task,
     make_environment,
 )
-from rlbench_pin.evaluation.run.episode import NO_DEMONSTRATION, Episode, EpisodeOutcome, make_context, shortened
-from rlbench_pin.evaluation.run.limits import Limits
+from rlbench_pin.evaluation.run.episode import NO_DEMONSTRATION, Episode, EpisodeOutcome, Limits, make_context, shortened
 from rlbench_pin.values import as_record
 
 Around = Callable[[TaskEnvironment], AbstractContextManager[object]]
-"""Makes what is around an episode from its start to its end, such as a film of it."""
+"""Makes what is around an episode from its start to its end, such as a video of it."""
 NOT_PLAYED = "not played"
 """The fault of an episode in which something else than the policy failed: the task could not be placed, or a worker died."""
 

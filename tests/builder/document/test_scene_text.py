@@ -254,7 +254,7 @@ path = "curve"
 arc.axis = [0.0, 0.0, 1.0]
 arc.angle = 1.0
 
-[[departure]]
+[[deviation]]
 name = "words"
 specified = '''
 [[frame]]
@@ -279,11 +279,11 @@ def test_other_ways_to_write_the_same_are_understood(document: TaskDocument) -> 
     document.set(joint, "spring", {"stiffness": 2.0})
     assert "friction = 0.5\nspring = { stiffness = 2.0 }\n\n[[frame]]" in document.scene_text
     document.set("waypoint0", "arc", {"axis": [0.0, 0.0, 1.0], "angle": 0.5})
-    assert 'path = "curve"\narc = { axis = [0.0, 0.0, 1.0], angle = 0.5 }\n\n[[departure]]' in document.scene_text
+    assert 'path = "curve"\narc = { axis = [0.0, 0.0, 1.0], angle = 0.5 }\n\n[[deviation]]' in document.scene_text
     document.rename("a", "c")
     document.add("frame", {})
     assert 'name = "c"\n\n[[frame]]\nname = "frame"\n\n[[waypoint]]' in document.scene_text
-    assert document.scene_text.endswith(before[before.index("[[departure]]") :]) and document.problems == ()
+    assert document.scene_text.endswith(before[before.index("[[deviation]]") :]) and document.problems == ()
 
 
 @pytest.mark.parametrize("value", ["abc", 3, None, [[1]], {"x": 1}, object(), [None] * 3, [True, False, True], "\ud800"])

@@ -6,31 +6,31 @@ import pytest
 
 from rlbench_pin.builder.worker.validation import items_of, validation_lines
 from rlbench_pin.checking import TaskReport, Trial, summarise
-from rlbench_pin.checking.judge import Rest
-from rlbench_pin.checking.plan import CheckPlan
 from rlbench_pin.checking.reach import Reach
 from rlbench_pin.checking.records import (
     DemoTrial,
     FailedAttempt,
-    IdleTrial,
     KeyFramesTrial,
+    NoopTrial,
     RandomTrial,
     ReachTrial,
     RepeatTrial,
     SolvedDemo,
     WordsTrial,
 )
+from rlbench_pin.checking.trials import CheckPlan
+from rlbench_pin.checking.validate import NoopEpisode
 
 _WHO = {"task": "pick", "seed": 3, "variation": 1}
-_GOOD = SolvedDemo(frames=9, simulated=1.0, replayed=True, lasts=True)
-_STILL = Rest(0.0, (), 0.0, 0.0, "cup", False)
+_GOOD = SolvedDemo(frames=9, simulated=1.0, replayed=True, stable=True)
+_STILL = NoopEpisode(0.0, (), 0.0, 0.0, "cup", False)
 
 
 def _good() -> dict[str, Trial]:
     return {
         "words": WordsTrial(**_WHO, instructions=("Pick it.",)),
         "demos": DemoTrial(**_WHO, demo=_GOOD),
-        "idle": IdleTrial(**_WHO, rest=_STILL),
+        "noop": NoopTrial(**_WHO, episode=_STILL),
         "repeat": RepeatTrial(**_WHO),
         "random": RandomTrial(**_WHO),
         "reach": ReachTrial(**_WHO, reach=Reach((0.0, 0.0, 0.0), (0, 1), (True, True), ((0.0, 0.0), (0.1, 0.0)), True)),
@@ -47,17 +47,17 @@ _WRONG: dict[str, tuple[Trial, dict[str, str]]] = {
     "attempt": (_failed(1), {"first try": "waypoint2: no path"}),
     "attempts": (_failed(10, None), {"first try": "waypoint2: no path", "in tries": "no path"}),
     "replay": (
-        DemoTrial(**_WHO, demo=SolvedDemo(frames=9, simulated=1.0, replayed=False, lasts=True)),
+        DemoTrial(**_WHO, demo=SolvedDemo(frames=9, simulated=1.0, replayed=False, stable=True)),
         {"replay": "not reached"},
     ),
     "left over": (
-        DemoTrial(**_WHO, demo=SolvedDemo(frames=9, simulated=1.0, replayed=True, lasts=True, left_over=("colors of cup",))),
+        DemoTrial(**_WHO, demo=SolvedDemo(frames=9, simulated=1.0, replayed=True, stable=True, left_over=("colors of cup",))),
         {"left over": "colors of cup"},
     ),
-    "rest": (IdleTrial(**_WHO, rest=Rest(0.0, (), 0.0, 0.0, "", True)), {"rest": "goal reached"}),
-    "drift": (IdleTrial(**_WHO, rest=Rest(0.0, (), 0.0, 0.02, "cup", False)), {"drift": "cup moves 20.00 mm"}),
-    "overlap": (IdleTrial(**_WHO, rest=Rest(0.005, (), 0.0, 0.0, "", False)), {"overlap": "5.00 mm"}),
-    "held": (IdleTrial(**_WHO, rest=Rest(0.0, ("cup",), 0.0, 0.0, "", False)), {"held": "cup is held"}),
+    "rest": (NoopTrial(**_WHO, episode=NoopEpisode(0.0, (), 0.0, 0.0, "", True)), {"rest": "goal reached"}),
+    "drift": (NoopTrial(**_WHO, episode=NoopEpisode(0.0, (), 0.0, 0.02, "cup", False)), {"drift": "cup moves 20.00 mm"}),
+    "overlap": (NoopTrial(**_WHO, episode=NoopEpisode(0.005, (), 0.0, 0.0, "", False)), {"overlap": "5.00 mm"}),
+    "held": (NoopTrial(**_WHO, episode=NoopEpisode(0.0, ("cup",), 0.0, 0.0, "", False)), {"held": "cup is held"}),
     "repeat": (RepeatTrial(**_WHO, differing=("reset",)), {"repeat": "reset: not the same"}),
     "flail": (RandomTrial(**_WHO, reached_goal=True), {"flail": "goal reached"}),
     "keys": (KeyFramesTrial(**_WHO, reached_goal=False, refused="no path"), {"keys": "no path"}),
@@ -127,4 +127,4 @@ def test_the_work_is_that_of_check() -> None:
 def test_few_demonstrations_have_few_key_frames() -> None:
     """Key frames are those of demonstrations that were asked for."""
     parts = [item.part for item in items_of("pick", 3)]
-    assert (parts.count("demos"), parts.count("key_frames"), parts.count("idle")) == (3, 3, CheckPlan.contract_seeds)
+    assert (parts.count("demos"), parts.count("key_frames"), parts.count("noop")) == (3, 3, CheckPlan.contract_seeds)

@@ -22,9 +22,9 @@ import pytest
 
 from rlbench_pin.cli.main import main
 from rlbench_pin.datasets import DatasetWriter, episode_files, read_demo
+from rlbench_pin.datasets.formats import find_exporter
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError, MissingExtra
 from rlbench_pin.observation import Demo, Observation
-from rlbench_pin.recording.export import find_exporter
 
 READERS = Path(__file__).parent / "readers"
 LENGTHS = (7, 5, 9)

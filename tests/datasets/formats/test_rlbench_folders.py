@@ -11,10 +11,17 @@ import pytest
 from PIL import Image
 
 from rlbench_pin.datasets import DatasetWriter, episode_files, read_demo
-from rlbench_pin.datasets.formats.rlbench_folders import export_rlbench
+from rlbench_pin.datasets.formats.rlbench import (
+    decode_depth,
+    decode_mask,
+    encode_depth,
+    encode_mask,
+    export_rlbench,
+    folder_demos,
+    folder_episodes,
+    read_folder,
+)
 from rlbench_pin.datasets.formats.rlbench_pickle import PickledDemo, PickledObservation, dump
-from rlbench_pin.datasets.formats.rlbench_pictures import decode_depth, decode_mask, encode_depth, encode_mask
-from rlbench_pin.datasets.formats.rlbench_reader import folder_demos, folder_episodes, read_folder
 from rlbench_pin.errors import DatasetError, EpisodeFileError
 from rlbench_pin.observation import Demo, Observation
 
@@ -144,7 +151,7 @@ def test_broken_folders_are_named(root: Path, tmp_path: Path) -> None:
     folders = export_rlbench(root, tmp_path / "x")
     episodes = folder_episodes(folders, TASK, 0)
     (episodes[0] / "front_rgb" / "3.png").unlink()
-    with pytest.raises(RuntimeError, match=r"Broken dataset.*front_rgb.*3 pictures for 4 frames"):
+    with pytest.raises(RuntimeError, match=r"Broken dataset.*front_rgb.*3 images for 4 frames"):
         read_folder(episodes[0])
     (episodes[1] / "wrist_rgb" / "1.png").write_bytes(b"\x89PNG nothing")
     with pytest.raises(EpisodeFileError, match=r"1\.png.*damaged"):

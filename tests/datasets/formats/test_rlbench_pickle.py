@@ -17,9 +17,8 @@ import numpy as np
 import pytest
 
 from rlbench_pin.datasets import DatasetWriter
-from rlbench_pin.datasets.formats.rlbench_folders import export_rlbench, write_frames
+from rlbench_pin.datasets.formats.rlbench import export_rlbench, read_folder, write_frames
 from rlbench_pin.datasets.formats.rlbench_pickle import PickledObservation, dump, load
-from rlbench_pin.datasets.formats.rlbench_reader import read_folder
 from rlbench_pin.environment.observations.observe import spread_mask
 from rlbench_pin.errors import EpisodeFileError
 from tests.datasets.formats.test_rlbench_folders import make_demo

@@ -28,8 +28,7 @@ from rlbench_pin.evaluation.run import (
     evaluation_seed,
 )
 from rlbench_pin.evaluation.run.evaluate import journal_path
-from rlbench_pin.evaluation.run.origin import checkout_commit
-from rlbench_pin.evaluation.run.times import times_path
+from rlbench_pin.evaluation.run.provenance import checkout_commit, times_path
 from rlbench_pin.processes import Engine, ProcessEngine, SerialEngine
 
 pytestmark = pytest.mark.simulation

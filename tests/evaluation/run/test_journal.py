@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 
 from rlbench_pin.evaluation.results.records import EpisodeRecord
-from rlbench_pin.evaluation.run import EpisodeItem, EpisodeOutcome, EvaluationConflict
-from rlbench_pin.evaluation.run.journal import Journal
+from rlbench_pin.evaluation.run import EpisodeItem, EpisodeOutcome, EvaluationConfig, EvaluationConflict
+from rlbench_pin.evaluation.run.evaluate import EpisodeJournal, evaluate, journal_path
+from rlbench_pin.processes import SerialEngine, exclusive
 
 HEAD = {"policy": "noop", "tasks": ("reach_target",), "limits": {"max_seconds": 1.0}}
 ITEMS = [EpisodeItem("reach_target", "reach_target", i, 0, 2**53 + 2 * i, 5) for i in range(3)]
@@ -29,16 +29,16 @@ def outcome(item: EpisodeItem) -> EpisodeOutcome:
 def path(tmp_path: Path) -> Path:
     """A journal of two episodes."""
     path = tmp_path / "folder" / "x.journal.jsonl"
-    with Journal(path, HEAD).opened(resume=False) as journal:
-        for item in ITEMS[:2]:
-            journal.add(outcome(item))
+    journal = EpisodeJournal(path, HEAD, resume=False)
+    for item in ITEMS[:2]:
+        journal.add(outcome(item))
     return path
 
 
 def test_what_is_added_is_found(path: Path) -> None:
     """To the last digit; what was not played is not."""
-    with Journal(path, HEAD).opened(resume=True) as journal:
-        assert journal.found(ITEMS) == [outcome(item) for item in ITEMS[:2]]
+    journal = EpisodeJournal(path, HEAD, resume=True)
+    assert journal.found(ITEMS) == [outcome(item) for item in ITEMS[:2]]
 
 
 def test_a_line_that_was_being_written_is_cut_off(path: Path) -> None:
@@ -47,11 +47,11 @@ def test_a_line_that_was_being_written_is_cut_off(path: Path) -> None:
     second = whole[: whole.rindex(b"\n", 0, -1) + 1]
     for length in range(len(second) + 1, len(whole), 7):
         path.write_bytes(whole[:length])
-        with Journal(path, HEAD).opened(resume=True) as journal:
-            assert journal.found(ITEMS) == [outcome(ITEMS[0])]
-            journal.add(outcome(ITEMS[2]))
-        with Journal(path, HEAD).opened(resume=True) as journal:
-            assert journal.found(ITEMS) == [outcome(ITEMS[0]), outcome(ITEMS[2])]
+        journal = EpisodeJournal(path, HEAD, resume=True)
+        assert journal.found(ITEMS) == [outcome(ITEMS[0])]
+        journal.add(outcome(ITEMS[2]))
+        journal = EpisodeJournal(path, HEAD, resume=True)
+        assert journal.found(ITEMS) == [outcome(ITEMS[0]), outcome(ITEMS[2])]
 
 
 def test_a_damaged_line_is_played_again(path: Path) -> None:
@@ -61,15 +61,15 @@ def test_a_damaged_line_is_played_again(path: Path) -> None:
     wrong["record"]["steps"] = -1
     for line in ("]", "[]", "{}", '{"record": 3}', json.dumps(wrong), "\x00\x00"):
         path.write_text("\n".join((head, line, second)) + "\n")
-        with Journal(path, HEAD).opened(resume=True) as journal:
-            assert journal.found(ITEMS) == [outcome(ITEMS[1])]
+        journal = EpisodeJournal(path, HEAD, resume=True)
+        assert journal.found(ITEMS) == [outcome(ITEMS[1])]
 
 
 def test_without_resume_it_must_not_be_there(path: Path) -> None:
     """The error says what to do, and the file stays."""
     before = path.read_bytes()
-    with pytest.raises(EvaluationConflict, match="holds 2 episodes.*--resume"), Journal(path, HEAD).opened(resume=False):
-        pass
+    with pytest.raises(EvaluationConflict, match="holds 2 episodes.*--resume"):
+        EpisodeJournal(path, HEAD, resume=False)
     assert path.read_bytes() == before
 
 
@@ -84,23 +84,21 @@ def test_without_resume_it_must_not_be_there(path: Path) -> None:
 )
 def test_it_is_of_one_evaluation(path: Path, change: dict[str, object], words: str) -> None:
     """Another policy, limit or task is another evaluation; the error names the first difference."""
-    with pytest.raises(EvaluationConflict, match=words), Journal(path, {**HEAD, **change}).opened(resume=True):
-        pass
+    with pytest.raises(EvaluationConflict, match=words):
+        EpisodeJournal(path, {**HEAD, **change}, resume=True)
 
 
 def test_a_foreign_file_is_refused(path: Path) -> None:
     """It is not written to."""
     path.write_text("episode,success\n1,1\n")
-    with pytest.raises(EvaluationConflict, match="is no journal"), Journal(path, HEAD).opened(resume=True):
-        pass
+    with pytest.raises(EvaluationConflict, match="is no journal"):
+        EpisodeJournal(path, HEAD, resume=True)
     assert path.read_text() == "episode,success\n1,1\n"
 
 
-def test_two_evaluations_do_not_write_to_one_journal(path: Path) -> None:
+def test_two_evaluations_do_not_write_to_one_journal(tmp_path: Path) -> None:
     """The second is refused while the first one runs."""
-    with ExitStack() as stack:
-        stack.enter_context(Journal(path, HEAD).opened(resume=True))
-        with pytest.raises(EvaluationConflict, match="Another evaluation"):
-            stack.enter_context(Journal(path, HEAD).opened(resume=True))
-    with Journal(path, HEAD).opened(resume=True) as journal:
-        assert len(journal.found(ITEMS)) == 2
+    out = tmp_path / "x.json"
+    config = EvaluationConfig(policy="random", tasks=("reach_target",), episodes=1)
+    with exclusive(journal_path(out)), pytest.raises(EvaluationConflict, match="Another evaluation"):
+        evaluate(config, out, engine=SerialEngine())

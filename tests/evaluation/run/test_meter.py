@@ -10,7 +10,7 @@ import pytest
 from rlbench_pin.environment import Environment, JointPosition, JointVelocity, MoveArmThenGripper, TaskEnvironment
 from rlbench_pin.environment.actions import Discrete
 from rlbench_pin.environment.presets import low_dim_config
-from rlbench_pin.evaluation.run.meter import POSITION, VELOCITY, Meter
+from rlbench_pin.evaluation.run.episode import POSITION, VELOCITY, Meter
 
 pytestmark = pytest.mark.simulation
 

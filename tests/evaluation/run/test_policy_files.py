@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from rlbench_pin.evaluation.run import EvaluationConfig, EvaluationConflict, EvaluationProgress, EvaluationStopped, evaluate
-from rlbench_pin.evaluation.run.policy_files import policy_digests
+from rlbench_pin.evaluation.run.provenance import policy_digests
 from rlbench_pin.processes import SerialEngine
 
 POLICY = """

@@ -21,8 +21,7 @@ from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.evaluation.policies import PolicyReferenceError, open_policy
 from rlbench_pin.evaluation.results.records import EpisodeRecord
 from rlbench_pin.evaluation.run import EpisodeOutcome, EpisodeRunner, EvaluationConfig, plan_episodes, runner
-from rlbench_pin.evaluation.run.episode import LONGEST_DETAIL, shortened
-from rlbench_pin.evaluation.run.limits import KEY_FRAMES
+from rlbench_pin.evaluation.run.episode import KEY_FRAMES, LONGEST_DETAIL, shortened
 from tests.evaluation.run import policies
 
 pytestmark = pytest.mark.simulation

@@ -19,7 +19,7 @@ import numpy as np
 
 from rlbench.backend.const import VARIATION_NUMBER, VARIATIONS_ALL_FOLDER
 from rlbench.demo import Demo
-from rlbench_pin.datasets.formats.rlbench_folders import Layout, export_rlbench, write_frames
+from rlbench_pin.datasets.formats.rlbench import Layout, export_rlbench, write_frames
 from rlbench_pin.datasets.formats.rlbench_pickle import dump
 from rlbench_pin.errors import DatasetConflict, RlbenchPinError, nearest_name
 from rlbench_pin.processes import ProcessEngine, SerialEngine

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from rlbench_pin.datasets.formats.rlbench_folders import DESCRIPTIONS_FILE, LOW_DIM_FILE, VARIATION_FILE
-from rlbench_pin.datasets.formats.rlbench_pictures import DEPTH_STEPS
+from rlbench_pin.datasets.formats.rlbench import DEPTH_STEPS, DESCRIPTIONS_FILE, LOW_DIM_FILE, VARIATION_FILE
 
 TTT_FILE = "task_design.ttt"
 """Name of the base scene elsewhere; here nothing is read from it, the table and the arm are always there."""

@@ -1,4 +1,4 @@
-"""The report of a check as one Markdown page, from the same data as its JSON."""
+"""The report of a check as a Markdown page and as a table for the terminal."""
 
 from __future__ import annotations
 
@@ -7,9 +7,17 @@ from typing import Any
 
 import numpy as np
 
+from rlbench_pin.checking.report import TaskReport
+from rlbench_pin.rates import Rate
+
 SLOWEST = 5
-SHARES = ("same_scene", "unseen", "lasting", "replay", "key_frames", "idle", "random", "repeat", "accepted")
+SHARES = ("same_scene", "unseen", "stable_success", "replay", "key_frames", "noop", "random", "repeat", "accepted")
+_RENAMED = {"idle": "noop", "lasting": "stable_success"}
 Plain = Mapping[str, Any]
+HEADER = (
+    "task", "var", "first try", "95 %", "in tries", "scene", "unseen", "stable", "replay", "keys", "noop", "random", "repeat",
+    "reach", "drift", "overlap", "demo", "plan", "speed", "verdict",
+)  # fmt: skip
 
 
 def page(content: Plain, pictures: Mapping[str, Mapping[str, str]] | None = None) -> str:
@@ -17,12 +25,19 @@ def page(content: Plain, pictures: Mapping[str, Mapping[str, str]] | None = None
 
     Args:
         content: What the JSON report holds; parts that an older one lacks are left out.
-        pictures: Task -> what a picture shows (`sheet`, `map`) -> its file, relative to the page.
+        pictures: Task -> what an image shows (`sheet`, `map`) -> its file, relative to the page.
     """
+    content = current_keys(content)
     tasks = content["tasks"]
     sections = [_head(content), overview(content), _slowest(tasks)]
     sections += [_task(name, task, (pictures or {}).get(name, {})) for name, task in tasks.items()]
     return "\n\n".join(section for section in sections if section) + "\n"
+
+
+def current_keys(content: Plain) -> Plain:
+    """Return a JSON report with the keys that format 3 has; reports of format 2 are accepted."""
+    tasks = {name: {_RENAMED.get(key, key): value for key, value in task.items()} for name, task in content["tasks"].items()}
+    return {**content, "tasks": tasks}
 
 
 def _head(content: Plain) -> str:
@@ -41,7 +56,7 @@ def overview(content: Plain) -> str:
     """Return the table of all tasks."""
     head = [
         "Task", "Variations", "First try (95 % interval)", f"Within {content['max_attempts']} tries", "In the same scene",
-        "First try, unseen seeds", "Lasts", "Replay", "Key frames", "Rest", "Flail", "Repeat", "Reach", "Drift", "Overlap",
+        "First try, unseen seeds", "Stable", "Replay", "Key frames", "Noop", "Random", "Repeat", "Reach", "Drift", "Overlap",
         "Length", "Planning", "x real time", "Verdict",
     ]  # fmt: skip
     rows = []
@@ -71,7 +86,7 @@ def _slowest(tasks: Plain) -> str:
     slow = sorted(timed, key=lambda name: timed[name]["times_real_time"])[:SLOWEST]
     rows = [[f"`{name}`", f"{timed[name]['times_real_time']:.1f}", timed[name]["speed"]["reason"]] for name in slow]
     text = (
-        "A reset and a demonstration without pictures, simulated time over process time, median of each task; "
+        "A reset and a demonstration without images, simulated time over process time, median of each task; "
         f"median of the tasks: {median:.1f} x real time."
     )
     return f"## The slowest\n\n{text}\n\n" + markdown_table(["Task", "x real time", "Where the time goes"], rows)
@@ -80,7 +95,7 @@ def _slowest(tasks: Plain) -> str:
 def _task(name: str, task: Plain, pictures: Mapping[str, str]) -> str:
     parts = [f"## {name}", "; ".join(task["faults"]) or "ok", _findings(task)]
     parts += [f"![{name}, {what}]({file})" for what, file in pictures.items()]
-    parts += [_failures(task["failures"]), _variations(task), _legs(task), _reach(task)]
+    parts += [_failures(task["failures"]), _variations(task), _segments(task), _reach(task)]
     return "\n\n".join(part for part in parts if part)
 
 
@@ -115,8 +130,8 @@ def _variations(task: Plain) -> str:
     return markdown_table(["Variation", "First try (95 % interval)", "Within the tries", "Instruction"], rows) if rows else ""
 
 
-def _legs(task: Plain) -> str:
-    head = ["Waypoint", "Legs", "Planning, median", "95 %", "Length, median", "95 %", "Found by"]
+def _segments(task: Plain) -> str:
+    head = ["Waypoint", "Segments", "Planning, median", "95 %", "Length, median", "95 %", "Found by"]
     rows = [
         [
             segment["waypoint"],
@@ -160,3 +175,43 @@ def markdown_table(head: Sequence[object], rows: Sequence[Sequence[object]]) -> 
     """Return a table; bars within cells are escaped."""
     lines = ["| " + " | ".join(str(cell).replace("|", "\\|") for cell in row) + " |" for row in (head, *rows)]
     return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]])
+
+
+def table(reports: Sequence[TaskReport]) -> str:
+    """Return one line per task under a line of headings."""
+    rows = [HEADER, *map(_row, reports)]
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in rows)
+
+
+def _row(r: TaskReport) -> tuple[str, ...]:
+    low, high = r.first_try.interval
+    rates = (
+        r.within_tries,
+        r.same_scene,
+        r.unseen,
+        r.stable_success,
+        r.replay,
+        r.key_frames,
+        r.noop,
+        r.random,
+        r.repeat,
+        r.accepted,
+    )
+    return (
+        r.task,
+        str(len(r.variations)),
+        _share(r.first_try),
+        f"{low:.0%}..{high:.0%}",
+        *map(_share, rates),
+        f"{1000 * r.drift.value:.2f} mm",
+        f"{1000 * r.penetration.value:.2f} mm",
+        f"{r.simulated:.1f} s",
+        f"{1000 * r.planning:.0f} ms",
+        f"{r.speed.times_real_time:.1f} x",
+        "; ".join(r.faults) or "ok",
+    )
+
+
+def _share(rate: Rate) -> str:
+    return f"{rate.count}/{rate.of}"

@@ -1,4 +1,4 @@
-"""Write the table of docs/departures.md from the `[[departure]]` entries of the library's scenes.
+"""Write the table of docs/deviations.md from the `[[deviation]]` entries of the library's scenes.
 
 The prose around it is written by hand. With `--check` nothing is written; it only says whether the page is out of date.
 """
@@ -17,17 +17,17 @@ from update_readme import replace_part
 
 from rlbench_pin.tasks import library_names, task_class, task_scene
 
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "departures.md"
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "deviations.md"
 HEAD = ("Task", "What", "Kind", "Specified", "Here", "Reason")
 
 
 def rows() -> Iterator[tuple[str, ...]]:
-    """Yield one row per departure, and one for each task that has none."""
+    """Yield one row per deviation, and one for each task that has none."""
     for name in library_names():
-        departures = task_scene(task_class(name)).departure
-        if not departures:
+        deviations = task_scene(task_class(name)).deviation
+        if not deviations:
             yield (f"`{name}`", "none", "", "", "", "")
-        for number, entry in enumerate(departures):
+        for number, entry in enumerate(deviations):
             kind = "asked" if entry.binding else "proposed"
             yield ("" if number else f"`{name}`", entry.name, kind, entry.specified, entry.here, entry.reason)
 
@@ -35,7 +35,7 @@ def rows() -> Iterator[tuple[str, ...]]:
 def written_anew() -> tuple[str, str]:
     """Return the page as it is, and as it should be."""
     before = PAGE.read_text(encoding="utf-8")
-    return before, replace_part(before, "departures", f"\n{table(HEAD, list(rows()))}\n")
+    return before, replace_part(before, "deviations", f"\n{table(HEAD, list(rows()))}\n")
 
 
 def main() -> int:

@@ -1,4 +1,4 @@
-"""Tasks are as their specification says, or a departure is listed: in the scene file, and on the page made from it."""
+"""Tasks are as their specification says, or a deviation is listed: in the scene file, and on the page made from it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from write_departures import written_anew
+from write_deviations import written_anew
 
 from rlbench_pin.tasks import library_names, task_class, task_scene
 from tests.tasks.figures import Figure, measured, specification
@@ -38,21 +38,21 @@ def in_text(name: str, text: str) -> Figure:
 def test_the_page_is_what_the_scenes_say() -> None:
     """Written again, it stays as it is."""
     before, after = written_anew()
-    assert before == after, "run `python scripts/write_departures.py`"
+    assert before == after, "run `python scripts/write_deviations.py`"
 
 
 @pytest.mark.parametrize("name", library_names())
-def test_a_figure_is_as_specified_or_a_departure_is_listed(name: str) -> None:
-    """Both sides of a departure are the figures of today, and no departure is listed where there is none."""
+def test_a_figure_is_as_specified_or_a_deviation_is_listed(name: str) -> None:
+    """Both sides of a deviation are the figures of today, and no deviation is listed where there is none."""
     specified, here = SPECIFIED[name], measured(name)
-    listed = {departure.name: departure for departure in task_scene(task_class(name)).departure}
+    listed = {deviation.name: deviation for deviation in task_scene(task_class(name)).deviation}
     assert specified.keys() - here.keys() == set(), "figures of things that are not there"
-    assert {key for key in listed if NAME.fullmatch(key)} - specified.keys() == set(), "departures without a figure"
+    assert {key for key in listed if NAME.fullmatch(key)} - specified.keys() == set(), "deviations without a figure"
     for key, value in specified.items():
         if key not in listed:
-            assert alike(key, here[key], value), f"{key} is {here[key]}, specified {value}: mend it or list a departure"
+            assert alike(key, here[key], value), f"{key} is {here[key]}, specified {value}: mend it or list a deviation"
             continue
-        assert not alike(key, here[key], value), f"{key} is as specified: strike the departure"
+        assert not alike(key, here[key], value), f"{key} is as specified: strike the deviation"
         assert alike(key, in_text(key, listed[key].specified), value), key
         assert alike(key, in_text(key, listed[key].here), here[key]), f"{key} is {here[key]}"
 

@@ -13,8 +13,19 @@ from pathlib import Path
 import pytest
 
 from rlbench_pin.errors import InvalidArgument
-from rlbench_pin.processes import Engine, GivenUp, ProcessEngine, SerialEngine, WorkerDeath, WorkersDie
-from rlbench_pin.processes.engines import MAX_DEATHS, RetryPolicy
+from rlbench_pin.processes import (
+    Engine,
+    GivenUp,
+    Journal,
+    JournalInUse,
+    ProcessEngine,
+    SerialEngine,
+    WorkerDeath,
+    WorkersDie,
+    exclusive,
+    run_jobs,
+)
+from rlbench_pin.processes.jobs import MAX_DEATHS, RetryPolicy
 
 
 @dataclass(frozen=True)
@@ -110,3 +121,47 @@ def test_a_number_of_workers_is_checked(workers: object) -> None:
     """It is a whole number from 1 on."""
     with pytest.raises(InvalidArgument, match="workers"):
         ProcessEngine(workers)  # type: ignore[arg-type]
+
+
+@pytest.mark.simulation
+def test_results_are_stored_before_they_are_told(tmp_path: Path) -> None:
+    """Also what is known of an item that no worker survives; the workers that died are told too."""
+    stored: list[tuple[int, int]] = []
+    told: list[WorkerDeath[Piece] | tuple[int, int]] = []
+    pieces, worker = [Piece(0), Piece(1, deaths=9), Piece(2)], partial(Squares, tmp_path)
+    for event in run_jobs(pieces, worker, store=stored.append, lost=lambda lost: (lost.item.number, -1)):
+        assert isinstance(event, WorkerDeath) or stored[-1] == event
+        told.append(event)
+    assert stored == [(0, 0), (1, -1), (2, 4)]
+    assert [event for event in told if isinstance(event, WorkerDeath)] == [WorkerDeath(pieces[1], "SIGKILL")] * MAX_DEATHS
+
+
+def test_a_job_that_raises_closes_its_worker(tmp_path: Path) -> None:
+    """So does an interrupt between two results."""
+    events = run_jobs([Piece(0), Piece(1)], partial(Squares, tmp_path), store=print, lost=pytest.fail, engine=SerialEngine())
+    assert next(events) == (0, 0)
+    with pytest.raises(KeyboardInterrupt):
+        events.throw(KeyboardInterrupt)  # type: ignore[attr-defined]
+    assert (tmp_path / "closed").exists()
+
+
+def test_a_journal_keeps_whole_lines(tmp_path: Path) -> None:
+    """A line that was being written is cut off, a damaged one is None, and lines are appended behind."""
+    path = tmp_path / "folder" / "journal.jsonl"
+    assert Journal(path).lines == []
+    assert not path.exists()
+    Journal(path).append({"a": 1.5})
+    path.write_bytes(path.read_bytes() + b"[]\n\xff\n" + b'{"half')
+    journal = Journal(path)
+    assert journal.lines == [{"a": 1.5}, None, None]
+    journal.append({"b": 2})
+    assert Journal(path).lines == [{"a": 1.5}, None, None, {"b": 2}]
+
+
+def test_one_process_writes_to_a_journal(tmp_path: Path) -> None:
+    """Until its block ends."""
+    path = tmp_path / "journal.jsonl"
+    with exclusive(path), pytest.raises(JournalInUse, match="Another process"), exclusive(path):
+        pass
+    with exclusive(path):
+        pass

@@ -1,4 +1,4 @@
-"""What every task must keep, measured on one running task; `rlbench-pin check` and the contract tests use it."""
+"""Measurements on one running task that `rlbench-pin check` and the contract tests validate."""
 
 from __future__ import annotations
 
@@ -10,56 +10,56 @@ import numpy as np
 
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.demos import EXTRA_TICKS, DemoPlayer, try_play
-from rlbench_pin.environment.replay import reaches_goal, replay_succeeds
+from rlbench_pin.environment.replay import reaches_goal
 from rlbench_pin.observation import Demo
 from rlbench_pin.robot import geometry
 from rlbench_pin.scene.snapshot import BodySnapshot
 from rlbench_pin.spatial import FloatArray
 
-IDLE_STEPS = RANDOM_STEPS = 200
-REST_TIME = 2.0
-"""For how long nothing may move after a reset [s]."""
+NOOP_STEPS = RANDOM_STEPS = 200
+NOOP_TIME = 2.0
+"""Time after a reset in which nothing may move [s]."""
 MAX_DRIFT = 1e-3
 """How far anything may move in that time [m]."""
 MAX_PENETRATION = 2e-3
-"""How deep things may overlap at a reset [m]."""
+"""How deep objects may overlap at a reset [m]."""
 ENGINE_STATE = "physics"
 """Array of `World.arrays` that holds the engine's own file, in which memory addresses differ from save to save."""
 
 
 @dataclass(frozen=True)
-class Rest:
-    """What happens in a world that is left alone from the reset on."""
+class NoopEpisode:
+    """An episode of the no-op policy: the arm holds still from the reset on."""
 
     penetration: float
     """Deepest overlap at the reset [m]."""
     held: tuple[str, ...]
-    """What the hand holds at the reset; it should hold nothing."""
+    """Objects that the gripper holds at the reset; there should be none."""
     arm_speed: float
     """Largest joint speed of the arm at the reset [rad/s]."""
     drift: float
-    """Largest distance that a corner of a link had moved after `REST_TIME` [m]."""
+    """Largest distance that a corner of a link had moved after `NOOP_TIME` [m]."""
     drifter: str
     """The link it belongs to."""
     success: bool
-    """Whether the goal was reached, at the reset or while resting; it should not."""
+    """Whether the goal was reached, at the reset or later; it should not."""
 
 
-def rest(task: TaskEnvironment, seed: int, variation: int, steps: int = IDLE_STEPS) -> Rest:
-    """Reset and hold still for `steps` control ticks, at least as long as `REST_TIME`."""
+def noop_episode(task: TaskEnvironment, seed: int, variation: int, steps: int = NOOP_STEPS) -> NoopEpisode:
+    """Reset and hold still for `steps` control ticks, at least as long as `NOOP_TIME`."""
     task.reset(seed=seed, variation=variation)
     penetration, held = task.world.max_penetration(), task.runtime.gripper.grasped
     speed = float(np.abs(task.world.robot.joint_velocities).max())
     success = task.task.success()[0]
     still = np.append(task.world.robot.joint_positions, 1.0)
-    settled, watched = corners(task), round(REST_TIME / task.world.control_dt)
+    settled, watched = corners(task), round(NOOP_TIME / task.world.control_dt)
     success |= reaches_goal(task, [still] * watched)
     drift, drifter = _largest_move(settled, corners(task))
     success = success or reaches_goal(task, [still] * (steps - watched))
-    return Rest(penetration, held, speed, drift, drifter, success)
+    return NoopEpisode(penetration, held, speed, drift, drifter, success)
 
 
-def flail_succeeds(task: TaskEnvironment, seed: int, variation: int, steps: int = RANDOM_STEPS) -> bool:
+def random_succeeds(task: TaskEnvironment, seed: int, variation: int, steps: int = RANDOM_STEPS) -> bool:
     """Whether `steps` actions drawn evenly from the action space reach the goal; they should not."""
     rng = np.random.default_rng(seed)
     task.reset(seed=seed, variation=variation)
@@ -134,7 +134,7 @@ def poor_instructions(words: Mapping[int, Sequence[str]]) -> tuple[int, ...]:
     return tuple(v for v, s in words.items() if not s or len(set(s)) < len(s) or not all(t.strip() for t in s))
 
 
-# Where things are ---------------------------------------------------------------------------------------------------------------
+# Places of bodies --------------------------------------------------------------------------------------------------------------
 
 
 def corners(task: TaskEnvironment) -> dict[str, FloatArray]:
@@ -203,26 +203,3 @@ def _world_bytes(task: TaskEnvironment) -> bytes:
 def _demo_bytes(task: TaskEnvironment, seed: int, variation: int) -> bytes:
     outcome = task.try_demo(seed=seed, variation=variation)
     return outcome.cause.encode() if outcome.demo is None else demo_bytes(outcome.demo)
-
-
-__all__ = [
-    "IDLE_STEPS",
-    "MAX_DRIFT",
-    "MAX_PENETRATION",
-    "RANDOM_STEPS",
-    "REST_TIME",
-    "Rest",
-    "corners",
-    "demo_bytes",
-    "demo_repeats",
-    "differences",
-    "flail_succeeds",
-    "left_over",
-    "poor_instructions",
-    "reaches_goal",
-    "replay_succeeds",
-    "reset_repeats",
-    "rest",
-    "shared_instructions",
-    "solved_by_other_plans",
-]

@@ -1,1 +1,0 @@
-"""What a check shows people: a Markdown page, tables and pictures."""

@@ -1,0 +1,203 @@
+"""Running the items of a check in one process or in several; finished items are kept in a journal."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from rlbench_pin.assets import ASSETS
+from rlbench_pin.checking.reach import Reach
+from rlbench_pin.checking.records import RECORDS, Cost, FailedAttempt, Part, SolvedDemo, Trial
+from rlbench_pin.checking.trials import Item, work
+from rlbench_pin.checking.validate import NoopEpisode
+from rlbench_pin.environment.demos import SegmentReport, library_versions
+from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.processes import GivenUp, Journal, ProcessEngine, SerialEngine, WorkerDeath, run_jobs
+from rlbench_pin.tasks import LIBRARY, find_task
+from rlbench_pin.values import as_function, as_names, as_path, as_record, as_several, as_whole
+
+MOST_WORKERS = 1024
+_PACKAGE = ASSETS.parent
+_DECISIVE = ("reach.py", "records.py", "trials.py", "validate.py")
+"""Files of this folder that trials depend on; the others only show them."""
+_UNRELATED = ("cli", "datasets", "evaluation", "gym", "recording")
+"""Folders of the package that trials do not depend on."""
+_NESTED: dict[str, type] = {"episode": NoopEpisode, "reach": Reach, "cost": Cost}
+"""Field of a trial, or of its demonstration -> the class of its value."""
+_LISTED: dict[str, type] = {"failed": FailedAttempt, "segments": SegmentReport}
+"""Field -> the class of the elements of a tuple."""
+
+
+@dataclass(frozen=True)
+class CheckProgress:
+    """How far a check is."""
+
+    total: int
+    """Trials of the whole check."""
+    found: int
+    """Trials that the journal contained at the start."""
+    done: int
+    """Trials done now."""
+    latest: Item | None = None
+    """The item that was finished last, None at the start."""
+
+
+def run_trials(
+    items: Sequence[Item], workers: int, journal: TrialJournal, on_progress: Callable[[CheckProgress], None] | None = None
+) -> list[Trial]:
+    """Do the items that the journal does not contain yet, add them to it, and return the trials of all items.
+
+    Args:
+        items: The items.
+        workers: Number of processes; the result does not depend on it.
+        journal: The journal.
+        on_progress: Called once before the work begins, and after each item.
+
+    Raises:
+        InvalidValue: An argument is wrong; nothing was done.
+        RlbenchPinError: Several workers died with the same item.
+    """
+    items = [as_record(item, Item, "an entry of items") for item in as_several(items, "items")]
+    workers = as_whole(workers, "workers", least=1, most=MOST_WORKERS)
+    as_record(journal, TrialJournal, "journal")
+    as_function(on_progress, "on_progress")
+    report = on_progress or (lambda _: None)
+    found = {item: known for item in items if (known := journal.trials_of(item)) is not None}
+    trials = [trial for item in items for trial in found.get(item, ())]
+    todo = [item for item in items if item not in found]
+    total = _count(items)
+    progress = CheckProgress(total, total - _count(todo), 0)
+    report(progress)
+    engine = SerialEngine() if workers == 1 or len(todo) < 2 else ProcessEngine(workers)
+    for event in run_jobs(todo, _Checker, store=lambda done: journal.add(*done), lost=_raise_lost, engine=engine):
+        if isinstance(event, WorkerDeath):
+            continue
+        item, made = event
+        trials += made
+        progress = replace(progress, done=progress.done + len(item.seeds), latest=item)
+        report(progress)
+    return trials
+
+
+class _Checker:
+    """The worker of a check."""
+
+    def make(self, item: Item) -> tuple[Item, list[Trial]]:
+        return item, work(item)
+
+    def close(self) -> None:
+        """Nothing is kept between items."""
+
+
+def _raise_lost(lost: GivenUp[Item]) -> tuple[Item, list[Trial]]:
+    raise RlbenchPinError(
+        f"At '{lost.item.part}' of '{lost.item.task}', {lost.cause}; perhaps memory ran out. "
+        "With --out, the same command goes on from here."
+    )
+
+
+def _count(items: Sequence[Item]) -> int:
+    return sum(len(item.seeds) for item in items)
+
+
+class TrialJournal:
+    """The finished items of a check: those found in a file, and those added now.
+
+    Args:
+        path: File to read and to append to; None keeps nothing.
+        tasks: Tasks of the check: names, or paths of task files. Lines that were written before they, the package or its
+            libraries changed are not used.
+    """
+
+    def __init__(self, path: Path | None, tasks: Sequence[str]) -> None:
+        path = None if path is None else as_path(path, "path")
+        self._journal = None if path is None else Journal(path)
+        self._marks = {} if path is None else _marks(as_names(tasks, "tasks"))
+        self._done: dict[str, list[Trial]] = {}
+        for line in self._journal.lines if self._journal else ():
+            try:
+                self._done[line["key"]] = [as_trial(line["part"], trial) for trial in line["trials"]]  # type: ignore[index]
+            except (ValueError, KeyError, TypeError):  # damaged, or of an earlier version: the item is done again
+                continue
+
+    def trials_of(self, item: Item) -> list[Trial] | None:
+        """Return the trials of an item that was done before, or None."""
+        return self._done.get(self._key(item))
+
+    def add(self, item: Item, trials: Sequence[Trial]) -> None:
+        """Append a finished item to the file.
+
+        Raises:
+            StorageError: The disk cannot be written. Items that were added before are complete.
+        """
+        if self._journal is not None:
+            plain = [asdict(trial) for trial in trials]
+            self._journal.append({"key": self._key(item), "part": item.part, "trials": plain})
+
+    def _key(self, item: Item) -> str:
+        return json.dumps({**asdict(item), "mark": self._marks.get(item.task, "")}, sort_keys=True)
+
+
+def as_trial(part: Part, plain: Mapping[str, Any]) -> Trial:
+    """Return the trial that `dataclasses.asdict` and JSON made plain.
+
+    Args:
+        part: Part of the check that it belongs to.
+        plain: Its fields by name.
+
+    Raises:
+        KeyError: There is no such part.
+        TypeError: These are not the fields of its record.
+    """
+    return RECORDS[part](**{name: _restored(name, value) for name, value in plain.items()})
+
+
+def _restored(name: str, value: Any) -> Any:
+    if value is None:
+        return None
+    if name == "demo":
+        return SolvedDemo(**{inner: _restored(inner, content) for inner, content in value.items()})
+    if name in _NESTED:
+        return _NESTED[name](**{inner: _as_tuple(content) for inner, content in value.items()})
+    if name in _LISTED:
+        return tuple(_LISTED[name](**content) for content in value)
+    return _as_tuple(value)
+
+
+def _as_tuple(value: Any) -> Any:
+    return tuple(map(_as_tuple, value)) if isinstance(value, list) else value
+
+
+def _marks(tasks: Sequence[str]) -> dict[str, str]:
+    """Return task -> a checksum of everything that its trials depend on."""
+    shared = sha256(json.dumps(library_versions()).encode())
+    for file in sorted(_PACKAGE.rglob("*")):
+        if file.is_file() and file.suffix != ".pyc" and LIBRARY not in file.parents and _decides(file):
+            _add(shared, file)
+    marks = {}
+    for task in tasks:
+        mark, scene = shared.copy(), find_task(task).scene_file()
+        for file in (scene.with_suffix(".py"), scene, *_own_assets(scene)):
+            _add(mark, file)
+        marks[task] = mark.hexdigest()
+    return marks
+
+
+def _decides(file: Path) -> bool:
+    folder = file.relative_to(_PACKAGE).parts[0]
+    return file.name in _DECISIVE if folder == "checking" else folder not in _UNRELATED
+
+
+def _own_assets(scene: Path) -> list[Path]:
+    """Return the files of a task outside the package that may hold its assets."""
+    if LIBRARY in scene.parents:
+        return []
+    return sorted(file for file in scene.parent.rglob("*") if file.suffix.lower() in (".urdf", ".obj", ".stl", ".dae", ".png"))
+
+
+def _add(mark: Any, file: Path) -> None:
+    mark.update(file.name.encode() + b"\0" + file.read_bytes())

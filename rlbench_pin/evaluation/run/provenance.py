@@ -1,0 +1,133 @@
+"""What results were made with: commit, machine, files of the policy, and times of its answers."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import platform
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+from urllib.parse import unquote
+
+import numpy as np
+
+from rlbench_pin.assets import ASSETS
+from rlbench_pin.datasets.storage import write_whole
+from rlbench_pin.evaluation.run.config import EvaluationConfig
+from rlbench_pin.evaluation.run.episode import EpisodeOutcome
+
+_ROOT = ASSETS.parents[1]
+_BLOCK = 1 << 20
+"""Bytes that are read at once."""
+_FORMAT = 1
+
+
+def checkout_commit(root: Path = _ROOT) -> str:
+    """Return the commit of the checkout that the package runs from, with ` changed` where files differ; empty outside of one."""
+    if not (root / ".git").exists():
+        return ""
+    commit = _git(root, "rev-parse", "HEAD")
+    return f"{commit} changed" if commit and _git(root, "status", "--porcelain", "--untracked-files=no") else commit
+
+
+def _git(root: Path, *words: str) -> str:
+    """Return what git answers; nothing where there is no git, or it refuses."""
+    try:
+        done = subprocess.run(["git", "-C", str(root), *words], capture_output=True, text=True, timeout=20.0, check=True)
+    except (OSError, subprocess.SubprocessError):
+        return ""
+    return done.stdout.strip()
+
+
+def machine() -> dict[str, str | int]:
+    """Return what times depend on: the processor, how many of its cores there are, and the system."""
+    return {"processor": _processor(), "cores": os.cpu_count() or 1, "system": platform.platform(terse=True)}
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return models[0] if models else platform.machine()
+
+
+def policy_digests(reference: str) -> dict[str, str]:
+    """Return name -> SHA-256 of the files that a reference names: `file.py`, the file of `sb3:`, a folder's own files.
+
+    A folder is that of `lerobot:FOLDER` or of an argument, as in `cloning?folder=models`. Modules that a file imports,
+    libraries, and what is served behind a socket are not looked at; the built-in policies go with the commit.
+
+    Args:
+        reference: What `find_policy` takes.
+    """
+    if reference.startswith(("unix:", "tcp:")):
+        return {}
+    name, _, query = reference.partition("?")
+    values = [unquote(pair.partition("=")[2]) for pair in query.split("&") if pair]
+    kind, _, rest = name.partition(":")
+    named = [rest, f"{rest}.zip"][: 2 if kind == "sb3" else 1] if kind in ("sb3", "lerobot") else []
+    named += [name.rpartition(":")[0]] if name.rpartition(":")[0].endswith(".py") else []
+    found: dict[str, str] = {}
+    for text in (*named, *values):
+        for file in _files(text):
+            found[str(file)] = _digest(file)
+    return found
+
+
+def _files(text: str) -> list[Path]:
+    """Return the file that a text names, or those of the folder, sorted; none where there is neither."""
+    path = Path(text)
+    try:
+        if text and path.is_file():
+            return [path]
+        return sorted(file for file in path.rglob("*") if file.is_file()) if text and path.is_dir() else []
+    except (OSError, ValueError):  # a text that no path can be
+        return []
+
+
+def _digest(file: Path) -> str:
+    found = hashlib.sha256()
+    with file.open("rb") as opened:
+        while block := opened.read(_BLOCK):
+            found.update(block)
+    return found.hexdigest()
+
+
+def times_path(results: Path) -> Path:
+    """Return where the times beside a results file lie: `x.times.json` beside `x.json`."""
+    return results.with_name(f"{results.stem}.times.json")
+
+
+def write_times(path: Path, config: EvaluationConfig, outcomes: Sequence[EpisodeOutcome]) -> Path:
+    """Write the time per action of each task, and of all.
+
+    Args:
+        path: Where to.
+        config: What was evaluated.
+        outcomes: All its episodes.
+
+    Raises:
+        StorageError: The disk cannot be written to.
+    """
+    tasks = dict.fromkeys(outcome.item.name for outcome in outcomes)
+    content = {
+        "format": _FORMAT,
+        "policy": config.policy,
+        "machine": machine(),
+        "tasks": {task: _summary([o for o in outcomes if o.item.name == task]) for task in tasks},
+        "all": _summary(outcomes),
+    }
+    return write_whole(path, (json.dumps(content, indent=1) + "\n").encode())
+
+
+def _summary(outcomes: Sequence[EpisodeOutcome]) -> dict[str, float | int | None]:
+    """Return how many answers there were, and median, 95th percentile and longest of their times [s]."""
+    times = np.array([t for outcome in outcomes for t in outcome.action_times])
+    if not len(times):
+        return {"actions": 0, "median_s": None, "p95_s": None, "max_s": None}
+    values = {"median_s": np.median(times), "p95_s": np.quantile(times, 0.95), "max_s": times.max()}
+    return {"actions": len(times), **{name: round(float(value), 6) for name, value in values.items()}}

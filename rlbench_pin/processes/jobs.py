@@ -1,0 +1,370 @@
+"""Jobs: items, a worker that makes the result of each, an engine that runs workers, and a journal to resume from.
+
+The results do not depend on the engine nor on the number of its workers. Workers write nothing: the process that calls `run_jobs`
+stores every result before it asks for the next one, so that a job can be resumed whenever it was killed.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import multiprocessing
+import os
+import signal
+import threading
+from collections import Counter, deque
+from collections.abc import Callable, Generator, Hashable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager, suppress
+from dataclasses import dataclass
+from multiprocessing import resource_tracker
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
+
+from rlbench_pin.errors import InvalidArgument, RlbenchPinError, StorageError
+from rlbench_pin.values import as_whole
+
+MAX_DEATHS = 3
+"""Workers that may die with one item before it is given up."""
+MAX_DEATHS_IN_A_ROW = 10
+"""Workers that may die in a row, with no item finished in between, before the job ends."""
+_JOIN_TIMEOUT = 5.0  # [s]
+POLL_INTERVAL = 0.5
+"""Longest wait for workers before `stop` is looked at again [s]."""
+
+ItemT = TypeVar("ItemT", bound=Hashable)
+ResultT = TypeVar("ResultT")
+_ItemT = TypeVar("_ItemT", contravariant=True)
+_ResultT = TypeVar("_ResultT", covariant=True)
+
+
+class Worker(Protocol[_ItemT, _ResultT]):
+    """Makes the results of items, one after the other."""
+
+    def make(self, item: _ItemT, /) -> _ResultT:
+        """Return the result of an item; it also describes the errors of the item."""
+        ...
+
+    def close(self) -> None:
+        """Free the resources that are kept between items."""
+        ...
+
+
+@dataclass(frozen=True)
+class WorkerDeath(Generic[ItemT]):
+    """A worker died and was replaced."""
+
+    item: ItemT
+    """The item that it was making; another worker makes it."""
+    cause: str
+    """A signal or an exit code."""
+
+
+@dataclass(frozen=True)
+class GivenUp(Generic[ItemT]):
+    """An item with which too many workers died; it has no result."""
+
+    item: ItemT
+    cause: str
+
+
+class WorkersDie(RlbenchPinError):
+    """Too many workers died in a row."""
+
+    def __init__(self, deaths: Sequence[WorkerDeath]) -> None:
+        self.deaths = tuple(deaths)
+        causes = ", ".join(f"{n} x {c}" for c, n in Counter(d.cause for d in deaths).items())
+        super().__init__(
+            f"{len(deaths)} workers in a row ended without finishing anything ({causes}). Is there enough memory? "
+            "A script that starts workers needs `if __name__ == '__main__':`. "
+            "`--workers 0` works in this process and shows the error."
+        )
+
+
+Events = Generator[ResultT | WorkerDeath[ItemT] | GivenUp[ItemT], None, None]
+
+
+@runtime_checkable
+class Engine(Protocol):
+    """Runs workers."""
+
+    def map(
+        self, worker: Callable[[], Worker[ItemT, ResultT]], items: Sequence[ItemT], stop: threading.Event
+    ) -> Events[ResultT, ItemT]:
+        """Yield the result of every item, in any order.
+
+        Args:
+            worker: Makes a worker, in the process that uses it. It can be pickled, as items and results can.
+            items: The items to make.
+            stop: When set, no further item begins.
+        """
+        ...
+
+
+class SerialEngine:
+    """Runs one worker in this process."""
+
+    def map(
+        self, worker: Callable[[], Worker[ItemT, ResultT]], items: Sequence[ItemT], stop: threading.Event
+    ) -> Events[ResultT, ItemT]:
+        """Yield the result of every item in order."""
+        with closing(worker()) as only:
+            for item in items:
+                if stop.is_set():
+                    return
+                yield only.make(item)
+
+
+class RetryPolicy(Generic[ItemT]):
+    """Counts workers that died, and decides whether their items are made again."""
+
+    def __init__(self) -> None:
+        self._per_item: Counter[ItemT] = Counter()
+        self._in_a_row: list[WorkerDeath[ItemT]] = []
+
+    def on_success(self) -> None:
+        """Note that an item was finished."""
+        self._in_a_row.clear()
+
+    def on_death(self, item: ItemT, cause: str) -> tuple[WorkerDeath[ItemT], GivenUp[ItemT] | None]:
+        """Note that a worker died with an item; the second value is None unless the item is given up.
+
+        Raises:
+            WorkersDie: `MAX_DEATHS_IN_A_ROW` have died with nothing finished in between.
+        """
+        death = WorkerDeath(item, cause)
+        self._per_item[item] += 1
+        self._in_a_row.append(death)
+        if len(self._in_a_row) >= MAX_DEATHS_IN_A_ROW:
+            raise WorkersDie(self._in_a_row)
+        if self._per_item[item] < MAX_DEATHS:
+            return death, None
+        return death, GivenUp(item, f"worker died: {MAX_DEATHS} times, the last with {cause}")
+
+
+class ProcessEngine:
+    """Runs workers in processes of this machine; one that dies is replaced, and its item is made again.
+
+    Args:
+        workers: Number of processes.
+
+    Raises:
+        InvalidArgument: `workers` is not a whole number of at least 1.
+    """
+
+    def __init__(self, workers: int = 1) -> None:
+        self.workers = as_whole(workers, "workers", InvalidArgument, least=1)
+
+    def map(
+        self, worker: Callable[[], Worker[ItemT, ResultT]], items: Sequence[ItemT], stop: threading.Event
+    ) -> Events[ResultT, ItemT]:
+        """Yield results as they come."""
+        queue, retries = deque(items), RetryPolicy[ItemT]()
+        workers = [_Process[ItemT, ResultT](worker) for _ in range(min(self.workers, len(queue)))]
+        try:
+            while True:
+                for idle in workers:
+                    if not idle.items and queue and not stop.is_set():
+                        idle.give(queue.popleft())
+                if not (busy := [one for one in workers if one.items]):
+                    return
+                ready = wait([source for one in busy for source in (one.connection, one.sentinel)], POLL_INTERVAL)
+                for one in busy:
+                    if one.connection not in ready and one.sentinel not in ready:
+                        continue
+                    item, results = one.take()
+                    if results:
+                        retries.on_success()
+                        yield results[0]
+                        continue
+                    workers[workers.index(one)] = _Process(worker)
+                    death, given_up = retries.on_death(item, one.end())
+                    yield death
+                    if given_up is not None:
+                        yield given_up
+                    else:
+                        queue.appendleft(item)
+        finally:
+            for one in workers:
+                one.stop()
+
+
+class _Process(Generic[ItemT, ResultT]):
+    """A process with a worker, and the connection to it."""
+
+    def __init__(self, worker: Callable[[], Worker[ItemT, ResultT]]) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.connection, theirs = context.Pipe()
+        self._process = context.Process(target=_work, args=(theirs, worker), daemon=True)
+        with _one_thread(), ignore_interrupts():
+            self._process.start()
+        theirs.close()
+        self.sentinel = self._process.sentinel
+        self.items: tuple[ItemT, ...] = ()
+        """The item that it is making, if any."""
+
+    def give(self, item: ItemT) -> None:
+        """Send an item; if the process has died, `take` finds out."""
+        self.items = (item,)
+        with suppress(OSError):
+            self.connection.send(item)
+
+    def take(self) -> tuple[ItemT, tuple[ResultT, ...]]:
+        """Return its item and the result; no result when it died."""
+        (item,), self.items = self.items, ()
+        try:
+            return item, (self.connection.recv(),) if self.connection.poll() else ()
+        except (EOFError, OSError):
+            return item, ()
+
+    def end(self) -> str:
+        """Wait for the end of a process that died, and return its cause."""
+        self._process.join(_JOIN_TIMEOUT)
+        self.stop()
+        code = self._process.exitcode
+        return signal.Signals(-code).name if code is not None and code < 0 else f"exit code {code}"
+
+    def stop(self) -> None:
+        """End the process: closing the connection ends an idle one, a busy one is terminated."""
+        self.connection.close()
+        if self.items:
+            self._process.terminate()
+        self._process.join(_JOIN_TIMEOUT)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+
+
+def _work(connection: Connection, worker: Callable[[], Worker[ItemT, ResultT]]) -> None:
+    """Make the items that arrive until the connection closes."""
+    with closing(worker()) as only, suppress(EOFError, OSError):
+        while True:
+            connection.send(only.make(connection.recv()))
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Start processes that use one thread each for linear algebra in this block, unless the user sets another number."""
+    before = os.environ.get("OMP_NUM_THREADS")
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ["OMP_NUM_THREADS"]
+
+
+@contextmanager
+def ignore_interrupts() -> Iterator[None]:
+    """Start processes that ignore Ctrl-C in this block; the calling process receives it after the block."""
+    resource_tracker.ensure_running()  # its start would unblock the signal
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def run_jobs(
+    items: Sequence[ItemT],
+    worker: Callable[[], Worker[ItemT, ResultT]],
+    *,
+    store: Callable[[ResultT], object],
+    lost: Callable[[GivenUp[ItemT]], ResultT],
+    engine: Engine | None = None,
+    stop: threading.Event | None = None,
+) -> Iterator[ResultT | WorkerDeath[ItemT]]:
+    """Make the results of items that no journal contains; yield each after it was stored, and the workers that died.
+
+    Args:
+        items: The items, without those that were finished before.
+        worker: Makes a worker, in the process that uses it.
+        store: Stores a result, so that the item is not made again.
+        lost: Returns the result of an item that was given up.
+        engine: Runs the workers; one process when None.
+        stop: When set, no further item begins; items that have begun are finished and stored.
+    """
+    with closing((engine or ProcessEngine()).map(worker, items, stop or threading.Event())) as events:
+        for event in events:
+            if not isinstance(event, WorkerDeath):
+                event = lost(event) if isinstance(event, GivenUp) else event
+                store(event)
+            yield event
+
+
+class JournalInUse(RlbenchPinError):
+    """Another process writes to a journal."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        super().__init__(f"Another process writes to '{path}'. Wait for it, or choose another file.")
+
+
+@contextmanager
+def exclusive(path: Path) -> Iterator[None]:
+    """Keep other processes from entering this block with the same journal; the system unlocks it when this process is killed.
+
+    Raises:
+        JournalInUse: Another process is in such a block.
+        StorageError: The disk cannot be written.
+    """
+    with _storing(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        file = path.open("ab")
+    with file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise JournalInUse(path) from error
+        yield
+
+
+class Journal:
+    """A file with a JSON object per line, one line per finished item.
+
+    Args:
+        path: The file. A last line that was being written when its writer was killed is cut off.
+
+    Raises:
+        StorageError: It cannot be read or written.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        data = b""
+        with _storing(path):
+            if path.is_file():
+                data = path.read_bytes()
+            if (size := data.rfind(b"\n") + 1) < len(data):
+                os.truncate(path, size)
+        self.lines = [_json_object(line) for line in data[:size].splitlines()]
+        """The objects that the file contained; None for a damaged line."""
+
+    def append(self, content: Mapping[str, Any]) -> None:
+        """Append an object, and wait until it is on the disk.
+
+        Raises:
+            StorageError: The disk cannot be written. Lines that were appended before are complete.
+        """
+        with _storing(self.path):
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with self.path.open("ab") as file:
+                file.write((json.dumps(content) + "\n").encode())
+                file.flush()
+                os.fsync(file.fileno())
+
+
+def _json_object(line: bytes) -> dict[str, Any] | None:
+    try:
+        found = json.loads(line)
+    except ValueError:
+        return None
+    return found if isinstance(found, dict) else None
+
+
+@contextmanager
+def _storing(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise StorageError(path, error) from error

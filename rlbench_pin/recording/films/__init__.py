@@ -1,1 +1,0 @@
-"""What films are made of: a camera that circles, and several films side by side."""
