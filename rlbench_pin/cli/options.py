@@ -157,5 +157,6 @@ def make_engine(name: EngineName, workers: int) -> Engine:
 
     if name == "processes":
         return processes.ProcessEngine(workers) if workers else processes.SerialEngine()
-    engine: Engine = processes.RayEngine(max(1, workers))
-    return engine
+    from rlbench_pin.processes.ray_engine import RayEngine
+
+    return RayEngine(max(1, workers))

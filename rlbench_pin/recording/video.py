@@ -100,7 +100,7 @@ class Orbit:
 
     def image(self, world: World, frame: int) -> np.ndarray:
         """Image number `frame` of what happens now, uint8 (h, w, 3)."""
-        return world.renderer.picture(self.view(frame))
+        return world.renderer.image(self.view(frame))
 
 
 class Reel:
@@ -207,4 +207,4 @@ class VideoRecorder:
     def _image(self) -> np.ndarray:
         if self._view is None:
             self._view = side_view(self._task.world)
-        return self._task.world.renderer.picture(self._view)
+        return self._task.world.renderer.image(self._view)
