@@ -48,18 +48,6 @@ class EvaluationProgress:
     latest: EpisodeOutcome | None = None
     """The episode that was finished last; None at the start."""
 
-    @classmethod
-    def of(cls, wanted: int, found: Sequence[EpisodeOutcome]) -> EvaluationProgress:
-        """Return the progress at the start.
-
-        Args:
-            wanted: Episodes of the whole evaluation.
-            found: Episodes that were played before.
-        """
-        records = [outcome.record for outcome in found]
-        successes, faults = sum(r.success for r in records), sum(bool(r.fault) for r in records)
-        return cls(wanted, len(found), successes=successes, faults=faults)
-
     def with_outcome(self, outcome: EpisodeOutcome) -> EvaluationProgress:
         """Return the progress after one more episode."""
         successes, faults = self.successes + outcome.record.success, self.faults + bool(outcome.record.fault)
@@ -126,7 +114,9 @@ def evaluate(
         journal = EpisodeJournal(path, _head(empty, items), resume)
         outcomes = {outcome.item: outcome for outcome in journal.found(items)}
         watch = on_progress or (lambda progress: None)
-        progress = EvaluationProgress.of(len(items), list(outcomes.values()))
+        records = [outcome.record for outcome in outcomes.values()]
+        successes, faults = sum(r.success for r in records), sum(bool(r.fault) for r in records)
+        progress = EvaluationProgress(len(items), len(outcomes), successes=successes, faults=faults)
         watch(progress)
         todo = [item for item in items if item not in outcomes]
         worker = partial(make_runner, config)
