@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import threading
 import time
 from typing import Any
@@ -87,6 +88,16 @@ class RawPage:
                 return
             time.sleep(0.05)
         raise AssertionError(f"no button '{label}'")
+
+    def told(self, words: str, timeout: float = 20.0) -> str:
+        """Return the notification that has some words, or fail."""
+        end = time.monotonic() + timeout
+        while time.monotonic() < end:
+            for message in tuple(self._heard):
+                if message["type"] == "NotificationShowMessage" and re.search(words, str(message["props"])):
+                    return str(message["props"]["body"])
+            time.sleep(0.02)
+        raise AssertionError(f"no notification with '{words}'")
 
     def is_open(self) -> bool:
         """Whether the connection stands."""
