@@ -18,95 +18,12 @@ if sys.argv[:1] == ["-m"] and "rlbench_pin.cli.main" in sys.orig_argv:  # the co
 import importlib
 import importlib.util
 import logging
-from typing import TYPE_CHECKING
 
-from rlbench_pin.front_door import front_door
-
-if TYPE_CHECKING:
-    from rlbench_pin import (
-        checking,
-        control,
-        datasets,
-        environment,
-        errors,
-        evaluation,
-        observation,
-        planning,
-        recording,
-        robot,
-        scene,
-        sim,
-        spatial,
-        tasks,
-        urdf,
-        values,
-    )
-    from rlbench_pin.environment import (
-        ActionMode,
-        CameraConfig,
-        Discrete,
-        EndEffectorPoseViaIK,
-        EndEffectorPoseViaPlanning,
-        EndEffectorVelocity,
-        Environment,
-        GripperJointPosition,
-        JointPosition,
-        JointTorque,
-        JointVelocity,
-        MoveArmThenGripper,
-        ObservationConfig,
-        RandomizeEvery,
-        RelativeFrame,
-        SafeArm,
-        TaskEnvironment,
-        VisualRandomizationConfig,
-    )
-    from rlbench_pin.errors import RlbenchPinError
-    from rlbench_pin.observation import Demo, Observation
-    from rlbench_pin.tasks import task_class, task_names
+import lazy_loader as lazy
 
 __version__ = "0.1.0"
 
-__all__ = [
-    "ActionMode",
-    "CameraConfig",
-    "Demo",
-    "Discrete",
-    "EndEffectorPoseViaIK",
-    "EndEffectorPoseViaPlanning",
-    "EndEffectorVelocity",
-    "Environment",
-    "GripperJointPosition",
-    "JointPosition",
-    "JointTorque",
-    "JointVelocity",
-    "MoveArmThenGripper",
-    "Observation",
-    "ObservationConfig",
-    "RandomizeEvery",
-    "RelativeFrame",
-    "RlbenchPinError",
-    "SafeArm",
-    "TaskEnvironment",
-    "VisualRandomizationConfig",
-    "task_class",
-    "task_names",
-]
-
-_HOMES = dict.fromkeys(__all__, "environment") | {
-    "Demo": "observation",
-    "Observation": "observation",
-    "RlbenchPinError": "errors",
-    "task_class": "tasks",
-    "task_names": "tasks",
-}
-_PARTS = (
-    "checking", "compat", "control", "datasets", "environment", "errors", "evaluation", "gym", "observation", "planning",
-    "recording", "robot", "scene", "sim", "spatial", "tasks", "urdf", "values",
-)  # fmt: skip
-
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = front_door(__name__, _HOMES, _PARTS)
+__getattr__, __dir__, __all__ = lazy.attach_stub(__name__, __file__)
 
 logging.getLogger(__name__).addHandler(logging.NullHandler())
 if importlib.util.find_spec("gymnasium") is not None:

@@ -1,4 +1,4 @@
-"""Write what is generated from docs/results/: tables in README.md and docs/performance.md, and docs/results/demo_success.md.
+"""Write the pages that are generated from docs/results/: demo_success.md, benchmarks.md, and a summary in README.md.
 
 `make sweep` measures docs/results/demo_success.json; docs/results/benchmarks.json is a copy of what `make bench` wrote.
 With `--check` nothing is written; it only says whether they fit.
@@ -13,78 +13,40 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from rlbench_pin.checking.page import current_keys, interval, page, share
+from rlbench_pin.checking.page import current_keys, interval, page
 
 CAMERAS = ("naive ", "cpu ", "egl ")
-"""How benchmarks of pictures begin."""
+"""First words of the names of camera benchmarks."""
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "docs" / "results"
 
-HEAD = (
-    "| Task | Variations | First try (95 % interval) | Unseen seeds (95 % interval) | Same scene | Within {tries} tries | Stable "
-    "| Replay | Key frames | Noop | Random | Length | Planning | x real time |\n"
-    "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|"
-)
-NOTE = (
-    "{episodes} demonstrations per task, seeds {seed} to {last}, at most {max_variations} variations each; {unseen} more on "
-    "seeds from {unseen_seed}, which nobody looked at while the tasks were made. "
-    "*Same scene*: solved, after a failure by up to {again} plans with other draws; *within {tries} tries*: after a failure "
-    "the scene is drawn again. *Stable*: success still holds after 1 s with the arm stationary. "
-    "*Replay*: the recorded joint-position actions succeed again (of {replays} demonstrations or more). "
-    "*Key frames*: the poses at which a demonstration rests or moves its fingers, alone, planned anew, reach the goal. "
-    "*Noop*, *random*: goals reached by the no-op policy and by random actions in 200 steps "
-    "(random motion may hit a reach target). "
-    "*Length*, *planning*: median of a demonstration. *x real time*: simulated over process time of reset and demonstration. "
-    "Written by `make sweep`; [the whole report](docs/results/demo_success.md) has variations, legs and causes of failures."
-)
+
+def summary(results: dict[str, Any]) -> str:
+    """Return the line of all tasks and the worst one."""
+    tasks = dict(current_keys(results))["tasks"]
+    parts = {"seeds that were looked at": "first_try", "unseen seeds": "unseen"}
+    lines = ["| Demonstrations at the first try | All tasks | Worst task |", "|---|---:|---|"]
+    for title, key in parts.items():
+        rates = {name: task[key] for name, task in tasks.items() if task.get(key, {}).get("of")}
+        count, of = (sum(rate[part] for rate in rates.values()) for part in ("count", "of"))
+        worst = min(rates, key=lambda name: rates[name]["rate"], default="")
+        lines.append(f"| {title} | {count} of {of} ({100 * count / of:.1f} %) | `{worst}`, {interval(rates[worst])} |")
+    return "\n".join(lines)
 
 
-def task_table(results: dict[str, Any]) -> str:
-    """Return the table of tasks as Markdown."""
-    results = dict(current_keys(results))
-    lines = [HEAD.format(tries=results["max_attempts"]), *(_row(name, task) for name, task in results["tasks"].items())]
-    settings = {key: results[key] for key in ("episodes", "seed", "max_variations")}
-    settings |= {
-        "unseen": results.get("unseen", 0),
-        "unseen_seed": results.get("unseen_seed", 0),
-        "tries": results["max_attempts"],
-    }
-    last, replays = (
-        results["seed"] + results["episodes"] - 1,
-        min(results["episodes"], results.get("replays", results["episodes"])),
-    )
-    note = NOTE.format(**settings, last=last, replays=replays, again=results["max_attempts"] - 1)
-    return "\n".join([*lines, "", note])
+def benchmark_page(run: dict[str, Any]) -> str:
+    """Return the page of the last benchmark run as Markdown."""
+    return f"# Benchmarks\n\nProcessor times of the last complete `make bench`.\n\n{benchmark_table(run)}\n"
 
 
 def benchmark_table(run: dict[str, Any]) -> str:
-    """Return the table of benchmarks as Markdown, durations in [ms]; those of single cameras stand in docs/cameras.md."""
+    """Return the table of benchmarks as Markdown, durations in [ms]; docs/cameras.md has those of single cameras."""
     lines = ["| Benchmark | median ms | p95 ms | p99 ms | |", "|---|---:|---:|---:|---|"]
     for r in (r for r in run["results"] if not r["name"].startswith(CAMERAS)):
         numbers = " | ".join(f"{1000 * r[key]:.2f}" for key in ("median", "p95", "p99"))
         lines.append(f"| {r['name'].strip()} | {numbers} | {r['note']} |")
     versions = ", ".join(f"{name} {version}" for name, version in run["versions"].items())
     return "\n".join([*lines, "", f"Python {run['machine']['python']}, {run['machine']['machine']}; {versions}."])
-
-
-def _row(name: str, task: dict[str, Any]) -> str:
-    cells = [
-        f"`{name}`",
-        str(len(task["variations"])),
-        interval(task["first_try"]),
-        interval(task["unseen"]) if task.get("unseen", {}).get("of") else "",
-        share(task.get("same_scene")),
-        share(task["within_tries"]),
-        share(task.get("stable_success")),
-        share(task["replay"]),
-        share(task.get("key_frames")),
-        share(task["noop"]),
-        share(task["random"]),
-        f"{task['median_simulated_s']:.1f} s",
-        f"{1000 * task['median_planning_s']:.0f} ms",
-        f"{task['times_real_time']:.0f}",
-    ]
-    return "| " + " | ".join(cells) + " |"
 
 
 def report_page(results: dict[str, Any]) -> str:
@@ -104,9 +66,9 @@ def replace_part(text: str, name: str, content: str) -> str:
 
 # document, marker of the part (None: all of it), results, text
 PARTS = (
-    ("README.md", "tasks", "demo_success.json", task_table),
+    ("README.md", "tasks", "demo_success.json", summary),
     ("docs/results/demo_success.md", None, "demo_success.json", report_page),
-    ("docs/performance.md", "benchmarks", "benchmarks.json", benchmark_table),
+    ("docs/results/benchmarks.md", None, "benchmarks.json", benchmark_page),
 )
 
 

@@ -22,10 +22,10 @@ ROWS: tuple[tuple[str, ...], ...] = (
     ("tasks",),
     ("sim", "planning", "control"),
     ("robot", "scene", "datasets"),
-    ("errors", "values", "spatial", "urdf", "observation", "assets", "plugins", "front_door", "processes", "rates"),
+    ("errors", "values", "spatial", "urdf", "observation", "assets", "plugins", "processes", "rates"),
 )
 FLOOR = len(ROWS) - 1
-SHARED = ("errors", "values", "front_door")
+SHARED = ("errors", "values")
 """What the floor itself stands on: errors and front doors import nothing, values only errors."""
 
 # Records that neighbours exchange. They hold data only, and import nothing but the floor.

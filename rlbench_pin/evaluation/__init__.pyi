@@ -77,10 +77,10 @@ from .run.config import EvaluationConfig as EvaluationConfig
 from .run.config import evaluation_seed as evaluation_seed
 from .run.config import plan_episodes as plan_episodes
 from .run.episode import EpisodeOutcome as EpisodeOutcome
+from .run.evaluate import EvaluationConflict as EvaluationConflict
 from .run.evaluate import EvaluationProgress as EvaluationProgress
 from .run.evaluate import EvaluationStopped as EvaluationStopped
 from .run.evaluate import evaluate as evaluate
-from .run.journal import EvaluationConflict as EvaluationConflict
 from .run.runner import EpisodeRunner as EpisodeRunner
 from .sets import TaskSelection as TaskSelection
 from .sets import TaskSet as TaskSet

@@ -54,13 +54,13 @@ _WRONG: dict[str, tuple[Trial, dict[str, str]]] = {
         DemoTrial(**_WHO, demo=SolvedDemo(frames=9, simulated=1.0, replayed=True, stable=True, left_over=("colors of cup",))),
         {"left over": "colors of cup"},
     ),
-    "rest": (NoopTrial(**_WHO, episode=NoopEpisode(0.0, (), 0.0, 0.0, "", True)), {"rest": "goal reached"}),
+    "noop": (NoopTrial(**_WHO, episode=NoopEpisode(0.0, (), 0.0, 0.0, "", True)), {"noop": "goal reached"}),
     "drift": (NoopTrial(**_WHO, episode=NoopEpisode(0.0, (), 0.0, 0.02, "cup", False)), {"drift": "cup moves 20.00 mm"}),
     "overlap": (NoopTrial(**_WHO, episode=NoopEpisode(0.005, (), 0.0, 0.0, "", False)), {"overlap": "5.00 mm"}),
     "held": (NoopTrial(**_WHO, episode=NoopEpisode(0.0, ("cup",), 0.0, 0.0, "", False)), {"held": "cup is held"}),
     "repeat": (RepeatTrial(**_WHO, differing=("reset",)), {"repeat": "reset: not the same"}),
-    "flail": (RandomTrial(**_WHO, reached_goal=True), {"flail": "goal reached"}),
-    "keys": (KeyFramesTrial(**_WHO, reached_goal=False, refused="no path"), {"keys": "no path"}),
+    "random": (RandomTrial(**_WHO, reached_goal=True), {"random": "goal reached"}),
+    "key frames": (KeyFramesTrial(**_WHO, reached_goal=False, refused="no path"), {"key frames": "no path"}),
     "error": (RandomTrial(**_WHO, error="ValueError: boom"), {"errors": "boom"}),
 }
 
@@ -75,7 +75,7 @@ def test_a_good_task_passes_every_line() -> None:
     lines = list(validation_lines(_report(trials), trials, set()))
     assert _report(trials).faults == ()
     assert all(line.passed is True and line.failures == () and line.figure for line in lines)
-    assert {"instructions", "first try", "replay", "keys", "rest", "flail", "repeat", "reach", "drift", "overlap"} <= {
+    assert {"instructions", "first try", "replay", "key frames", "noop", "random", "repeat", "reach", "drift", "overlap"} <= {
         line.name for line in lines
     }
 
@@ -109,7 +109,7 @@ def test_what_is_not_done_is_not_judged() -> None:
     lines = {line.name: line for line in validation_lines(_report(trials), trials, {"demos", "random"})}
     assert lines["first try"].passed is None
     assert lines["first try"].figure == "0/1"
-    assert "flail" not in lines
+    assert "random" not in lines
 
 
 def test_the_work_is_that_of_check() -> None:
