@@ -40,7 +40,7 @@ HOMES: dict[str, tuple[str, ...]] = {
     "osqp": ("control",),
     "placo": ("control",),
     "coal": ("robot",),
-    "pinocchio": ("spatial", "robot", "planning", "control", "sim", "baselines", "evaluation", "recording"),
+    "pinocchio": ("spatial", "robot", "planning", "control", "sim", "baselines", "recording"),
     "h5py": ("datasets",),
     "isal": ("datasets",),
     "pyarrow": ("datasets",),

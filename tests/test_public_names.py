@@ -116,7 +116,14 @@ def test_modules_list_all_that_is_public(file: Path) -> None:
 
 def test_every_folder_is_reached_from_the_package() -> None:
     """`rlbench_pin.planning` is there after `import rlbench_pin`, and listed."""
-    folders = {path.parent.name for path in (ROOT / "rlbench_pin").glob("*/__init__.py")} - {"assets", "baselines", "builder", "cli", "processes", "viewer"}
+    folders = {path.parent.name for path in (ROOT / "rlbench_pin").glob("*/__init__.py")} - {
+        "assets",
+        "baselines",
+        "builder",
+        "cli",
+        "processes",
+        "viewer",
+    }
     assert folders <= set(dir(rlbench_pin))
     assert all(getattr(rlbench_pin, name).__name__ == f"rlbench_pin.{name}" for name in folders | {"spatial", "observation"})
 

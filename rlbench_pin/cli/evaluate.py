@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import shlex
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -15,12 +15,10 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from rlbench_pin.cli.interrupts import INTERRUPTED
-from rlbench_pin.cli.list_tasks import named_tasks, split_names
+from rlbench_pin.cli.list_tasks import split_names
 from rlbench_pin.cli.options import (
-    Controllers,
     EngineName,
     MaybeInt,
-    MaybePath,
     RobotName,
     TaskNames,
     check_at_least,
@@ -28,15 +26,12 @@ from rlbench_pin.cli.options import (
     check_folder,
     checked_names,
     make_engine,
-    write_json,
 )
 from rlbench_pin.cli.pages import PageOptions, check_port, live_module, live_page
 from rlbench_pin.errors import TaskEnvironmentError
 
 if TYPE_CHECKING:
     from rlbench_pin.environment.task_environment import TaskEnvironment
-    from rlbench_pin.evaluation.controllers.summary import ControllerSummary
-    from rlbench_pin.evaluation.controllers.trials import LegTrial
     from rlbench_pin.evaluation.results.records import EpisodeRecord, Results
     from rlbench_pin.evaluation.run import EpisodeItem, EpisodeRunner, EvaluationConfig
     from rlbench_pin.processes import Engine
@@ -53,25 +48,11 @@ EPISODES = 25
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """Instead of a policy: the controllers of `rlbench_pin.control` on the motions of demonstrations."""
-
-    controllers: bool = False
-    """Compare the controllers: errors, limits, clearance, time; with `--tasks`, `--episodes` (1) and `--seed` (first seed)."""
-    legs: MaybeInt = None
-    """Number of legs of each demonstration, from the first on; all when not given."""
-    only: Controllers = ()
-    """Controllers to compare; all when none is given."""
-    json: MaybePath = None
-    """File to write the comparison to."""
-
-
-@dataclass(frozen=True)
 class Evaluate:
     """Evaluate a policy on tasks: success with its interval, collisions, limits. `--resume` continues after an interruption.
 
     The results file is the same to the byte, however many workers there are; `rlbench-pin results FILE...` shows and compares
-    what is in it. The arguments that belong to controllers stand at the end.
+    what is in it.
     """
 
     policy: tyro.conf.Positional[MaybePolicy] = ""
@@ -113,26 +94,11 @@ class Evaluate:
     """Films of the first failures of each task, so many, played again after the evaluation, in a folder beside the results."""
     page: tyro.conf.OmitArgPrefixes[PageOptions] = field(default_factory=PageOptions)
     """Episodes as they are played, by this process, one after the other; the results are the same."""
-    comparison: tyro.conf.OmitArgPrefixes[Comparison] = field(default_factory=Comparison)
-    """Controllers instead of a policy."""
 
     def run(self) -> int:
-        """Evaluate a policy, or compare controllers; 130 when it was stopped."""
-        comparison = self.comparison
-        if self.policy and comparison.controllers:
-            print("rlbench-pin evaluate: name a policy, or `--controllers`, not both.", file=sys.stderr)
-            return 2
-        if comparison.controllers:
-            episodes = 1 if self.episodes is None else self.episodes
-            legs, only, json = comparison.legs, comparison.only, comparison.json
-            return ControllerComparison(self.tasks, episodes, self.seed, legs, only, json).run()
+        """Evaluate a policy; 130 when it was stopped."""
         if not self.policy:
-            hint = "such as `rlbench-pin evaluate expert`, or `--controllers`"
-            print(f"rlbench-pin evaluate: say what to evaluate, a policy, {hint}.", file=sys.stderr)
-            return 2
-        return self._evaluate()
-
-    def _evaluate(self) -> int:
+            raise TaskEnvironmentError("No policy was named. Use `rlbench-pin evaluate POLICY`, for example `expert`.")
         from rlbench_pin.cli.progress import EvaluationBar, stopping_gently
         from rlbench_pin.evaluation.run import EvaluationStopped, evaluate
 
@@ -221,84 +187,6 @@ def _line(task: str, width: int, episodes: tuple[EpisodeRecord, ...]) -> str:
         f"{task:<{width}}  {100.0 * rate.value:5.1f} %  {low:5.1f} to {high:5.1f} %  {sum(e.lasts for e in episodes):>6}"
         f"  {refused:>7}  {touched:>10}  {sum(bool(e.fault) for e in episodes):>6}"
     )
-
-
-@dataclass(frozen=True)
-class ControllerComparison:
-    """Controllers on the legs of demonstrations."""
-
-    tasks: tuple[str, ...]
-    """Task names, or task files."""
-    episodes: int = 1
-    """Demonstrations of each task."""
-    seed: int = 0
-    """Seed of the first episode; episode i uses seed + i."""
-    legs: int | None = None
-    """Number of legs of each demonstration; all when None."""
-    only: tuple[str, ...] = ()
-    """Controllers to compare; all when none is given."""
-    json: Path | None = None
-    """File to write everything to."""
-
-    def run(self) -> int:
-        """Follow, and print one table per kind of leg."""
-        from rlbench_pin.evaluation.controllers.summary import summarise_legs
-        from rlbench_pin.evaluation.controllers.trials import chosen_controllers
-
-        check_at_least(self, episodes=1, seed=0, legs=1)
-        checked_names(self.tasks, named_tasks, "rlbench-pin evaluate --controllers --tasks TASK...")
-        chosen_controllers(self.only)
-        if self.json is not None:
-            check_file(self.json)
-        trials = list(self.trials())
-        if not trials:
-            raise TaskEnvironmentError("No leg was planned, so there is nothing to compare. Name other tasks.")
-        summaries = summarise_legs(trials)
-        print(report(summaries))
-        if self.json is not None:
-            write_json(self.json, self.content(summaries))
-        return 0
-
-    def content(self, summaries: Sequence[ControllerSummary]) -> dict[str, object]:
-        """Return what the JSON file says."""
-        from rlbench_pin.environment.demos import library_versions
-
-        return {
-            "format": 1,
-            "tasks": list(named_tasks(self.tasks)),
-            "episodes": self.episodes,
-            "seed": self.seed,
-            "legs": self.legs,
-            "versions": library_versions(),
-            "controllers": [asdict(s) for s in summaries],
-        }
-
-    def trials(self) -> Iterator[LegTrial]:
-        """Let every controller follow every leg."""
-        from tqdm import tqdm
-
-        from rlbench_pin.environment.presets import low_dim_config, make_environment
-        from rlbench_pin.evaluation.controllers.trials import chosen_controllers, follow_demo
-        from rlbench_pin.tasks import find_task
-
-        names = chosen_controllers(self.only)
-        classes = [find_task(name) for name in named_tasks(self.tasks)]
-        with tqdm(total=len(classes) * self.episodes, unit="episode", desc="controllers") as bar:
-            for task_class in classes:
-                with make_environment(low_dim_config()) as environment:
-                    task = environment.get_task(task_class)
-                    for seed in range(self.seed, self.seed + self.episodes):
-                        yield from follow_demo(task, seed, names, self.legs)
-                        bar.update()
-
-
-def report(summaries: Sequence[ControllerSummary], title: str = "") -> str:
-    """Return one table per kind of leg under its heading; `title` stands before each heading."""
-    from rlbench_pin.evaluation.controllers.summary import table
-
-    headings = {"free": "Legs planned around obstacles", "contact": "Legs that may touch"}
-    parts = [(heading, [s for s in summaries if s.kind == kind]) for kind, heading in headings.items()]
-    return "\n\n".join(f"{title}{heading}\n\n{table(rows)}" for heading, rows in parts if rows)
 
 
 def film_failures(config: EvaluationConfig, results: Results, count: int, folder: Path) -> Iterator[Path]:

@@ -53,14 +53,6 @@ OnlyCameras = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{','.join(CAM
 """Cameras that a command keeps to; all when none is named."""
 Products = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{','.join(PRODUCTS)}}}...")]
 """Any number of kinds of pictures."""
-CONTROLLERS = (
-    "TrajectoryTracker", "VelocityFollowing", "VelocityFollowing + SafetyFilter", "DifferentialIK, poses",
-    "DifferentialIK, twists", "DifferentialIKQP, twists", "DifferentialIK, twists + SafetyFilter", "CartesianMPC",
-    "CartesianMPC, distances", "ComputedTorque", "OperationalSpaceQP", "JointImpedance", "CartesianImpedance",
-)  # fmt: skip
-"""The controllers of `evaluate`, said here too so that help need not import them; a test compares these with those that work."""
-Controllers = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{'|'.join(CONTROLLERS)}}}...", help_behavior_hint="")]
-"""Any number of controllers."""
 EngineName = Literal["processes", "ray"]
 Compression = Literal["gzip", "lzf"]
 RenderMode = Literal["opengl", "opengl3"]

@@ -25,12 +25,12 @@ class ProblemRecorder(Listener):
     def __init__(self) -> None:
         self.problems: list[PlanningProblem] = []
         self.left_out: Counter[str] = Counter()
-        self._prefix, self._legs = "", 0
+        self._prefix, self._segments = "", 0
         self._world: WorldSnapshot | None = None
 
     def begin(self, prefix: str) -> None:
-        """Begin an episode: its problems are called `<prefix>_leg0`, `<prefix>_leg1` and so on."""
-        self._prefix, self._legs = prefix, 0
+        """Begin an episode: its problems are called `<prefix>_segment0`, `<prefix>_segment1` and so on."""
+        self._prefix, self._segments = prefix, 0
 
     def on_update(self, snapshot: WorldSnapshot, seconds: float) -> None:
         """Remember the world."""
@@ -46,5 +46,5 @@ class ProblemRecorder(Listener):
         world = WorldSnapshot(self._world.bodies, np.array(request.q_start), self._world.fingers, self._world.attached)
         poses = np.atleast_2d(np.asarray(request.goal, dtype=float))
         goal = outcome.trajectory.q[-1].copy()
-        self.problems.append(PlanningProblem(f"{self._prefix}_leg{self._legs}", world, goal, poses, request.allowed))
-        self._legs += 1
+        self.problems.append(PlanningProblem(f"{self._prefix}_segment{self._segments}", world, goal, poses, request.allowed))
+        self._segments += 1

@@ -9,31 +9,6 @@ import pytest
 
 from rlbench_pin.cli.main import main
 
-
-def test_evaluate_compares_controllers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A table on stdout, the same figures in the file."""
-    file = tmp_path / "controllers.json"
-    names = ("TrajectoryTracker", "VelocityFollowing")
-    arguments = ("evaluate", "--controllers", "--tasks", "reach_target", "--only", *names, "--json", str(file))
-    assert main(arguments) == 0
-    out = capsys.readouterr().out
-    content = json.loads(file.read_text())
-    assert content["tasks"] == ["reach_target"]
-    assert {s["controller"] for s in content["controllers"]} == {"the plan itself", *names}
-    for summary in content["controllers"]:
-        assert summary["controller"] in out
-        assert sum(summary["violations"].values()) == 0
-
-
-@pytest.mark.parametrize(
-    "arguments", [(), ("--controllers", "--tasks", "reach_targt"), ("--controllers", "--only", "TrajectoryTraker")]
-)
-def test_misuse_is_explained(arguments: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
-    """Nothing to evaluate, an unknown task, an unknown controller."""
-    assert main(("evaluate", *arguments)) == 2
-    assert capsys.readouterr().err
-
-
 POLICY = ("evaluate", "noop", "--tasks", "reach_target", "--episodes", "2", "--max-seconds", "0.5", "--workers", "0", "--out")
 
 
@@ -60,7 +35,6 @@ def test_evaluate_a_policy(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
         (("rndom", "--tasks", "reach_target"), "Did you mean 'random'"),
         (("noop", "--tasks", "reach_targt"), "Did you mean 'reach_target'"),
         (("noop", "--tasks", ","), "No task was named"),
-        (("noop", "--controllers"), "not both"),
         (("noop", "--films", "-1"), "--films"),
         (("noop", "--workers", "-1"), "--workers"),
         (("noop", "--episodes", "0"), "episodes"),

@@ -37,7 +37,7 @@ COMMANDS = [
     ("record", TASK, "--workers", "2", "--episodes", "40", "--products", "--out", "OUT"),
     ("check", TASK, "--episodes", "10", "--out", "OUT", "--json", "OUT/all.json"),
     ("check", TASK, "--episodes", "10", "--workers", "2", "--out", "OUT"),
-    ("evaluate", "--controllers", "--tasks", TASK, "--json", "OUT/all.json"),
+    ("evaluate", "expert", "--tasks", TASK, "--out", "OUT/all.json"),
     ("problems", "export", TASK, "--out", "OUT"),
     ("replay", "DATA"),
     ("dataset", "verify", "DATA"),

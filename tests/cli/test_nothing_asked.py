@@ -23,8 +23,8 @@ NOTHING = [
     (("problems", "export", ", ,"), "No task was named"),
     (("check", ","), "No task was named"),
     (("record", ","), "No task was named"),
-    (("evaluate", "--controllers", "--tasks"), "No task was named"),
-    (("evaluate",), "--controllers"),
+    (("evaluate",), "No policy was named"),
+    (("evaluate", "expert", "--tasks", ","), "No task was named"),
     (("challenge", "run"), "No learner was named. Use `rlbench-pin challenge run LEARNER`"),
     (("dataset", "merge"), "No dataset was named"),
     (("dataset", "export", "robomimic", ".", "out", "--tasks", ","), "No task was named"),
@@ -38,9 +38,6 @@ NUMBERS = [
     ("demo", TASK, "--image-size", "0", "64"),
     ("demo", TASK, "--seed", "-1"),
     ("demo", TASK, "--variation", "-2"),
-    ("evaluate", "--controllers", "--legs", "0"),
-    ("evaluate", "--controllers", "--episodes", "0"),
-    ("evaluate", "--controllers", "--seed", "-1"),
     ("challenge", "run", "nearest", "--shots", "0"),
     ("challenge", "run", "nearest", "--episodes", "0"),
     ("check", TASK, "--contract-seeds", "-1"),
@@ -81,7 +78,7 @@ def test_numbers_that_ask_for_nothing(
 ) -> None:
     """The option, its value and the least that makes sense."""
     monkeypatch.chdir(tmp_path)
-    (option,) = [word for word in words if word.startswith("--") and word != "--controllers"]
+    (option,) = [word for word in words if word.startswith("--")]
     assert exit_code(*words) == 2
     assert f"{option} is {' '.join(words[words.index(option) + 1 :])}; it must be at least " in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []

@@ -35,13 +35,11 @@ def test_check_view_demo_and_video(mine: str, capsys: Capture) -> None:
     assert Path("films/touch_it.mp4").is_file()
 
 
-def test_evaluate_and_problems(mine: str, capsys: Capture) -> None:
-    """Controllers follow its legs, and its legs become problems."""
-    assert exit_code("evaluate", "--controllers", "--tasks", mine, "--only", "JointImpedance", "--json", "e.json") == 0
-    assert json.loads(Path("e.json").read_text())["tasks"] == [mine]
+def test_problems(mine: str, capsys: Capture) -> None:
+    """Its segments become problems."""
     assert exit_code("problems", "export", mine, "--episodes", "1", "--out", "p") == 0
     assert "touch_it: 1 problems in p" in capsys.readouterr().out
-    assert [p.name for p in Path("p").iterdir()] == ["touch_it_0000_leg0.json"]
+    assert [p.name for p in Path("p").iterdir()] == ["touch_it_0000_segment0.json"]
 
 
 def test_record_replay_and_rerender(mine: str, capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -71,7 +71,7 @@ def test_tasks_with_commas_between_them(tmp_path: Path, capsys: Capture) -> None
     assert stored_tasks(tmp_path / "data") == ("push_button", TASK)
     assert exit_code("dataset", "export", "rlbench", str(tmp_path / "data"), str(tmp_path / "x"), "--tasks", names) == 0
     assert "2 episodes" in capsys.readouterr().out
-    for command in (("check",), ("problems", "export"), ("video",), ("evaluate", "--controllers", "--tasks")):
+    for command in (("check",), ("problems", "export"), ("video",), ("evaluate", "expert", "--tasks")):
         assert exit_code(*command, "reach_targt,push_buton") == 2
         assert "Did you mean 'reach_target'" in capsys.readouterr().err
 

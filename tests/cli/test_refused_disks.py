@@ -31,7 +31,7 @@ WRITERS = [
     ("check", TASK, "--out", "OUT"),
     ("check", TASK, "--json", "OUT/report.json"),
     ("problems", "export", TASK, "--out", "OUT"),
-    ("evaluate", "--controllers", "--tasks", TASK, "--json", "OUT/all.json"),
+    ("evaluate", "expert", "--tasks", TASK, "--out", "OUT/all.json"),
     ("demo", TASK, "--out", "OUT"),
     ("record", TASK, "--workers", "0", "--out", "OUT"),
 ]

@@ -15,7 +15,6 @@ from rlbench_pin.cli.running import COMMANDS, run, summary
 from rlbench_pin.datasets import Compression
 from rlbench_pin.datasets.formats import ExportFormat
 from rlbench_pin.environment.observations.config import RenderMode
-from rlbench_pin.evaluation import FOLLOWERS
 
 Capture = pytest.CaptureFixture[str]
 HEAVY = ("pybullet", "ompl", "toppra", "osqp", "placo", "coal", "pinocchio", "h5py", "av", "scipy", "PIL", "tqdm")
@@ -56,7 +55,6 @@ def test_help_of_a_command_imports_nothing_that_works() -> None:
 
 def test_choices_are_those_that_work() -> None:
     """Help names them without importing what they choose between."""
-    assert tuple(FOLLOWERS) == options.CONTROLLERS
     for said, works in (
         (options.Compression, Compression),
         (options.RenderMode, RenderMode),
@@ -98,7 +96,6 @@ def test_help_says_what_is_taken(words: tuple[str, ...], capsys: Capture) -> Non
     [
         (("demo",), "{left_shoulder,right_shoulder,overhead,wrist,front}..."),
         (("record",), "{rgb,depth,mask,point_cloud}..."),
-        (("evaluate",), "{TrajectoryTracker|"),
         (("problems",), "{export} TASK..."),
         (("replay",), "FILE..."),
         (("dataset", "merge"), "FOLDER... --out PATH"),

@@ -27,8 +27,8 @@ SKIPPED = frozenset({
     "Color", "BodySnapshot", "Shape", "WorldSnapshot",  # records that files and worlds fill
     "EpisodeEntry", "KeptTask", "Trial", "DemoTrial", "NoopTrial", "KeyFramesTrial", "RandomTrial", "ReachTrial",
     "RepeatTrial", "WordsTrial",
-    "Rate", "NoopEpisode", "Move", "TaskInfo", "StoredEpisode", "RecordReport", "ReplayResult", "Command", "ControllerSummary",
-    "Leg", "LegTrial", "CheckProgress", "Failure", "Item", "Reach", "TaskReport", "TaskState", "DemoOutcome", "EnvironmentState",
+    "Rate", "NoopEpisode", "Move", "TaskInfo", "StoredEpisode", "RecordReport", "ReplayResult", "Command",
+    "CheckProgress", "Failure", "Item", "Reach", "TaskReport", "TaskState", "DemoOutcome", "EnvironmentState",
     "SegmentReport", "ActionSpec", "EpisodeItem", "EpisodeOutcome", "EvaluationProgress", "PolicyContext",
     "Reference", "TaskSet", "TaskSelection", "Comparison", "Pairs", "TaskComparison", "PValues", "Summary",
     "TaskSummary", "Estimate", "Table",  # records that doors return, or policies are given

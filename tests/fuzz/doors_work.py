@@ -13,7 +13,7 @@ from rlbench_pin import control, gym, robot
 from rlbench_pin.checking import Item, TrialJournal, explain_failure, run_trials
 from rlbench_pin.control.qp.programs import empty_rows
 from rlbench_pin.environment import TaskEnvironment
-from rlbench_pin.evaluation import EvaluationConfig, evaluate, follow_demo, follow_leg, plan_trial, record_legs
+from rlbench_pin.evaluation import EvaluationConfig, evaluate
 from rlbench_pin.recording import PictureConfig, ProcessEngine, RecordConfig, SerialEngine, record, rerender, write_seeds
 from rlbench_pin.recording.rerender import EpisodeSeed
 from rlbench_pin.tasks import conditions
@@ -85,31 +85,6 @@ class _Volume:
     def contains(self, point: np.ndarray) -> bool:
         """Whether a point is below the table."""
         return bool(point[2] < 0.0)
-
-
-def _fails(task: TaskEnvironment, leg: object) -> list[Door]:
-    good: dict[str, object] = {"task": task, "seed": 0, "controllers": [], "most": 1, "runtime": task.runtime, "leg": leg}
-
-    def follow(task: TaskEnvironment, seed: int, controllers: Sequence[str], most: int | None = None) -> int:
-        return len(list(follow_demo(task, seed, controllers, most)))
-
-    return [
-        Door("follow_demo", lambda: follow, {name: good[name] for name in ("task", "seed", "controllers", "most")}),
-        Door("record_legs", lambda: record_legs, {name: good[name] for name in ("task", "seed", "most")}, finite=False),
-        Door("plan_trial", lambda: plan_trial, {name: good[name] for name in ("runtime", "leg")}, finite=False),
-        Door("follow_leg", lambda: follow_leg, good_leg(good), finite=False),
-    ]
-
-
-def good_leg(good: dict[str, object]) -> dict[str, object]:
-    """Return good arguments of `follow_leg`."""
-    return {"runtime": good["runtime"], "leg": good["leg"], "controller": "ComputedTorque"}
-
-
-def evaluation_doors(task: TaskEnvironment) -> list[Door]:
-    """Return those that play demonstrations; each case that is taken plays one."""
-    (leg,) = record_legs(task, 0, most=1)
-    return _fails(task, leg)
 
 
 def recording_doors(folder: Path) -> list[Door]:

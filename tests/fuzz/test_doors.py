@@ -13,7 +13,7 @@ from tests.fuzz.cases import Tally
 from tests.fuzz.doors import Door, cases_of, missing
 from tests.fuzz.doors_analytic import analytic_doors
 from tests.fuzz.doors_data import data_doors
-from tests.fuzz.doors_work import condition_doors, evaluation_doors, gym_doors, program_doors, recording_doors
+from tests.fuzz.doors_work import condition_doors, gym_doors, program_doors, recording_doors
 from tests.fuzz.doors_world import opened, world_doors
 
 
@@ -74,7 +74,7 @@ def test_doors_of_data_with_every_value(tally: Tally, seed: int, elsewhere: Path
 
 def work_doors(folder: Path, task: TaskEnvironment) -> list[Door]:
     """Return the doors of everything that works for long."""
-    return [*recording_doors(folder), *evaluation_doors(task), *gym_doors()]
+    return [*recording_doors(folder), *gym_doors()]
 
 
 @pytest.mark.simulation

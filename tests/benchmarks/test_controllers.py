@@ -1,15 +1,22 @@
-"""Controllers follow the legs of a demonstration."""
+"""Controllers follow the segments of a demonstration."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
+from benchmarks.controllers import (
+    FOLLOWERS,
+    PLAN,
+    chosen_controllers,
+    follow_demo,
+    follow_segment,
+    record_segments,
+    summarise_segments,
+    table,
+)
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.errors import UnknownName
-from rlbench_pin.evaluation.controllers.followers import FOLLOWERS
-from rlbench_pin.evaluation.controllers.summary import summarise_legs, table
-from rlbench_pin.evaluation.controllers.trials import PLAN, chosen_controllers, follow_demo, follow_leg, record_legs
 
 
 def test_every_controller_follows(reach: TaskEnvironment) -> None:
@@ -22,25 +29,25 @@ def test_every_controller_follows(reach: TaskEnvironment) -> None:
         assert trial.clearance > 0.0
         assert trial.tip_errors[-1] < 0.005, trial.controller
         assert len(trial.seconds) >= len(trial.tip_errors)
-    summaries = summarise_legs(trials)
+    summaries = summarise_segments(trials)
     assert [s.controller for s in summaries] == [t.controller for t in trials]
     assert all(name in table(summaries) for name in FOLLOWERS)
 
 
 def test_a_leg_is_followed_alike_every_time(reach: TaskEnvironment) -> None:
     """What another controller did before does not matter."""
-    (leg,) = record_legs(reach, 1, most=1)
-    first = follow_leg(reach.runtime, leg, "VelocityFollowing")
-    follow_leg(reach.runtime, leg, "ComputedTorque")
-    again = follow_leg(reach.runtime, leg, "VelocityFollowing")
+    (segment,) = record_segments(reach, 1, most=1)
+    first = follow_segment(reach.runtime, segment, "VelocityFollowing")
+    follow_segment(reach.runtime, segment, "ComputedTorque")
+    again = follow_segment(reach.runtime, segment, "VelocityFollowing")
     assert np.array_equal(first.tip_errors, again.tip_errors)
     assert np.array_equal(first.joint_errors, again.joint_errors)
 
 
 def test_torques_are_commanded_in_every_physics_step(reach: TaskEnvironment) -> None:
     """Twelve commands per control tick, and none afterwards."""
-    (leg,) = record_legs(reach, 1, most=1)
-    trial = follow_leg(reach.runtime, leg, "ComputedTorque")
+    (segment,) = record_segments(reach, 1, most=1)
+    trial = follow_segment(reach.runtime, segment, "ComputedTorque")
     assert len(trial.seconds) == 12 * len(trial.tip_errors)
     assert reach.world.on_physics == []
     assert reach.world.robot.mode == "position"

@@ -1,1 +1,0 @@
-"""Controllers on the legs of demonstrations: each follows the same motions."""
