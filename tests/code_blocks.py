@@ -40,7 +40,7 @@ NOT_PLAYED = {
 
 ELSEWHERE = {
     "## From a reach to a pick-and-place": "tests/cli/test_new.py",
-    "## Four walk-ins": "tests/test_walk_ins.py",
+    "## Four how-to guides": "tests/test_how_to_guides.py",
 }
 """Heading of CONTRIBUTING.md -> the test that runs the blocks below it."""
 

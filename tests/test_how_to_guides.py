@@ -1,4 +1,4 @@
-"""The four walk-ins of CONTRIBUTING.md: their snippets, put into a copy of the package, do what the page says."""
+"""The four how-to guides of CONTRIBUTING.md: their snippets, put into a copy of the package, do what the page says."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-SECTION = PAGE[PAGE.index("## Four walk-ins") : PAGE.index("## Tests that need other libraries")]
+SECTION = PAGE[PAGE.index("## Four how-to guides") : PAGE.index("## Tests that need other libraries")]
 
 DEMO = """
 import numpy as np
