@@ -82,10 +82,15 @@ def live_page(show: Callable[[Any], Any], title: str, page: PageOptions) -> Iter
             view.close()
 
 
+def answer_signals() -> None:
+    """Let Ctrl-C, SIGTERM and a closed terminal raise KeyboardInterrupt, also where this process was started with SIGINT ignored."""
+    if threading.current_thread() is threading.main_thread():
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            if signal.getsignal(number) in (signal.SIG_DFL, signal.SIG_IGN):
+                signal.signal(number, signal.default_int_handler)
+
+
 def wait_for_end() -> None:
     """Wait until somebody wants the page to end: by Ctrl-C, SIGTERM, or closing the terminal; it comes as KeyboardInterrupt."""
-    if threading.current_thread() is threading.main_thread():
-        for number in (signal.SIGTERM, signal.SIGHUP):
-            if signal.getsignal(number) is signal.SIG_DFL:
-                signal.signal(number, signal.default_int_handler)
+    answer_signals()
     threading.Event().wait()

@@ -9,6 +9,7 @@ from typing import Annotated
 
 import tyro
 
+from rlbench_pin.cli.pages import answer_signals
 from rlbench_pin.errors import TaskEnvironmentError
 
 PolicyName = Annotated[str, tyro.conf.arg(metavar="POLICY", help_behavior_hint="(required)")]
@@ -47,6 +48,7 @@ class Serve:
             said = str(error).replace("or allow it", "or pass `--anywhere`")
             raise TaskEnvironmentError(f"'{self.address}' cannot be listened at: {said.rstrip('.')}.{hint}") from error
         sys.path.insert(0, os.getcwd())  # where `module:factory` is looked for, as with `python -m`
+        answer_signals()
         print(f"{self.policy} is served at {self.address}; Ctrl-C ends it", flush=True)
         serve_answers(lambda: answers_for(found.target), listener)
         return 0
