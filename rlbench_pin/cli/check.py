@@ -33,7 +33,7 @@ FORMAT = 3
 
 @dataclass(frozen=True)
 class Check:
-    """Judge tasks: demonstrations succeed and replay, resets repeat and rest, doing nothing and random actions solve nothing."""
+    """Validate tasks: demonstrations succeed and replay, resets repeat, the no-op and the random policy solve nothing."""
 
     tasks: tyro.conf.Positional[AnyTasks] = ()
     """Task names, as `rlbench-pin list` prints them, or task files, with spaces or commas between; all when none is given."""
@@ -54,7 +54,7 @@ class Check:
     unseen_seed: int = 5000
     """First of those seeds."""
     contract: bool = True
-    """Also judge instructions, resets, doing nothing, random actions, and what the arm reaches."""
+    """Also validate instructions, resets, the no-op policy, random actions, and what the arm reaches."""
     contract_seeds: int = 5
     """Seeds of the episodes that do nothing, and of those with random actions."""
     placements: int = 100
@@ -69,13 +69,13 @@ class Check:
     json: MaybePath = None
     """File to write the whole report to."""
     out: MaybePath = None
-    """Folder for the whole report: report.md with its pictures, report.json, and trials.jsonl, with which the same command
+    """Folder for the whole report: report.md with its images, report.json, and trials.jsonl, with which the same command
     continues where it was stopped."""
-    pictures: bool = True
+    images: bool = True
     """With `--out`: draw a contact sheet and a reach map of each task into it."""
 
     def run(self) -> int:
-        """Judge, print a table and the causes of failures; 1 when a task fails."""
+        """Validate, print a table and the causes of failures; 1 when a task fails."""
         from rlbench_pin.checking import run_trials
         from rlbench_pin.checking.page import table
         from rlbench_pin.cli.progress import CheckBar
@@ -157,8 +157,8 @@ class Check:
 
         write_json(out / "report.json", content)
         with storing(out):
-            pictures = {name: draw_images(task, trials[name], out) for name, task in wanted.items()} if self.pictures else {}
-        print(write_whole(out / "report.md", page(content, pictures).encode()))
+            images = {name: draw_images(task, trials[name], out) for name, task in wanted.items()} if self.images else {}
+        print(write_whole(out / "report.md", page(content, images).encode()))
 
     def _explain(self, report: TaskReport, task: str) -> None:
         """Play failed tries again, one of each cause, and print what is known of them."""
@@ -166,8 +166,8 @@ class Check:
 
         for f in report.failures:
             if f.part in ("demos", "unseen"):
-                picture = (self.out or Path("out")) / "explain" / f"{report.task}_{f.seed}_{f.attempt}.png"
-                print("\n".join(explain_failure(task, f.seed, f.variation, picture, attempt=f.attempt)))
+                image = (self.out or Path("out")) / "explain" / f"{report.task}_{f.seed}_{f.attempt}.png"
+                print("\n".join(explain_failure(task, f.seed, f.variation, image, attempt=f.attempt)))
 
 
 def _report(name: str, task: str, trials: Sequence[Trial]) -> TaskReport:

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from rlbench_pin.datasets import TaskInfo
 
 Root = tyro.conf.Positional[Annotated[Path, tyro.conf.arg(metavar="FOLDER")]]
-HEADER = ("task", "episodes", "variations", "frames", "lengths", "MB", "kB a frame", "retried", "pictures")
+HEADER = ("task", "episodes", "variations", "frames", "lengths", "MB", "kB a frame", "retried", "images")
 
 
 @dataclass(frozen=True)
@@ -119,9 +119,9 @@ class Rerender:
     tasks: OnlyTasks = ()
     """Only these tasks, with spaces or commas between them."""
     image_size: Size = (128, 128)
-    """Width and height of the pictures [px]."""
+    """Width and height of the images [px]."""
     cameras: Cameras = CAMERAS
-    """Cameras whose pictures are stored."""
+    """Cameras whose images are stored."""
     products: Products = ("rgb", "depth", "mask")
     """What each camera delivers, of rgb, depth, mask and point_cloud."""
     workers: int = 1
@@ -141,13 +141,13 @@ class Rerender:
         from rlbench_pin.tasks import own_tasks
 
         check_at_least(self, workers=0, image_size=1)
-        pictures = PictureConfig(cameras=self.cameras, products=self.products, image_size=self.image_size)
+        images = PictureConfig(cameras=self.cameras, products=self.products, image_size=self.image_size)
         engine = make_engine(self.engine, self.workers)
         with stopping_gently() as stop, closing(RecordBar("rerender")) as bar:
             report = rerender(
                 self.source,
                 self.out,
-                pictures,
+                images,
                 tasks=_tasks(self.tasks),
                 engine=engine,
                 on_progress=bar,
@@ -192,7 +192,7 @@ class Export:
     tasks: OnlyTasks = ()
     """Only these tasks, with spaces or commas between them."""
     cameras: OnlyCameras = ()
-    """Cameras whose pictures go along; all stored ones when none is named. Folders always get all."""
+    """Cameras whose images are exported; all stored ones when none is named. Folders always get all."""
 
     def run(self) -> int:
         """Export and say where it is."""

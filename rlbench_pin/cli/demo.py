@@ -1,4 +1,4 @@
-"""`rlbench-pin demo TASK`: plan demonstrations, write them to a dataset, film them."""
+"""`rlbench-pin demo TASK`: plan demonstrations, write them to a dataset, record videos."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RecordDemos:
-    """Plan demonstrations of one task, write each to an HDF5 episode, and film it."""
+    """Plan demonstrations of one task, write each to an HDF5 episode, and record a video."""
 
     task: tyro.conf.Positional[TaskName]
     """Task name, as `rlbench-pin list` prints it, or a task file."""
@@ -40,9 +40,9 @@ class RecordDemos:
     video: bool = True
     """VideoRecorder each episode from the side as an MP4 beside it."""
     image_size: Size = (128, 128)
-    """Width and height of the cameras' pictures [px]."""
+    """Width and height of the cameras' images [px]."""
     cameras: Cameras = CAMERAS
-    """Cameras whose pictures are stored."""
+    """Cameras whose images are stored."""
     max_attempts: int = 10
     """Tries for each episode."""
     json: bool = False
@@ -83,19 +83,19 @@ class RecordDemos:
         causes = []
         for attempt in range(self.max_attempts):
             with storing(self.out), ExitStack() as stack:
-                film = stack.enter_context(VideoRecorder(task, self.out)) if self.video else None
+                recorder = stack.enter_context(VideoRecorder(task, self.out)) if self.video else None
                 outcome = task.try_demo(seed=seed, attempt=attempt, on_frame=_counter(bar, seed))
                 if outcome.demo is not None:
                     keep_task(self.out, type(task.task))
-                    return self._keep(outcome.demo, outcome.duration, film)
+                    return self._keep(outcome.demo, outcome.duration, recorder)
                 causes.append(outcome.cause)
         raise DemoError(f"Seed {seed} of '{self.task}' failed {self.max_attempts} times: {'; '.join(causes)}. Try another seed.")
 
-    def _keep(self, demo: Demo, seconds: float, film: VideoRecorder | None) -> Recorded:
+    def _keep(self, demo: Demo, seconds: float, recorder: VideoRecorder | None) -> Recorded:
         from rlbench_pin.datasets import DatasetWriter
 
         episode = DatasetWriter(self.out).add(demo)
-        video = None if film is None else film.keep(episode.parent.with_name("videos") / f"{episode.stem}.mp4")
+        video = None if recorder is None else recorder.keep(episode.parent.with_name("videos") / f"{episode.stem}.mp4")
         assert demo.seed is not None
         return Recorded(
             task=demo.task_name,

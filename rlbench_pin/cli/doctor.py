@@ -20,7 +20,7 @@ _DARK, _FLAT = 8.0, 4.0
 
 @dataclass(frozen=True)
 class Doctor:
-    """Say what works here: take a picture with each renderer, write a film, name the libraries."""
+    """Say what works here: take a image with each renderer, write a video, name the libraries."""
 
     json: bool = False
     """Print JSON for programs."""
@@ -32,7 +32,7 @@ class Doctor:
         findings = [
             _tried("renderer cpu", True, lambda: check_renderer("cpu")),
             _tried("renderer egl", False, lambda: check_renderer("egl")),
-            _tried("films", True, check_films),
+            _tried("videos", True, check_videos),
         ]
         versions = {"python": platform.python_version(), **library_versions()}
         if self.json:
@@ -46,7 +46,7 @@ class Doctor:
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was tried."""
+    """One check."""
 
     what: str
     works: bool
@@ -67,10 +67,10 @@ def _tried(what: str, needed: bool, attempt: Callable[[], str]) -> Finding:
 
 
 def check_renderer(renderer: Literal["cpu", "egl"]) -> str:
-    """Take a picture of the empty table and return how long it took.
+    """Take a image of the empty table and return how long it took.
 
     Raises:
-        CameraError: There is no such renderer here, or its pictures are black or flat.
+        CameraError: There is no such renderer here, or its images are black or flat.
     """
     from rlbench_pin.environment.observations.cameras import camera_view
     from rlbench_pin.environment.observations.config import CameraConfig
@@ -82,10 +82,10 @@ def check_renderer(renderer: Literal["cpu", "egl"]) -> str:
     with World(SceneSpec(format=1), robot, renderer=renderer) as world:
         world.robot.reset_configuration(np.array(robot.home))
         view = camera_view("front", CameraConfig(), world, robot)
-        pictures = world.render(view, shadows=True)
-        assert pictures.rgb is not None and pictures.mask is not None
+        images = world.render(view, shadows=True)
+        assert images.rgb is not None and images.mask is not None
         arm = [number for number, name in world.masks.items() if name.startswith(robot.name)]
-        check_picture(pictures.rgb, np.isin(pictures.mask, arm), renderer)
+        check_image(images.rgb, np.isin(images.mask, arm), renderer)
         began = time.perf_counter()
         for _ in range(5):
             world.render(view)
@@ -93,25 +93,25 @@ def check_renderer(renderer: Literal["cpu", "egl"]) -> str:
     return f"{1e3 * took:.1f} ms for 128 x 128 px with depth and mask"
 
 
-def check_picture(rgb: np.ndarray, arm: np.ndarray, renderer: str) -> None:
-    """Check a picture (h, w, 3) in which `arm` (h, w) marks the robot.
+def check_image(rgb: np.ndarray, arm: np.ndarray, renderer: str) -> None:
+    """Check a image (h, w, 3) in which `arm` (h, w) marks the robot.
 
     Raises:
         CameraError: It is black or flat, or the robot in it is missing or black.
     """
     if rgb.mean() < _DARK or rgb.std() < _FLAT:
-        raise CameraError(f"Renderer '{renderer}' gives black or flat pictures (mean {rgb.mean():.0f}). Use another renderer.")
+        raise CameraError(f"Renderer '{renderer}' gives black or flat images (mean {rgb.mean():.0f}). Use another renderer.")
     if not arm.any() or rgb[arm].mean() < _DARK:
         raise CameraError(f"Renderer '{renderer}' draws no robot, or a black one. Use another renderer, or update the driver.")
 
 
-def check_films() -> str:
-    """Write a short film and return how large it is."""
+def check_videos() -> str:
+    """Write a short video and return how large it is."""
     from rlbench_pin.datasets import VideoWriter
 
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "film.mp4"
+        path = Path(folder) / "video.mp4"
         with VideoWriter(path, (64, 48)) as video:
             for brightness in range(0, 200, 20):
                 video.add(np.full((48, 64, 3), brightness, dtype=np.uint8))
-        return f"an MP4 of ten pictures has {path.stat().st_size} bytes"
+        return f"an MP4 of ten images has {path.stat().st_size} bytes"

@@ -1,4 +1,4 @@
-"""`rlbench-pin evaluate POLICY`: episodes by as many processes as there are cores, a results file, films of failures."""
+"""`rlbench-pin evaluate POLICY`: episodes by as many processes as there are cores, a results file, videos of failures."""
 
 from __future__ import annotations
 
@@ -90,8 +90,8 @@ class Evaluate:
     """The results file. Times go to a file beside it, and finished episodes to a journal until the last one is played."""
     resume: bool = False
     """Go on with an evaluation that did not end."""
-    films: int = 0
-    """Films of the first failures of each task, so many, played again after the evaluation, in a folder beside the results."""
+    videos: int = 0
+    """Videos of the first failures of each task, so many, played again after the evaluation, in a folder beside the results."""
     page: tyro.conf.OmitArgPrefixes[PageOptions] = field(default_factory=PageOptions)
     """Episodes as they are played, by this process, one after the other; the results are the same."""
 
@@ -102,7 +102,7 @@ class Evaluate:
         from rlbench_pin.cli.progress import EvaluationBar, stopping_gently
         from rlbench_pin.evaluation.run import EvaluationStopped, evaluate
 
-        check_at_least(self, workers=0, films=0)
+        check_at_least(self, workers=0, videos=0)
         config = self.config()
         check_file(self.out)
         engine, page = self._engine(), watched(self.page, self.policy)
@@ -117,10 +117,10 @@ class Evaluate:
                 return INTERRUPTED
         print(summary(results))
         print(f"Results in {self.out}; `rlbench-pin results {shlex.quote(str(self.out))}` shows all of them.")
-        if self.films:
-            folder = self.out.with_name(f"{self.out.stem}_films")
-            for film in film_failures(config, results, self.films, folder):
-                print(f"  film  {film}")
+        if self.videos:
+            folder = self.out.with_name(f"{self.out.stem}_videos")
+            for video in record_failures(config, results, self.videos, folder):
+                print(f"  video  {video}")
         return 0
 
     def _engine(self) -> Engine:
@@ -189,14 +189,14 @@ def _line(task: str, width: int, episodes: tuple[EpisodeRecord, ...]) -> str:
     )
 
 
-def film_failures(config: EvaluationConfig, results: Results, count: int, folder: Path) -> Iterator[Path]:
-    """Play the first failures of each task again, and yield a film of each as it is made.
+def record_failures(config: EvaluationConfig, results: Results, count: int, folder: Path) -> Iterator[Path]:
+    """Play the first failures of each task again, and yield a video of each as it is made.
 
     Args:
         config: What was evaluated.
         results: What came of it.
         count: Failures of each task.
-        folder: Where films go: `<task>_<seed>_<how it ended>.mp4`.
+        folder: Where videos go: `<task>_<seed>_<how it ended>.mp4`.
     """
     from tqdm import tqdm
 
@@ -209,25 +209,25 @@ def film_failures(config: EvaluationConfig, results: Results, count: int, folder
     for task in results.tasks:
         of_task = [(item, records[item.name, item.variation, item.seed]) for item in items if item.name == task]
         chosen += [(item, record) for item, record in of_task if not record.success][:count]
-    with EpisodeRunner(config) as runner, tqdm(total=len(chosen), unit="film", desc="films") as bar:
+    with EpisodeRunner(config) as runner, tqdm(total=len(chosen), unit="video", desc="videos") as bar:
         for item, record in chosen:
             path = folder / f"{item.name}_{item.seed}_{record.end}.mp4"
-            runner.play(item, lambda task, path=path: _filmed(task, path))  # type: ignore[misc]
+            runner.play(item, lambda task, path=path: _recorded(task, path))  # type: ignore[misc]
             bar.update()
             if path.exists():
                 yield path
 
 
 @contextmanager
-def _filmed(task: TaskEnvironment, path: Path) -> Iterator[None]:
-    """VideoRecorder the block, also when a fault ends it."""
+def _recorded(task: TaskEnvironment, path: Path) -> Iterator[None]:
+    """Record a video of the block, also when a fault ends it."""
     from rlbench_pin.recording import VideoRecorder
 
-    with VideoRecorder(task, path.parent) as film:
+    with VideoRecorder(task, path.parent) as recorder:
         try:
             yield
         finally:
-            film.keep(path)
+            recorder.keep(path)
 
 
 @contextmanager

@@ -28,7 +28,7 @@ class $cls(Task):
     solved_by_chance = True  # a ball in the air can be hit by chance; leave this line out where that would be a fault
 
     def init_task(self) -> None:
-        """Called once: look things up by the names in $name.toml, say what may be grasped and what success is."""
+        """Called once: look elements up by the names in $name.toml, say what may be grasped and what success is."""
         self.ball = self.world.body("ball")
         self.place = SpawnBoundary([self.world.region("air")])
         # self.register_graspable_objects(["ball"])
@@ -56,13 +56,13 @@ pose = [0.25, 0.0, 0.0]                     # in the middle of the placement are
 static = true                               # false: the root is placed at random in every episode
 yaw = [0.0, 0.0]                            # bounds of its random turn
 
-[[body]]                                    # assets: rlbench_pin/assets/CATALOGUE.md; your own: asset = "./thing.urdf"
+[[body]]                                    # assets: rlbench_pin/assets/CATALOGUE.md; your own: asset = "./object.urdf"
 name = "ball"
 asset = "objects/ball_marker/ball_marker.urdf"
 pose = [0.0, 0.0, 0.12]
 fixed = true                                # false: it moves under gravity
 
-[[region]]                                  # a box to place things in
+[[region]]                                  # a box to place objects in
 name = "air"
 pose = [0.05, 0.0, 0.12]
 size = [0.35, 0.5, 0.1]
@@ -76,7 +76,7 @@ size = [0.05]
 [[waypoint]]                                # the demonstration visits waypoint0, waypoint1, ... with the tip
 name = "waypoint0"
 parent = "ball"
-rpy = [3.1415927, 0.0, 0.0]                 # hand pointing down
+rpy = [3.1415927, 0.0, 0.0]                 # gripper pointing down
 symmetry = 4                                # it may arrive turned by quarter turns
 # path = "straight"                         # or "curve"; default "plan"
 # ignore_collisions = true                  # for contact

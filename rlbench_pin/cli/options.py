@@ -52,7 +52,7 @@ Cameras = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{','.join(CAMERAS
 OnlyCameras = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{','.join(CAMERAS)}}}...", help_behavior_hint="")]
 """Cameras that a command keeps to; all when none is named."""
 Products = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{','.join(PRODUCTS)}}}...")]
-"""Any number of kinds of pictures."""
+"""Any number of kinds of images."""
 EngineName = Literal["processes", "ray"]
 Compression = Literal["gzip", "lzf"]
 RenderMode = Literal["opengl", "opengl3"]

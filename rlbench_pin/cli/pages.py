@@ -83,7 +83,7 @@ def live_page(show: Callable[[Any], Any], title: str, page: PageOptions) -> Iter
 
 
 def answer_signals() -> None:
-    """Let Ctrl-C, SIGTERM and a closed terminal raise KeyboardInterrupt, also where this process was started with SIGINT ignored."""
+    """Let Ctrl-C, SIGTERM and a closed terminal raise KeyboardInterrupt, also where SIGINT was ignored at the start."""
     if threading.current_thread() is threading.main_thread():
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             if signal.getsignal(number) in (signal.SIG_DFL, signal.SIG_IGN):

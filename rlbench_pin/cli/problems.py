@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 class Problems:
     """Write motions of demonstrations as planning problems: arm, obstacles, held bodies, start and goal, as JSON.
 
-    A problem is a leg that is planned to a pose among obstacles. Legs that may touch anything (`ignore_collisions`), or follow
-    a curve, are none; the last line for each task counts them.
+    A problem is a segment that is planned to a pose among obstacles. Segments that may touch anything (`ignore_collisions`),
+    or follow a curve, are none; the last line for each task counts them.
     """
 
     action: tyro.conf.Positional[Literal["export"]]
@@ -36,7 +36,7 @@ class Problems:
     """Folder for the files."""
 
     def run(self) -> int:
-        """Play demonstrations, write their legs, print how many, and how many are no problems; 1 when there is no problem."""
+        """Play demonstrations, write their segments, print how many, and how many are no problems; 1 when there is no problem."""
         from rlbench_pin.tasks import find_task
 
         check_at_least(self, episodes=1, seed=0)

@@ -88,11 +88,11 @@ class Record:
     trust_task_files: bool = False
     """Run the task files that the folder keeps, where tasks are not installed and their files not named. Read them first."""
     image_size: Size = (128, 128)
-    """Width and height of the pictures [px]."""
+    """Width and height of the images [px]."""
     cameras: Cameras = CAMERAS
-    """Cameras whose pictures are stored."""
+    """Cameras whose images are stored."""
     products: Products = ("rgb", "depth", "mask")
-    """What each camera delivers, of rgb, depth, mask and point_cloud; nothing after `--products` for no pictures."""
+    """What each camera delivers, of rgb, depth, mask and point_cloud; nothing after `--products` for no images."""
     compression: Compression = "gzip"
     """`gzip` is small, `lzf` is fast."""
     max_attempts: int = 10

@@ -1,4 +1,4 @@
-"""`rlbench-pin results FILE...`: tables, comparisons and a picture of results files."""
+"""`rlbench-pin results FILE...`: tables, comparisons and a image of results files."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class ShowResults:
     any_limits: bool = False
     """Compare although episodes ended at different limits."""
     plot: MaybePath = None
-    """Picture to draw: success by task, the files side by side; PNG or SVG."""
+    """Image to draw: success by task, the files side by side; PNG or SVG."""
     markdown: bool = False
     """Print the tables in Markdown."""
     json: bool = False

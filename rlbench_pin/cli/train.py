@@ -45,8 +45,8 @@ class ByTrial:
     tasks: tyro.conf.Positional[SomeTasks] = ()
     """Tasks to learn, one after the other, each with a model of its own."""
     steps: int = 20_000
-    """Decisions of training for each task, 0.15 s each, rounded up to whole legs of about 2000 between check points. More prolong
-    a training that is finished."""
+    """Decisions of training for each task, 0.15 s each, rounded up to whole segments of about 2000 between checkpoints. More
+    prolong a training that is finished."""
     out: Path = Path("out/model")
     """Folder of the models, one for each task."""
     shaped: bool = False
@@ -62,7 +62,7 @@ class ByTrial:
     episode_steps: MaybeInt = None
     """Decisions of a training episode at most; when not given, 30 for `reach_target` and 50 for others."""
     leg: int = 2048
-    """Decisions between two check points; PPO learns once in each leg. Another number is another training."""
+    """Decisions between two checkpoints; PPO learns once in each segment. Another number is another training."""
     plot: MaybePath = None
     """PNG or SVG file for the learning curves of all tasks; that of each is in its folder in any case."""
     resume: bool = False
@@ -89,7 +89,7 @@ class Sac(ByTrial):
 
 @dataclass(frozen=True)
 class Cloning:
-    """Learn joint commands from recorded demonstrations, from state or pictures."""
+    """Learn joint commands from recorded demonstrations, from state or images."""
 
     data: tyro.conf.Positional[SomeFolders] = ()
     """Folders of datasets."""
@@ -120,7 +120,7 @@ class KeyFrames:
     """Learn tip poses from recorded demonstrations, from point clouds of five cameras."""
 
     data: tyro.conf.Positional[SomeFolders] = ()
-    """Folders of datasets; stored pictures are not needed: the demonstrations are played again."""
+    """Folders of datasets; stored images are not needed: the demonstrations are played again."""
     out: Path = Path("out/model")
     """Folder of the models, one for each task."""
     tasks: OnlyTasks = ()
@@ -261,7 +261,7 @@ def _train_by_trial(learning: Any, command: ByTrial, algorithm: str, task: str, 
 
 
 def _show_success(bar: tqdm) -> Callable[[Any], None]:
-    """Return what shows the steps, and of the last leg how often it succeeded."""
+    """Return what shows the steps, and of the last segment how often it succeeded."""
 
     def show(progress: Any) -> None:
         point = progress.point

@@ -1,4 +1,4 @@
-"""`rlbench-pin video TASK...`: films of demonstrations by a camera that circles around the table."""
+"""`rlbench-pin video TASK...`: videos of demonstrations by a camera that circles around the table."""
 
 from __future__ import annotations
 
@@ -27,43 +27,43 @@ _CELL = (320, 240)
 
 @dataclass(frozen=True)
 class Video:
-    """Film demonstrations of one or more tasks: one film per task, or one film of all of them in a grid."""
+    """Record videos of demonstrations: one video per task, or one video of all tasks in a grid."""
 
     tasks: tyro.conf.Positional[SomeTasks] = ()
     """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, `all`, or task files."""
     grid: bool = False
-    """All tasks side by side in one film instead of a film each."""
+    """All tasks side by side in one video instead of one video each."""
     variation: int = 0
     """Variation of the tasks."""
     seed: int = 0
     """Seed of the episodes."""
     size: Size = (1280, 720)
-    """Width and height of a film of one task [px], even numbers."""
+    """Width and height of the video of one task [px], even numbers."""
     speed: float = 0.005
     """Angle that the camera moves in a tick [rad]."""
     fps: int = 20
     """Control ticks per second; 20 is real time."""
     smooth: Literal[1, 2, 3] = 1
-    """Pictures of each tick, taken between its physics steps: 3 makes a film with 60 pictures per second."""
+    """Frames of each tick, taken between its physics steps: 3 makes a video with 60 frames per second."""
     domain_randomization: bool = False
     """Change textures and lights every ten ticks."""
     textures_path: MaybePath = None
     """Folder of textures for `--domain-randomization`; None is the set that comes with the package."""
     renderer: Literal["cpu", "egl", "auto"] = "cpu"
-    """What draws the pictures: `cpu`, `egl`, or `auto` for EGL where there is one."""
+    """Renderer: `cpu`, `egl`, or `auto` for EGL where there is one."""
     max_attempts: int = 10
     """Tries for each demonstration."""
     out: Path = Path("out/video")
-    """Folder of the films."""
+    """Folder of the videos."""
 
     def run(self) -> int:
-        """Film, and print where the films are."""
+        """Record, and print where the videos are."""
         from rlbench_pin.datasets import VideoWriter
         from rlbench_pin.recording.video import Orbit
 
         tasks = self._checked_tasks()
         if self.grid:
-            print(self._film_grid(tasks))
+            print(self._record_grid(tasks))
             return 0
         for task in tasks:
             path = self.out / f"{task.get_name()}.mp4"
@@ -73,12 +73,12 @@ class Video:
         return 0
 
     def _checked_tasks(self) -> tuple[type[Task], ...]:
-        """Return the tasks, when everything asked for can be filmed."""
+        """Return the tasks, when everything asked for can be recorded."""
         from rlbench_pin.tasks import find_task
 
         check_at_least(self, variation=0, seed=0, fps=1, max_attempts=1, size=2)
         if any(side % 2 for side in self.size):
-            raise TaskEnvironmentError(f"--size is {self.size[0]} {self.size[1]}; a film needs an even width and height.")
+            raise TaskEnvironmentError(f"--size is {self.size[0]} {self.size[1]}; a video needs an even width and height.")
         if not np.isfinite(self.speed):
             raise TaskEnvironmentError(f"--speed is {self.speed}; it must be an angle [rad].")
         tasks = tuple(map(find_task, checked_names(self.tasks, named_tasks, "rlbench-pin video TASK...")))
@@ -86,7 +86,7 @@ class Video:
             check_file(self.out / f"{name}.mp4")
         return tasks
 
-    def _film_grid(self, tasks: tuple[type[Task], ...]) -> Path:
+    def _record_grid(self, tasks: tuple[type[Task], ...]) -> Path:
         from rlbench_pin.datasets import VideoWriter
         from rlbench_pin.recording.video import Orbit, Reel, grid_frames, grid_size
 
@@ -98,8 +98,8 @@ class Video:
                 self._play(environment.get_task(task), orbit, reel.add)
         path = self.out / "grid.mp4"
         with storing(path), VideoWriter(path, grid_size(len(reels), _CELL), self.fps * self.smooth) as video:
-            for picture in grid_frames(reels, _CELL):
-                video.add(picture)
+            for image in grid_frames(reels, _CELL):
+                video.add(image)
         return path
 
     def _environment(self) -> Environment:
@@ -127,7 +127,7 @@ class Video:
         )
 
     def _play(self, task: TaskEnvironment, orbit: Orbit, add: Callable[[np.ndarray], None]) -> None:
-        """Find a try that succeeds, then play it again before a camera that has all of its end in the picture."""
+        """Find a try that succeeds, then play it again before a camera that has all of its end in the image."""
         from tqdm import tqdm
 
         task.set_variation(self.variation)
@@ -151,7 +151,7 @@ class Video:
 def _each_tick(  # type: ignore[no-untyped-def]
     task: TaskEnvironment, orbit: Orbit, add: Callable[[np.ndarray], None], bar: tqdm, smooth: int
 ):
-    """Take `smooth` pictures of every tick of the block, the last at its end, and hold the last of all for a second."""
+    """Take `smooth` images of every tick of the block, the last at its end, and hold the last of all for a second."""
     world = task.world
     every = round(world.control_dt / world.timestep) // smooth
     frame, steps, tick = 0, 0, -1
@@ -159,8 +159,8 @@ def _each_tick(  # type: ignore[no-untyped-def]
 
     def shoot() -> None:
         nonlocal frame
-        for picture in (*between, orbit.image(world, frame + len(between))):
-            add(picture)
+        for image in (*between, orbit.image(world, frame + len(between))):
+            add(image)
             frame += 1
             bar.update()
         between.clear()

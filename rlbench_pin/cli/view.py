@@ -1,4 +1,4 @@
-"""`rlbench-pin view TASK`: one picture of a task, as the five cameras and the clear view see a demonstration, or a page."""
+"""`rlbench-pin view TASK`: one image of a task, as the five cameras and the clear view see a demonstration, or a page."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rlbench_pin.cli.pages import PageOptions, check_port, live_module, live_pag
 from rlbench_pin.errors import TaskEnvironmentError
 
 FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG"}
-"""End of a file name -> how the picture is written."""
+"""End of a file name -> how the image is written."""
 
 
 @dataclass(frozen=True)
@@ -31,16 +31,16 @@ class View:
     out: MaybePath = None
     """PNG or JPEG to write; `out/view/<task>.png` by default."""
     size: int = 256
-    """Side of each picture [px]."""
+    """Side of each image [px]."""
     page: tyro.conf.OmitArgPrefixes[PageOptions] = field(default_factory=PageOptions)
-    """A page instead of a picture."""
+    """A page instead of a image."""
     task_file: Files = ()
     """With a dataset, your own files of tasks that are not installed; they are used instead of those that it keeps."""
     trust_task_files: bool = False
     """Run the task files that the dataset keeps, where tasks are not installed. Read them first."""
 
     def run(self) -> int:
-        """Draw, and print where the picture is; or serve a page until Ctrl-C."""
+        """Draw, and print where the image is; or serve a page until Ctrl-C."""
         from rlbench_pin.checking.images import demo_sheet
         from rlbench_pin.tasks import find_task
 
@@ -51,19 +51,19 @@ class View:
         task = find_task(self.task)
         out = self.out or Path("out/view") / f"{task.get_name()}.png"
         if out.suffix.lower() not in FORMATS:
-            raise TaskEnvironmentError(f"--out is '{out}'; the name of a picture must end in one of {', '.join(FORMATS)}.")
+            raise TaskEnvironmentError(f"--out is '{out}'; the name of a image must end in one of {', '.join(FORMATS)}.")
         check_file(out)
         sheet, _ = demo_sheet(task, self.seed, self.variation, size=self.size)
-        picture = io.BytesIO()
-        sheet.save(picture, format=FORMATS[out.suffix.lower()])
-        print(write_whole(out, picture.getvalue()))
+        image = io.BytesIO()
+        sheet.save(image, format=FORMATS[out.suffix.lower()])
+        print(write_whole(out, image.getvalue()))
         return 0
 
     def _live(self) -> int:
         from rlbench_pin.tasks import find_task, own_tasks
 
         if self.out is not None:
-            raise TaskEnvironmentError("--out names a picture, and --live shows a page. Leave one of them out.")
+            raise TaskEnvironmentError("--out names a image, and --live shows a page. Leave one of them out.")
         live = live_module()
         if Path(self.task).is_dir():
             own, title = own_tasks(self.task_file), self.task

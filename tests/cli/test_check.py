@@ -54,7 +54,7 @@ def test_a_report_folder_holds_page_data_and_pictures(tmp_path: Path, capsys: Ca
 
 def test_a_stopped_check_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What was finished is not done again, half a line is, and the report is that of a check that was not stopped."""
-    arguments = ["check", "reach_target", "--episodes", "12", "--no-contract", "--key-frames", "0", "--no-pictures"]
+    arguments = ["check", "reach_target", "--episodes", "12", "--no-contract", "--key-frames", "0", "--no-images"]
     done: list[Item] = []
 
     def stop_after_two(item: Item) -> list[Trial]:
@@ -202,7 +202,7 @@ def test_a_killed_check_leaves_no_worker_and_goes_on(tmp_path: Path) -> None:
         "--no-contract",
         "--key-frames",
         "0",
-        "--no-pictures",
+        "--no-images",
         "--out",
         str(tmp_path),
     ]

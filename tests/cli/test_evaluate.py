@@ -15,13 +15,13 @@ POLICY = ("evaluate", "noop", "--tasks", "reach_target", "--episodes", "2", "--m
 @pytest.mark.simulation
 def test_evaluate_a_policy(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A row for the task, the results file, films of failures that have their seeds in their names."""
-    out = tmp_path / "rest.json"
-    assert main((*POLICY, str(out), "--films", "1")) == 0
+    out = tmp_path / "noop.json"
+    assert main((*POLICY, str(out), "--videos", "1")) == 0
     printed = capsys.readouterr().out
     assert "reach_target    0.0 %" in printed
     episodes = json.loads(out.read_text())["episodes"]
     assert [episode["end"] for episode in episodes] == ["seconds", "seconds"]
-    films = [path.name for path in (tmp_path / "rest_films").iterdir()]
+    films = [path.name for path in (tmp_path / "noop_videos").iterdir()]
     assert films == [f"reach_target_{episodes[0]['seed']}_seconds.mp4"]
     assert films[0] in printed
     assert main((*POLICY, str(out))) == 1
@@ -35,7 +35,7 @@ def test_evaluate_a_policy(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
         (("rndom", "--tasks", "reach_target"), "Did you mean 'random'"),
         (("noop", "--tasks", "reach_targt"), "Did you mean 'reach_target'"),
         (("noop", "--tasks", ","), "No task was named"),
-        (("noop", "--films", "-1"), "--films"),
+        (("noop", "--videos", "-1"), "--videos"),
         (("noop", "--workers", "-1"), "--workers"),
         (("noop", "--episodes", "0"), "episodes"),
         (("noop", "--max-seconds", "0"), "max_seconds"),

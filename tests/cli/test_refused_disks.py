@@ -138,7 +138,7 @@ def test_a_demonstration_on_a_disk_that_fills_up(tmp_path: Path, capsys: Capture
 
 def test_a_journal_on_a_disk_that_fills_up(tmp_path: Path, capsys: Capture) -> None:
     """A check names the file; with space, the same command goes on."""
-    words = ("check", TASK, "--episodes", "2", "--no-contract", "--no-pictures", "--out", str(tmp_path))
+    words = ("check", TASK, "--episodes", "2", "--no-contract", "--no-images", "--out", str(tmp_path))
     with short_files(100):
         assert exit_code(*words) == 1
     assert "trials.jsonl' cannot be written: File too large" in capsys.readouterr().err

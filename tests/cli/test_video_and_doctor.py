@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.checking.validate import demo_bytes
-from rlbench_pin.cli.doctor import check_picture
+from rlbench_pin.cli.doctor import check_image
 from rlbench_pin.cli.main import main
 from rlbench_pin.environment import low_dim_config, make_environment
 from rlbench_pin.errors import CameraError
@@ -105,7 +105,7 @@ def test_doctor_tries_every_renderer(capsys):
     assert main(["doctor", "--json"]) == 0
     report = json.loads(capsys.readouterr().out)
     works = {finding["what"]: finding["works"] for finding in report["findings"]}
-    assert works["renderer cpu"] and works["films"] and "renderer egl" in works
+    assert works["renderer cpu"] and works["videos"] and "renderer egl" in works
     assert report["versions"]["pybullet"]
 
 
@@ -113,8 +113,8 @@ def test_doctor_tries_every_renderer(capsys):
 def test_black_and_flat_pictures_are_rejected(picture):
     """A renderer that gives them does not work; neither does one that draws no robot."""
     with pytest.raises(CameraError, match="renderer"):
-        check_picture(picture.astype(np.uint8), np.ones((8, 8), dtype=bool), "egl")
+        check_image(picture.astype(np.uint8), np.ones((8, 8), dtype=bool), "egl")
     noise = np.random.default_rng(0).integers(0, 255, (8, 8, 3)).astype(np.uint8)
-    check_picture(noise, np.ones((8, 8), dtype=bool), "egl")
+    check_image(noise, np.ones((8, 8), dtype=bool), "egl")
     with pytest.raises(CameraError, match="robot"):
-        check_picture(noise, np.zeros((8, 8), dtype=bool), "egl")
+        check_image(noise, np.zeros((8, 8), dtype=bool), "egl")
