@@ -28,7 +28,7 @@ from harness import fingerprint
 
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.processes import ProcessEngine
-from rlbench_pin.recording.config import PictureConfig, RecordConfig, WorkItem
+from rlbench_pin.recording.config import ImageConfig, RecordConfig, WorkItem
 from rlbench_pin.recording.record import Recorder, RecordReport, record
 from rlbench_pin.tasks import task_names
 
@@ -80,7 +80,7 @@ class Stopwatch:
 
 def measure(tasks: Sequence[str], episodes: int, products: tuple[str, ...], workers: int) -> Figures:
     """Record into a temporary folder."""
-    config = RecordConfig(tasks=tuple(tasks), episodes=episodes, seed=1, pictures=PictureConfig(products=products))
+    config = RecordConfig(tasks=tuple(tasks), episodes=episodes, seed=1, pictures=ImageConfig(products=products))
     watch, before = Stopwatch(), _children()
     with tempfile.TemporaryDirectory() as folder:
         report = record(config, folder, engine=ProcessEngine(workers), on_progress=watch)
@@ -127,7 +127,7 @@ class TaskFigures:
 
 def measure_task(task: str, episodes: int) -> TaskFigures:
     """Record some episodes of the first variation of one task, after one that does not count."""
-    recorder = Recorder(PictureConfig(products=PRODUCTS[1]))
+    recorder = Recorder(ImageConfig(products=PRODUCTS[1]))
     seconds = frames = size = 0.0
     for index in range(episodes + 1):
         began = time.process_time()

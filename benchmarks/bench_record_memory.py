@@ -28,7 +28,7 @@ import numpy as np
 
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.processes import GivenUp, ProcessEngine, WorkerDeath
-from rlbench_pin.recording.config import PictureConfig, RecordConfig, WorkItem, plan_items
+from rlbench_pin.recording.config import ImageConfig, RecordConfig, WorkItem, plan_items
 from rlbench_pin.recording.record import Recorder
 
 TASKS = ("reach_target", "push_button", "beat_the_buzz", "close_microwave", "take_lid_off_saucepan", "slide_block_to_target")
@@ -100,7 +100,7 @@ def summary(samples: Sequence[Sample], a_round: int) -> Memory:
     )
 
 
-def measure(items: Sequence[WorkItem], pictures: PictureConfig, log: Path, a_round: int) -> list[Sample]:
+def measure(items: Sequence[WorkItem], pictures: ImageConfig, log: Path, a_round: int) -> list[Sample]:
     """Let one worker do the work; the size of what it makes is measured, then it is deleted."""
     samples: list[Sample] = []
     began = time.perf_counter()

@@ -13,7 +13,7 @@ import numpy as np
 from rlbench_pin import Discrete, EndEffectorPoseViaPlanning, Environment, MoveArmThenGripper
 from rlbench_pin.datasets import Episode, key_frames, read_demo, read_manifest
 from rlbench_pin.environment import key_frame_actions, low_dim_config
-from rlbench_pin.recording import PictureConfig, ProcessEngine, RecordConfig, record
+from rlbench_pin.recording import ImageConfig, ProcessEngine, RecordConfig, record
 
 ROOT = Path("out/examples/recorded")
 TASK = "pick_and_lift"
@@ -21,7 +21,7 @@ TASK = "pick_and_lift"
 
 def main() -> None:
     """Record four demonstrations, look into the files, play the key frames of the first."""
-    front = PictureConfig(cameras=("front",), products=("rgb",), image_size=(64, 64))
+    front = ImageConfig(cameras=("front",), products=("rgb",), image_size=(64, 64))
     config = RecordConfig(tasks=(TASK,), episodes=4, pictures=front)
     report = record(config, ROOT, engine=ProcessEngine(2), resume=True)
     print(f"{report.found} episodes found, {report.recorded} recorded, {len(report.failed)} failed")

@@ -15,7 +15,7 @@ from rlbench_pin.datasets import Episode, read_manifest, stored_tasks, task_faul
 from rlbench_pin.datasets.formats import ExportFormat, export_dataset
 from rlbench_pin.errors import MissingExtra
 from rlbench_pin.processes import ProcessEngine
-from rlbench_pin.recording.config import PictureConfig, RecordConfig
+from rlbench_pin.recording.config import ImageConfig, RecordConfig
 from rlbench_pin.recording.record import RecordReport, record
 
 
@@ -23,7 +23,7 @@ def main() -> None:
     """Record, check, read, export."""
     options = _options()
     root = options.out / "dataset"
-    pictures = PictureConfig(cameras=("front", "wrist"), products=("rgb", "depth"), image_size=(options.image_size,) * 2)
+    pictures = ImageConfig(cameras=("front", "wrist"), products=("rgb", "depth"), image_size=(options.image_size,) * 2)
     config = RecordConfig(tasks=tuple(options.tasks), episodes=options.episodes, seed=options.seed, pictures=pictures)
     report = record(config, root, engine=ProcessEngine(options.workers), resume=True, on_progress=_show_progress)
     print(f"{report.recorded} recorded now, {report.found} found, {report.missing} missing")

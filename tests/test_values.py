@@ -43,7 +43,7 @@ from rlbench_pin.environment.randomization.config import DynamicsRandomizationCo
 from rlbench_pin.errors import InvalidArgument, InvalidValue, RlbenchPinError, TaskEnvironmentError, UnknownName, UnknownSetting
 from rlbench_pin.observation import Observation
 from rlbench_pin.planning import PlannerConfig, PoseRegion, TorqueLimits
-from rlbench_pin.recording.config import PictureConfig, RecordConfig
+from rlbench_pin.recording.config import ImageConfig, RecordConfig
 from rlbench_pin.robot.description import robot_description
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.sim import CameraView, Light, Lighting
@@ -408,7 +408,7 @@ HOSTILE: tuple[object, ...] = (
 KINDS: tuple[Callable[..., object], ...] = (
     CameraConfig, CameraView, DynamicsRandomizationConfig, Environment, EndEffectorPoseViaPlanning, EndEffectorVelocity,
     ERJointViaIK, ExtraCamera, GaussianNoise, GripperJointPosition, JointVelocity, Light, Lighting, ObservationConfig,
-    PictureConfig, PlannerConfig, PoseRegion, RecordConfig, SafeArm, TorqueLimits, VisualRandomizationConfig,
+    ImageConfig, PlannerConfig, PoseRegion, RecordConfig, SafeArm, TorqueLimits, VisualRandomizationConfig,
     control.CartesianImpedance, control.CartesianMPC, control.ComputedTorque, control.DifferentialIK,
     control.DifferentialIKConfig, control.GripperConfig, control.JointImpedance, control.OperationalSpaceConfig,
     control.OperationalSpaceQP, control.PoseIK, control.PoseIKConfig, control.PostureObjective, control.PredictiveConfig,

@@ -136,12 +136,12 @@ class Rerender:
     def run(self) -> int:
         """Rerender; 1 when episodes are missing at the end."""
         from rlbench_pin.cli.progress import RecordBar, stopping_gently
-        from rlbench_pin.recording.config import PictureConfig
+        from rlbench_pin.recording.config import ImageConfig
         from rlbench_pin.recording.rerender import rerender
         from rlbench_pin.tasks import own_tasks
 
         check_at_least(self, workers=0, image_size=1)
-        images = PictureConfig(cameras=self.cameras, products=self.products, image_size=self.image_size)
+        images = ImageConfig(cameras=self.cameras, products=self.products, image_size=self.image_size)
         engine = make_engine(self.engine, self.workers)
         with stopping_gently() as stop, closing(RecordBar("rerender")) as bar:
             report = rerender(

@@ -50,11 +50,11 @@ class RecordDemos:
 
     def run(self) -> int:
         """Record, and print where everything is."""
-        from rlbench_pin.environment.presets import make_environment, picture_config
+        from rlbench_pin.environment.presets import image_config, make_environment
         from rlbench_pin.tasks import find_task
 
         check_at_least(self, variation=-1, seed=0, episodes=1, image_size=1, max_attempts=1)
-        config, chosen = picture_config(self.image_size, self.cameras), find_task(self.task)
+        config, chosen = image_config(self.image_size, self.cameras), find_task(self.task)
         check_folder(self.out)
         with make_environment(config) as environment:
             task = environment.get_task(chosen)

@@ -153,7 +153,7 @@ class Record:
         return replace(self, **changes)
 
     def _config(self) -> RecordConfig:
-        from rlbench_pin.recording.config import PictureConfig, RecordConfig
+        from rlbench_pin.recording.config import ImageConfig, RecordConfig
 
         return RecordConfig(
             tasks=named_tasks(self.tasks),
@@ -164,7 +164,7 @@ class Record:
             max_attempts=self.max_attempts,
             max_velocity=self.arm_max_velocity,
             max_acceleration=self.arm_max_acceleration,
-            pictures=PictureConfig(
+            pictures=ImageConfig(
                 cameras=self.cameras,
                 products=self.products,
                 image_size=self.image_size,

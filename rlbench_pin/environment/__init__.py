@@ -35,7 +35,7 @@ from rlbench_pin.environment.observations import (
     ObservationConfig,
     rgb_handles_to_mask,
 )
-from rlbench_pin.environment.presets import clear_view, low_dim_config, make_environment, picture_config
+from rlbench_pin.environment.presets import clear_view, image_config, low_dim_config, make_environment
 from rlbench_pin.environment.randomization import DynamicsRandomizationConfig, RandomizeEvery, VisualRandomizationConfig
 from rlbench_pin.environment.replay import key_frame_actions, key_frames_succeed
 from rlbench_pin.environment.runtime import Listener, Runtime
@@ -80,11 +80,11 @@ __all__ = [
     "VisualRandomizationConfig",
     "calculate_delta_pose",
     "clear_view",
+    "image_config",
     "key_frame_actions",
     "key_frames_succeed",
     "library_versions",
     "low_dim_config",
     "make_environment",
-    "picture_config",
     "rgb_handles_to_mask",
 ]

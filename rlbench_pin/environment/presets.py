@@ -30,7 +30,7 @@ def low_dim_config() -> ObservationConfig:
     return config
 
 
-def picture_config(
+def image_config(
     image_size: tuple[int, int], cameras: Collection[str] = CAMERAS, *, depth: bool = True, mask: bool = True
 ) -> ObservationConfig:
     """All joint, gripper and task data, and images of some cameras.

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from rlbench_pin.datasets.formats import export_dataset
 from rlbench_pin.processes import Engine, ProcessEngine, SerialEngine
-from rlbench_pin.recording.config import PictureConfig, RecordConfig, read_recording
+from rlbench_pin.recording.config import ImageConfig, RecordConfig, read_recording
 from rlbench_pin.recording.convert import convert_by_playing, convert_demo, verify
 from rlbench_pin.recording.record import RecordReport, record
 from rlbench_pin.recording.replay import ReplayResult, replay_demo, replay_stored
@@ -14,7 +14,7 @@ from rlbench_pin.recording.video import VideoRecorder
 
 __all__ = [
     "Engine",
-    "PictureConfig",
+    "ImageConfig",
     "ProcessEngine",
     "RecordConfig",
     "RecordReport",

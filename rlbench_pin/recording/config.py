@@ -31,7 +31,7 @@ VERSION = 1
 
 
 @dataclass(frozen=True, kw_only=True)
-class PictureConfig:
+class ImageConfig:
     """Which images an episode contains, how it is stored, and how fast the arm may move."""
 
     cameras: tuple[str, ...] = CAMERAS
@@ -49,7 +49,7 @@ class PictureConfig:
 
     def __post_init__(self) -> None:
         """Raise UnknownName or InvalidCamera for what cannot be stored."""
-        object.__setattr__(self, "image_size", as_picture_size(self.image_size, "PictureConfig.image_size", InvalidCamera))
+        object.__setattr__(self, "image_size", as_picture_size(self.image_size, "ImageConfig.image_size", InvalidCamera))
         _check_names("camera", self.cameras, CAMERAS)
         _check_names("product", self.products, PRODUCTS)
         as_choice(self.renderer, "renderer", RENDERERS)
@@ -105,7 +105,7 @@ class RecordConfig:
     """Cap on the speed of motions along the joint-space path [rad/s]."""
     max_acceleration: float = 4.0
     """Cap on how fast that speed changes [rad/s^2]."""
-    pictures: PictureConfig = field(default_factory=PictureConfig)
+    pictures: ImageConfig = field(default_factory=ImageConfig)
     """Which images the episodes contain."""
 
     def __post_init__(self) -> None:
@@ -117,7 +117,7 @@ class RecordConfig:
             raise InvalidArgument("variations", 0, "records nothing", "Write -1 for all variations.")
         for name in ("max_velocity", "max_acceleration"):
             as_number(getattr(self, name), name, InvalidArgument, above=0.0)
-        as_record(self.pictures, PictureConfig, "pictures", InvalidArgument)
+        as_record(self.pictures, ImageConfig, "pictures", InvalidArgument)
         for name in ("per_variation", "draw_variations"):
             as_flag(getattr(self, name), name, InvalidArgument)
         if not as_names(self.tasks, "tasks", InvalidArgument):
@@ -174,7 +174,7 @@ def plan_items(config: RecordConfig, tasks: Mapping[str, type[Task]] | None = No
     """
     tasks = {name: find_task(name) for name in config.tasks} if tasks is None else tasks
     items: list[WorkItem] = []
-    with PictureConfig(products=()).environment() as environment:
+    with ImageConfig(products=()).environment() as environment:
         for name, task in tasks.items():
             count, files = environment.get_task(task).variation_count(), task_digest(task)
             planned = _task_items(config, name, task.get_name(), _variations(config, count))
@@ -210,7 +210,7 @@ def item_seed(seed: int, task: str, variation: int, index: int) -> int:
 
 
 def _check_names(kind: str, names: Sequence[str], known: Sequence[str]) -> None:
-    for name in as_names(names, f"PictureConfig.{kind}s", InvalidArgument):
+    for name in as_names(names, f"ImageConfig.{kind}s", InvalidArgument):
         as_choice(name, kind, known)
 
 
@@ -234,7 +234,7 @@ def read_recording(root: Path | str) -> RecordConfig:
             raise ValueError(f"it has version {short(version)}, this package reads version {VERSION}")
         if not isinstance(content.get("pictures"), dict):
             raise ValueError("it has no table 'pictures'")
-        pictures = PictureConfig(**_with_tuples(content.pop("pictures")))
+        pictures = ImageConfig(**_with_tuples(content.pop("pictures")))
         config = RecordConfig(**_with_tuples(content), pictures=pictures)
         return replace(config, tasks=tuple(map(_stored_name, config.tasks)))
     except (OSError, ValueError, TypeError, RlbenchPinError) as error:

@@ -38,7 +38,7 @@ from rlbench_pin.observation import LOW_DIM, Demo
 from rlbench_pin.processes import Engine, GivenUp, WorkerDeath, run_jobs
 from rlbench_pin.recording.config import (
     RECORDING,
-    PictureConfig,
+    ImageConfig,
     RecordConfig,
     WorkItem,
     plan_items,
@@ -74,7 +74,7 @@ class Recorder:
         config: Which images they contain.
     """
 
-    def __init__(self, config: PictureConfig) -> None:
+    def __init__(self, config: ImageConfig) -> None:
         self.config = config
         self._environment: Environment | None = None
         self._task: TaskEnvironment | None = None
@@ -253,7 +253,7 @@ def check_work(engine: Engine | None, on_progress: OnProgress | None, stop: thre
 
 
 def run_items(
-    pictures: PictureConfig,
+    pictures: ImageConfig,
     items: Sequence[WorkItem],
     root: Path,
     *,
@@ -331,7 +331,7 @@ def _is_stored(root: Path, item: WorkItem, entry: EpisodeEntry | None) -> bool:
     return path.is_file() and path.stat().st_size == entry.num_bytes
 
 
-def _check_pictures(root: Path, items: Sequence[WorkItem], pending: set[tuple[str, int, int]], pictures: PictureConfig) -> None:
+def _check_pictures(root: Path, items: Sequence[WorkItem], pending: set[tuple[str, int, int]], pictures: ImageConfig) -> None:
     """Raise DatasetConflict when a stored episode of a task contains other images than the new ones would."""
     stored = {item.name: episode_path(root, *item.key) for item in items if item.key not in pending}
     for path in stored.values():

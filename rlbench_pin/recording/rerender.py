@@ -14,7 +14,7 @@ from rlbench_pin.datasets.manifest import is_whole, parse_json, short
 from rlbench_pin.datasets.storage import hold, remove_leftovers, write_whole
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 from rlbench_pin.processes import Engine
-from rlbench_pin.recording.config import PictureConfig, WorkItem
+from rlbench_pin.recording.config import ImageConfig, WorkItem
 from rlbench_pin.recording.record import OnProgress, RecordReport, check_work, run_items
 from rlbench_pin.tasks import OwnTasks, Task, keep_tasks, stored_task, task_class, task_digest, task_origin, task_reference
 from rlbench_pin.values import as_path, as_record, as_several
@@ -90,7 +90,7 @@ def read_seeds(path: Path) -> list[EpisodeSeed]:
 def rerender(
     source: Path,
     out: Path,
-    pictures: PictureConfig,
+    pictures: ImageConfig,
     *,
     tasks: Sequence[str] = (),
     engine: Engine | None = None,
@@ -118,7 +118,7 @@ def rerender(
         UntrustedTaskFile: A task is code that came with the dataset, and nobody said that it may be run.
         DatasetError: The source cannot be used, or is `out`.
     """
-    source, out, _ = as_path(source, "source"), as_path(out, "out"), as_record(pictures, PictureConfig, "pictures")
+    source, out, _ = as_path(source, "source"), as_path(out, "out"), as_record(pictures, ImageConfig, "pictures")
     check_work(engine, on_progress, stop, trust_task_files)
     _check_apart(source, out)
     items = _items(source, tasks)

@@ -11,7 +11,7 @@ import pytest
 from rlbench_pin.cli import record as command
 from rlbench_pin.cli.record import spelled_out
 from rlbench_pin.datasets import episode_files, read_demo
-from rlbench_pin.recording.config import PictureConfig, RecordConfig, plan_items
+from rlbench_pin.recording.config import ImageConfig, RecordConfig, plan_items
 from tests.cli.support import TASK, exit_code
 
 Capture = pytest.CaptureFixture[str]
@@ -53,7 +53,7 @@ def test_the_flags_of_upstream_mean_what_they_mean_there(asked: dict[str, Any], 
     assert (asked["out"], asked["engine"]) == (tmp_path, 3)
     assert config == RecordConfig(
         tasks=("reach_target", "push_button"), episodes=5, per_variation=True, variations=2,
-        max_velocity=0.5, max_acceleration=2.0, pictures=PictureConfig(image_size=(64, 48), render_mode="opengl"),
+        max_velocity=0.5, max_acceleration=2.0, pictures=ImageConfig(image_size=(64, 48), render_mode="opengl"),
     )  # fmt: skip
     assert config.pictures.obs_config().camera("front").render_mode == "opengl"
     assert len(plan_items(config)) == 20

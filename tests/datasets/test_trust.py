@@ -36,7 +36,7 @@ from rlbench_pin.datasets.trust import Inspector
 from rlbench_pin.environment.stored import read_stored_descriptions
 from rlbench_pin.errors import DatasetError, EpisodeFileError
 from rlbench_pin.processes import SerialEngine
-from rlbench_pin.recording.config import PictureConfig
+from rlbench_pin.recording.config import ImageConfig
 from rlbench_pin.recording.replay import replay_stored
 from rlbench_pin.recording.rerender import read_seeds, rerender
 from tests.demos_for_tests import edit_manifest, make_demo
@@ -119,7 +119,7 @@ def test_a_list_of_seeds_that_leads_elsewhere_is_refused(tmp_path: Path, change:
     write_seed(path, **change)
     name = next(iter(change))
     with pytest.raises(EpisodeFileError, match=rf"seeds\.json.*{name}=.*rlbench-pin dataset seeds"):
-        rerender(path, tmp_path / "out", PictureConfig(products=()), engine=SerialEngine())
+        rerender(path, tmp_path / "out", ImageConfig(products=()), engine=SerialEngine())
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -185,7 +185,7 @@ def test_a_folder_that_is_a_link_out_of_the_dataset_is_not_followed(root: Path, 
         lambda: merge_datasets([root], tmp_path / "out"),
         lambda: DatasetWriter(root).add(make_demo(frames=2, seed=77)),
         lambda: task_faults(root, TASK) and [_raise(fault) for fault in task_faults(root, TASK)],
-        lambda: rerender(root, tmp_path / "again", PictureConfig(products=()), engine=SerialEngine()),
+        lambda: rerender(root, tmp_path / "again", ImageConfig(products=()), engine=SerialEngine()),
     )
     for call in calls:
         with pytest.raises(EpisodeFileError, match="leads out of"):
@@ -379,7 +379,7 @@ def test_rerender_reads_no_altered_file(root: Path, tmp_path: Path) -> None:
     """The episode is not made, and the report says why."""
     path = episode_files(root, OTHER_TASK)[0]
     path.write_bytes(path.read_bytes()[:-1] + b"x")
-    report = rerender(root, tmp_path / "out", PictureConfig(products=()), engine=SerialEngine())
+    report = rerender(root, tmp_path / "out", ImageConfig(products=()), engine=SerialEngine())
     assert any("SHA-256" in text for result in report.failed for text in result.failures)
 
 

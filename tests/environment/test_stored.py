@@ -14,7 +14,7 @@ from rlbench_pin.datasets.formats.rlbench import export_rlbench
 from rlbench_pin.environment import Discrete, JointPosition, MoveArmThenGripper, ObservationConfig
 from rlbench_pin.errors import DatasetError, UnknownName
 from rlbench_pin.processes import SerialEngine
-from rlbench_pin.recording.config import PictureConfig, RecordConfig
+from rlbench_pin.recording.config import ImageConfig, RecordConfig
 from rlbench_pin.recording.record import record
 
 TASK = "reach_target"
@@ -25,7 +25,7 @@ SIZE = (24, 16)
 def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Real demonstrations: three of each of two variations, two cameras."""
     folder = tmp_path_factory.mktemp("stored")
-    pictures = PictureConfig(cameras=("front", "wrist"), image_size=SIZE, products=("rgb", "depth", "mask", "point_cloud"))
+    pictures = ImageConfig(cameras=("front", "wrist"), image_size=SIZE, products=("rgb", "depth", "mask", "point_cloud"))
     record(RecordConfig(tasks=(TASK,), episodes=4, variations=2, pictures=pictures), folder, engine=SerialEngine())
     return folder
 

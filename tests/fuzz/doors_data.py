@@ -16,7 +16,7 @@ from rlbench_pin.datasets import formats
 from rlbench_pin.environment import Discrete, ExtraCamera, JointPosition, MoveArmThenGripper, TaskEnvironment
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.evaluation import EvaluationConfig
-from rlbench_pin.recording import PictureConfig, RecordConfig
+from rlbench_pin.recording import ImageConfig, RecordConfig
 from rlbench_pin.robot import RobotModel, robot_description
 from tests.demos_for_tests import make_demo
 from tests.evaluation.results.made import results
@@ -82,7 +82,7 @@ def samples(folder: Path, task: TaskEnvironment) -> dict[str, object]:
         "tasks": ["reach_target"], "name": "reach_target", "reference": f"{first}#front_rgb/0", "size": (16, 16),
         "sha256": entry.sha256,
         "contents": {"a.py": b"1"}, "file": "a.py", "files": [], "config": RecordConfig(tasks=("reach_target",), episodes=1),
-        "pictures": PictureConfig(products=()), "rng": Fresh(lambda: np.random.default_rng(0)), "action_mode": mode,
+        "pictures": ImageConfig(products=()), "rng": Fresh(lambda: np.random.default_rng(0)), "action_mode": mode,
         "mode": JointPosition(),
         "model": RobotModel(robot_description("panda")), "names": ["CartesianMPC"], "trials": [], "summaries": [],
         "words": ["reach_target"],
@@ -200,7 +200,7 @@ def more_samples(library: Path, new: Fresh, first: Path) -> dict[str, object]:
         "write_scene.spec": scene.read_scene(library / "reach_target.toml"),
         "make_environment.config": low_dim_config(),
         "export_dataset.name": "rlbench",
-        "picture_config.image_size": (16, 16),
+        "image_config.image_size": (16, 16),
         "calculate_delta_pose.current": np.array([0.0, 0, 1, 0, 0, 0, 1]),
         "distractor_colors.goal": 0,
         "calculate_delta_pose.action": np.array([0.0, 0, 0.1, 0, 0, 0, 1]),

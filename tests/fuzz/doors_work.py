@@ -14,7 +14,7 @@ from rlbench_pin.checking import Item, TrialJournal, explain_failure, run_trials
 from rlbench_pin.control.qp.programs import empty_rows
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.evaluation import EvaluationConfig, evaluate
-from rlbench_pin.recording import PictureConfig, ProcessEngine, RecordConfig, SerialEngine, record, rerender, write_seeds
+from rlbench_pin.recording import ImageConfig, ProcessEngine, RecordConfig, SerialEngine, record, rerender, write_seeds
 from rlbench_pin.recording.rerender import EpisodeSeed
 from rlbench_pin.tasks import conditions
 from tests.fuzz.doors import Door, Fresh, functions, methods, parameters_of
@@ -91,7 +91,7 @@ def recording_doors(folder: Path) -> list[Door]:
     """Return those that record or check; good arguments are those of the smallest work."""
     numbers = itertools.count()
     out = Fresh(lambda: folder / f"recorded{next(numbers)}")
-    pictures = PictureConfig(products=())
+    pictures = ImageConfig(products=())
     config, engine = RecordConfig(tasks=(TASK,), episodes=1, pictures=pictures), SerialEngine()
     small = EvaluationConfig(policy="noop", tasks=(TASK,), episodes=1, max_seconds=0.1)
     seeds = write_seeds(folder / "seeds.json", [EpisodeSeed(TASK, 0, 0, 1, 0)])

@@ -11,12 +11,12 @@ import pytest
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.environment.episode import drawn_variations
 from rlbench_pin.errors import CameraError, EpisodeFileError, TaskEnvironmentError, UnknownName
-from rlbench_pin.recording import PictureConfig, RecordConfig, read_recording
+from rlbench_pin.recording import ImageConfig, RecordConfig, read_recording
 from rlbench_pin.recording.config import item_seed, plan_items, write_recording
 
 TASK = "reach_target"
-CONFIG = RecordConfig(tasks=(TASK,), episodes=6, variations=2, max_attempts=3, pictures=PictureConfig(products=()))
-FILED = RecordConfig(tasks=("reach_target",), episodes=3, pictures=PictureConfig(products=()))
+CONFIG = RecordConfig(tasks=(TASK,), episodes=6, variations=2, max_attempts=3, pictures=ImageConfig(products=()))
+FILED = RecordConfig(tasks=("reach_target",), episodes=3, pictures=ImageConfig(products=()))
 
 
 def test_the_seed_of_an_item_follows_from_its_name_alone() -> None:
@@ -66,11 +66,11 @@ def test_senseless_settings_are_refused(change: dict[str, object], error: type[E
 def test_senseless_pictures_are_refused() -> None:
     """Unknown cameras and products and empty pictures are errors at once."""
     with pytest.raises(UnknownName, match="Did you mean 'wrist'"):
-        PictureConfig(cameras=("wrst",))
+        ImageConfig(cameras=("wrst",))
     with pytest.raises(UnknownName, match="product"):
-        PictureConfig(products=("rgbd",))
+        ImageConfig(products=("rgbd",))
     with pytest.raises(CameraError, match="image_size"):
-        PictureConfig(image_size=(0, 128))
+        ImageConfig(image_size=(0, 128))
 
 
 def test_variations_are_drawn_without_repeats() -> None:
@@ -89,9 +89,9 @@ def test_the_first_variations() -> None:
 
 def test_shadows_and_speed() -> None:
     """Settings of the pictures and of the arm reach the environment that records."""
-    plain = PictureConfig(products=("rgb",), render_mode="opengl")
+    plain = ImageConfig(products=("rgb",), render_mode="opengl")
     assert not plain.obs_config().front_camera.draws_shadows
-    assert PictureConfig().obs_config().front_camera.draws_shadows
+    assert ImageConfig().obs_config().front_camera.draws_shadows
     with plain.environment(max_velocity=0.5) as environment:
         planner = environment.get_task(TASK).runtime.planner
     assert planner.config.max_velocity == 0.5

@@ -16,11 +16,11 @@ import pytest
 from rlbench_pin.cli.options import make_engine
 from rlbench_pin.datasets import task_faults
 from rlbench_pin.processes import Engine, ProcessEngine, SerialEngine
-from rlbench_pin.recording.config import PictureConfig, RecordConfig
+from rlbench_pin.recording.config import ImageConfig, RecordConfig
 from rlbench_pin.recording.record import RecordReport, record
 
 TASKS = ("reach_target", "push_button")
-CONFIG = RecordConfig(tasks=TASKS, episodes=5, pictures=PictureConfig(products=()))
+CONFIG = RecordConfig(tasks=TASKS, episodes=5, pictures=ImageConfig(products=()))
 
 
 def manifests(root: Path) -> list[bytes]:

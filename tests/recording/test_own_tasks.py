@@ -15,12 +15,12 @@ from rlbench_pin.environment.actions.joint import JointPositionActionMode
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import DatasetConflict, EpisodeFileError, TaskError, UnknownName, UntrustedTaskFile
-from rlbench_pin.recording import PictureConfig, ProcessEngine, RecordConfig, SerialEngine, read_recording, record, rerender
+from rlbench_pin.recording import ImageConfig, ProcessEngine, RecordConfig, SerialEngine, read_recording, record, rerender
 from rlbench_pin.recording.replay import replay_stored
 from rlbench_pin.tasks import own_tasks, stored_task
 
 pytestmark = pytest.mark.simulation
-PICTURES = PictureConfig(products=())
+PICTURES = ImageConfig(products=())
 
 
 @pytest.fixture(scope="module")
@@ -144,7 +144,7 @@ def test_an_own_task_and_the_librarys_of_that_name_do_not_mix(tmp_path: Path) ->
 
 def test_rerendering_takes_the_files_along(mine: Path, dataset: Path, tmp_path: Path) -> None:
     """By workers of their own, from the copy or from the file that is named."""
-    pictures = PictureConfig(cameras=("front",), products=("rgb",), image_size=(16, 16))
+    pictures = ImageConfig(cameras=("front",), products=("rgb",), image_size=(16, 16))
     with pytest.raises(UntrustedTaskFile):
         rerender(dataset, tmp_path / "out", pictures)
     report = rerender(dataset, tmp_path / "out", pictures, engine=ProcessEngine(1), trust_task_files=True)

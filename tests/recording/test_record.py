@@ -19,13 +19,13 @@ from rlbench_pin.datasets.layout import episode_path
 from rlbench_pin.datasets.storage import hold
 from rlbench_pin.errors import DatasetConflict, DatasetError, StorageError
 from rlbench_pin.processes import SerialEngine
-from rlbench_pin.recording.config import PictureConfig, RecordConfig, plan_items, read_recording
+from rlbench_pin.recording.config import ImageConfig, RecordConfig, plan_items, read_recording
 from rlbench_pin.recording.record import RecordReport, record
 from tests.demos_for_tests import mounted, simulate_full_disk
 from tests.engines_for_tests import MadeUpEngine
 
 TASK = "reach_target"
-CONFIG = RecordConfig(tasks=(TASK,), episodes=6, variations=2, max_attempts=3, pictures=PictureConfig(products=()))
+CONFIG = RecordConfig(tasks=(TASK,), episodes=6, variations=2, max_attempts=3, pictures=ImageConfig(products=()))
 
 
 def manifest(root: Path) -> bytes:
@@ -164,7 +164,7 @@ def test_a_folder_that_is_in_use_is_refused(tmp_path: Path, undisturbed: Path) -
     with pytest.raises(DatasetConflict, match="seed=0, this is seed=1"):
         record(replace(CONFIG, seed=1), undisturbed, engine=MadeUpEngine(), resume=True)
     with pytest.raises(DatasetConflict, match="pictures="):
-        record(replace(CONFIG, pictures=PictureConfig()), undisturbed, engine=MadeUpEngine(), resume=True)
+        record(replace(CONFIG, pictures=ImageConfig()), undisturbed, engine=MadeUpEngine(), resume=True)
     with hold(tmp_path), pytest.raises(DatasetConflict, match="is running"):
         record(CONFIG, tmp_path, engine=MadeUpEngine())
 

@@ -9,7 +9,7 @@ import torch
 
 from rlbench_pin.baselines.cloning.model import PICTURE, SECONDS, ChunkNetwork, encode_sentence, nearest_sentence, pictures_of
 from rlbench_pin.baselines.cloning.training import KIND, as_pictures, load_cloning, trained_tasks
-from rlbench_pin.environment import Discrete, JointPosition, MoveArmThenGripper, ObservationConfig, low_dim_config, picture_config
+from rlbench_pin.environment import Discrete, JointPosition, MoveArmThenGripper, ObservationConfig, image_config, low_dim_config
 from rlbench_pin.evaluation.policies.policy import PolicyContext
 from rlbench_pin.observation import Observation
 from rlbench_pin.spatial import FloatArray
@@ -79,4 +79,4 @@ def _observation(cameras: tuple[str, ...]) -> ObservationConfig:
     """Return what is observed: joints, hand, task state, and for pictures the colours of some cameras."""
     if not cameras:
         return low_dim_config()
-    return picture_config((2 * PICTURE, 2 * PICTURE), cameras, depth=False, mask=False)
+    return image_config((2 * PICTURE, 2 * PICTURE), cameras, depth=False, mask=False)

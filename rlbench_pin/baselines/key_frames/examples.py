@@ -21,8 +21,8 @@ from rlbench_pin.environment import (
     MoveArmThenGripper,
     ObservationConfig,
     TaskEnvironment,
+    image_config,
     key_frame_actions,
-    picture_config,
 )
 from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import CAMERAS, Demo, Observation
@@ -118,7 +118,7 @@ class Cloud:
 
 def cloud_config() -> ObservationConfig:
     """Return what has to be observed for a cloud: colours and points of the five cameras, joints, hand and tip."""
-    config = picture_config(IMAGE_SIZE, CAMERAS, depth=False, mask=False)
+    config = image_config(IMAGE_SIZE, CAMERAS, depth=False, mask=False)
     switch_cameras(config, True)
     return config
 

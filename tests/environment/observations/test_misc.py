@@ -11,7 +11,7 @@ from rlbench_pin.datasets import DatasetWriter, Episode
 from rlbench_pin.datasets.writer import encode_demo, write_demo
 from rlbench_pin.environment import CameraConfig, Environment, JointPositionActionMode, ObservationConfig
 from rlbench_pin.observation import Demo, Observation
-from rlbench_pin.recording.config import PictureConfig
+from rlbench_pin.recording.config import ImageConfig
 
 
 def small_config(**settings: object) -> ObservationConfig:
@@ -85,7 +85,7 @@ def test_episode_files_hold_descriptions_once_and_bring_them_back(tmp_path: Path
 @pytest.mark.simulation
 def test_recorded_demonstrations_keep_what_misc_said(tmp_path: Path) -> None:
     """Names of masks and descriptions are stored, joint poses are left to the model."""
-    pictures = PictureConfig(cameras=("front",), products=("mask",), image_size=(16, 12))
+    pictures = ImageConfig(cameras=("front",), products=("mask",), image_size=(16, 12))
     with pictures.environment() as env:
         task = env.get_task("reach_target")
         demo = task.get_demos(1, live_demos=True, seed=0)[0]

@@ -23,7 +23,7 @@ from rlbench_pin.datasets.formats.rlbench import Layout, export_rlbench, write_f
 from rlbench_pin.datasets.formats.rlbench_pickle import dump
 from rlbench_pin.errors import DatasetConflict, RlbenchPinError, nearest_name
 from rlbench_pin.processes import ProcessEngine, SerialEngine
-from rlbench_pin.recording.config import PictureConfig, RecordConfig
+from rlbench_pin.recording.config import ImageConfig, RecordConfig
 from rlbench_pin.recording.record import RECORDING, RecordReport, read_recording, record
 from rlbench_pin.tasks import task_names
 
@@ -120,7 +120,7 @@ def run(args: argparse.Namespace) -> RecordReport:
         seed=_seed(root, args),
         max_velocity=args.arm_max_velocity,
         max_acceleration=args.arm_max_acceleration,
-        pictures=PictureConfig(image_size=(args.image_size[0], args.image_size[1]), render_mode=args.renderer),
+        pictures=ImageConfig(image_size=(args.image_size[0], args.image_size[1]), render_mode=args.renderer),
     )
     engine = SerialEngine() if args.processes <= 1 else ProcessEngine(args.processes)
     report = record(config, root / _RECORDING, engine=engine, resume=args.resume, on_progress=_say)
