@@ -195,7 +195,7 @@ def test_it_is_killed_while_it_demonstrates(client: WorkerClient, saucepan: Task
     assert np.array_equal(client.reset(4).frames[0].poses["lid/knob"], lid)
 
 
-def test_it_is_judged_while_it_is_edited(client: WorkerClient, saucepan: TaskText) -> None:
+def test_it_is_validated_while_it_is_edited(client: WorkerClient, saucepan: TaskText) -> None:
     """In a process of its own, which is stopped alone."""
     client.open(saucepan, run_task=True)
     lines: list[str] = []
@@ -219,7 +219,7 @@ def test_it_is_judged_while_it_is_edited(client: WorkerClient, saucepan: TaskTex
     assert client.cancel("validate")
     thread.join(30.0)
     assert [type(error) for error in raised] == [WorkerStopped]
-    assert {"instructions", "rest", "drift"} <= set(lines)
+    assert {"instructions", "noop", "drift"} <= set(lines)
     spots: list[ReachSpot] = []
     found = client.reach_map(3, spots.append)
     assert [spot.place for spot in found] == [spot.place for spot in spots]
