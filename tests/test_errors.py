@@ -142,7 +142,7 @@ def test_so_do_the_errors_of_known_names() -> None:
     """Those that programs written for RLBench catch, in a process where their names exist."""
     lines = (
         "import rlbench_pin.compat; rlbench_pin.compat.install()",
-        "import pyrep.errors, rlbench.gym, rlbench.environment, pyrep.backend.poses",
+        "import pyrep.errors, rlbench.gym, rlbench.environment, pyrep.backend",
         "from tests.test_errors import all_kinds, check_all_protocols",
         "kinds = all_kinds(); check_all_protocols(kinds)",
         "print(sorted(k.__name__ for k in kinds if k.__module__.split('.')[0] in ('rlbench', 'pyrep')))",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +31,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
         kept.update(config=config, out=out, **settings)
         raise Stopped
 
-    monkeypatch.setattr(command, "record", keep)
+    monkeypatch.setattr(sys.modules["rlbench_pin.recording.record"], "record", keep)
     monkeypatch.setattr(command, "make_engine", lambda name, workers: workers)
     return kept
 

@@ -103,6 +103,6 @@ def test_the_bar_of_a_check_counts_trials_and_their_rate(clock: Clock, capsys: C
         clock.now += 4.0
         bar(CheckProgress(20, 10, done, item))
     line = last_line(capsys)
-    assert re.search(r"check: +70%.* 14/20 .*00:08<00:12, +2\.00s/trial, open_drawer idle", line), line
+    assert re.search(r"check: +70%.* 14/20 .*00:08<00:12, +2\.00s/trial, open_drawer noop", line), line
     bar.close()
     assert capsys.readouterr().err.endswith("\n")

@@ -90,7 +90,7 @@ def test_pictures_between_physics_steps_change_nothing():
 
         def look():
             if len(looks) % 4 == 0:
-                Orbit(size=(32, 24)).picture(task.world, 0)
+                Orbit(size=(32, 24)).image(task.world, 0)
             looks.append(1)
 
         task.world.on_physics.append(look)

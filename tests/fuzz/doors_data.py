@@ -43,7 +43,7 @@ SKIPPED = frozenset({
     "SpawnBoundary", "clearance", "easiest_top_grasp", "free_direction", "place_task", "settle", "at_rest",
     "swap_places",  # likewise, or asked in every tick
 })  # fmt: skip
-SMALL = EvaluationConfig(policy="rest", tasks=("reach_target",), episodes=1, max_seconds=0.1)
+SMALL = EvaluationConfig(policy="noop", tasks=("reach_target",), episodes=1, max_seconds=0.1)
 """The smallest evaluation."""
 LONG = ("close", "get_task", "step", "set_state", "get_demos", "reset_to_demo", "remove_camera", "put", "try_demo")
 """These have cases elsewhere, or need what a made-up demonstration has not."""
@@ -170,12 +170,13 @@ def policy_samples() -> dict[str, object]:
     return {
         "ChallengeConfig.learner": "nearest",
         "find_learner.reference": "nearest",
-        "find_policy.reference": "rest",
+        "find_exporter.name": "robomimic",
+        "find_policy.reference": "noop",
         "learning_curve.learner": "nearest",
         "learning_curve.split": "V1",
         "learning_curve.results": {},
         "meta_split.name": "V1",
-        "open_policy.reference": "rest",
+        "open_policy.reference": "noop",
         "FunctionPolicy.function": lambda observation: observation,
         "KeyFrame.is_open": True,
         "PolicySettings.action_mode": {"mode": "JointPositionActionMode"},
@@ -189,7 +190,7 @@ def more_samples(library: Path, new: Fresh, first: Path) -> dict[str, object]:
         "counted_demo.fields": ["front_rgb"],
         "replay_stored.paths": [first],
         "EpisodeRunner.config": SMALL,
-        "EvaluationConfig.policy": "rest",
+        "EvaluationConfig.policy": "noop",
         "evaluation_seed.seed": 0,
         "evaluation_seed.index": 0,
         "plan_episodes.config": SMALL,
