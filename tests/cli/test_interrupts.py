@@ -80,7 +80,7 @@ def assert_all_is_well(code: int, err: str, out: Path) -> None:
     for word in ("Traceback", "Exception", "Error", "semaphore"):
         assert word not in err
     files = [path for path in out.parent.rglob("*") if path.is_file() and out in (path, *path.parents)]
-    assert [path for path in files if path.name.endswith((".part", ".part.mp4")) or path.name.startswith(".filming")] == []
+    assert [path for path in files if path.name.endswith((".part", ".part.mp4")) or path.match(".recording*.mp4")] == []
     for file in files:
         if file.suffix == ".json":
             json.loads(file.read_text())
