@@ -169,7 +169,7 @@ def test_a_dataset(serve: Serve, browser: Chrome, tmp_path: Path) -> None:
     served = serve("view", tmp_path / "data", "--live", "--no-browser")
     browser.get(served.address)
     _says(browser, "goal reached")
-    for label in ("< leg", "step >"):
+    for label in ("< segment", "step >"):
         browser.find_element(By.XPATH, f"//*[normalize-space(text())='{label}']").click()
     _says(browser, "frame 2 of")
     _ends_cleanly(served)
