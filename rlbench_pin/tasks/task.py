@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
-from rlbench_pin.errors import NoShapedReward, TaskError
+from rlbench_pin.errors import TaskError
 from rlbench_pin.scene.reader import resolve_asset
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.spatial import FloatArray
@@ -351,45 +351,3 @@ _FIXED = frozenset({"world", "robot", "gripper", "_low_dim"})
 def snake_case(name: str) -> str:
     """Turn `ReachTarget` into `reach_target`."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
-
-
-class Verdict:
-    """What a task said of the ticks of one action; the first tick that ends the episode counts.
-
-    Args:
-        task: The running task.
-
-    Attributes:
-        success: Whether the goal was reached.
-        over: Whether the episode has ended, by success or by the fail list.
-    """
-
-    def __init__(self, task: Task) -> None:
-        self._task, self._asked = task, False
-        self.success = self.over = False
-
-    def ask(self) -> None:
-        """Ask the task about the tick that has just ended; once the episode is over nothing changes."""
-        if self.over:
-            return
-        self._asked = True
-        success, over = self._task.success()
-        self.success, self.over = bool(success), bool(over)
-
-    def reward(self, shaped: bool = False) -> float:
-        """Return 1 when the goal was reached, else 0; when `shaped`, the task's own reward at the present instant.
-
-        Raises:
-            NoShapedReward: The task gives none (also a RuntimeError).
-        """
-        if not shaped:
-            return float(self.success)
-        reward = self._task.reward()
-        if reward is None:
-            raise NoShapedReward(self._task.get_name())
-        return float(reward)
-
-    def ask_at_least_once(self) -> None:
-        """Ask about the present instant where an action took no tick."""
-        if not self._asked:
-            self.ask()
