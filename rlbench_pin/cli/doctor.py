@@ -20,7 +20,7 @@ _DARK, _FLAT = 8.0, 4.0
 
 @dataclass(frozen=True)
 class Doctor:
-    """Say what works here: take a image with each renderer, write a video, name the libraries."""
+    """Say what works here: take an image with each renderer, write a video, name the libraries."""
 
     json: bool = False
     """Print JSON for programs."""
@@ -67,7 +67,7 @@ def _tried(what: str, needed: bool, attempt: Callable[[], str]) -> Finding:
 
 
 def check_renderer(renderer: Literal["cpu", "egl"]) -> str:
-    """Take a image of the empty table and return how long it took.
+    """Take an image of the empty table and return how long it took.
 
     Raises:
         CameraError: There is no such renderer here, or its images are black or flat.
@@ -94,7 +94,7 @@ def check_renderer(renderer: Literal["cpu", "egl"]) -> str:
 
 
 def check_image(rgb: np.ndarray, arm: np.ndarray, renderer: str) -> None:
-    """Check a image (h, w, 3) in which `arm` (h, w) marks the robot.
+    """Check an image (h, w, 3) in which `arm` (h, w) marks the robot.
 
     Raises:
         CameraError: It is black or flat, or the robot in it is missing or black.

@@ -1,4 +1,4 @@
-"""`rlbench-pin results FILE...`: tables, comparisons and a image of results files."""
+"""`rlbench-pin results FILE...`: tables, comparisons and an image of results files."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ class View:
     size: int = 256
     """Side of each image [px]."""
     page: tyro.conf.OmitArgPrefixes[PageOptions] = field(default_factory=PageOptions)
-    """A page instead of a image."""
+    """A page instead of an image."""
     task_file: Files = ()
     """With a dataset, your own files of tasks that are not installed; they are used instead of those that it keeps."""
     trust_task_files: bool = False
@@ -51,7 +51,7 @@ class View:
         task = find_task(self.task)
         out = self.out or Path("out/view") / f"{task.get_name()}.png"
         if out.suffix.lower() not in FORMATS:
-            raise TaskEnvironmentError(f"--out is '{out}'; the name of a image must end in one of {', '.join(FORMATS)}.")
+            raise TaskEnvironmentError(f"--out is '{out}'; the name of an image must end in one of {', '.join(FORMATS)}.")
         check_file(out)
         sheet, _ = demo_sheet(task, self.seed, self.variation, size=self.size)
         image = io.BytesIO()
@@ -63,7 +63,7 @@ class View:
         from rlbench_pin.tasks import find_task, own_tasks
 
         if self.out is not None:
-            raise TaskEnvironmentError("--out names a image, and --live shows a page. Leave one of them out.")
+            raise TaskEnvironmentError("--out names an image, and --live shows a page. Leave one of them out.")
         live = live_module()
         if Path(self.task).is_dir():
             own, title = own_tasks(self.task_file), self.task

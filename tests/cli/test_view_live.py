@@ -38,7 +38,7 @@ def test_a_page_is_served_until_interrupted() -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["view", "reach_target", "--live", "--out", "x.png"], "--out names a picture"),
+        (["view", "reach_target", "--live", "--out", "x.png"], "--out names an image"),
         (["view", "reach_target", "--live", "--port", "70000"], "ports go up to 65535"),
         (["view", "reach_targt", "--live"], "Did you mean 'reach_target'?"),
         (["evaluate", "noop", "--tasks", "reach_target", "--live", "--workers", "2"], "Leave out --workers"),
