@@ -26,7 +26,7 @@ from rlbench_pin.environment import (
     MoveArmThenGripper,
     TaskEnvironment,
 )
-from rlbench_pin.environment.actions.mode import ArmActionMode
+from rlbench_pin.environment.actions.modes import ArmActionMode
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.observation import Demo
 from rlbench_pin.recording import convert_by_playing, convert_demo, verify

@@ -19,7 +19,7 @@ import pybullet
 from harness import Result, main, summary
 
 from rlbench_pin.environment import CameraConfig, Discrete, Environment, JointVelocity, MoveArmThenGripper, ObservationConfig
-from rlbench_pin.environment.observations.cameras import camera_view
+from rlbench_pin.environment.observations.observe import camera_view
 from rlbench_pin.errors import CameraError
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.robot.description import robot_description

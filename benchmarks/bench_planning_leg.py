@@ -10,8 +10,7 @@ from harness import Result, main, summary, velocity_environment
 from rlbench_pin.environment import SegmentReport
 from rlbench_pin.environment.runtime import Listener
 from rlbench_pin.errors import PlanningError
-from rlbench_pin.planning.listener import PlanRequest
-from rlbench_pin.planning.plan import Plan
+from rlbench_pin.planning.plan import Plan, PlanRequest
 from rlbench_pin.tasks import task_names
 
 SEEDS = 10

@@ -13,9 +13,8 @@ from harness import velocity_environment
 
 from rlbench_pin.environment.runtime import Listener
 from rlbench_pin.errors import PlanningError
-from rlbench_pin.planning.listener import PlanRequest
 from rlbench_pin.planning.path import through
-from rlbench_pin.planning.plan import Plan
+from rlbench_pin.planning.plan import Plan, PlanRequest
 from rlbench_pin.planning.planner import MotionPlanner
 from rlbench_pin.planning.timing import ArcLimits, TorqueLimits, retime
 from rlbench_pin.spatial import FloatArray

@@ -30,8 +30,7 @@ from rlbench_pin.control import (
 from rlbench_pin.environment import library_versions, low_dim_config, make_environment
 from rlbench_pin.environment.actions.safe_arm import LIMIT_MARGIN
 from rlbench_pin.environment.demos import DemoPlayer, try_play
-from rlbench_pin.environment.motion import REST_SPEED
-from rlbench_pin.environment.runtime import Listener, Runtime, RuntimeState
+from rlbench_pin.environment.runtime import REST_SPEED, Listener, Runtime, RuntimeState
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError, UnknownName
 from rlbench_pin.planning.plan import Plan

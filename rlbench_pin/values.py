@@ -17,45 +17,7 @@ from typing import Any, ClassVar, TypeGuard, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rlbench_pin.errors import InvalidValue, UnknownName, UnknownSetting
-
-__all__ = [
-    "FINITE",
-    "FLAG",
-    "LARGEST_COUNT",
-    "LARGEST_SEED",
-    "LARGEST_SIDE",
-    "NOT_NEGATIVE",
-    "POSITIVE",
-    "SMALLEST_NORM",
-    "Rule",
-    "Settings",
-    "as_array",
-    "as_choice",
-    "as_finite",
-    "as_flag",
-    "as_function",
-    "as_interval",
-    "as_names",
-    "as_number",
-    "as_path",
-    "as_picture_size",
-    "as_pose",
-    "as_record",
-    "as_rows",
-    "as_seed",
-    "as_several",
-    "as_text",
-    "as_vector",
-    "as_whole",
-    "check_settings",
-    "counted",
-    "is_whole",
-    "items_of",
-    "one_of",
-    "record_of",
-    "ruled",
-]
+from rlbench_pin.errors import InvalidActionError, InvalidValue, UnknownName, UnknownSetting
 
 KindT = TypeVar("KindT")
 LARGEST_SEED = 2**63 - 1
@@ -437,3 +399,65 @@ def _known_settings(kind: type) -> tuple[str, ...]:
     named += [name for base in kind.__mro__[:-1] for name in (*vars(base), *vars(base).get("__annotations__", ()))]
     names = dict.fromkeys(name for name in named if not name.startswith("_") and name not in ("rules", "closed"))
     return tuple(name for name in names if not callable(getattr(kind, name, None)))
+
+
+class InvalidNumbers(InvalidValue):
+    """An array has the wrong shape, or holds NaN or infinity."""
+
+
+def finite_vector(value: ArrayLike, size: int, what: str) -> FloatArray:
+    """Return a copy of `value` as a finite vector (size,).
+
+    Raises:
+        InvalidNumbers: Wrong shape, NaN or infinity.
+    """
+    return as_vector(value, size, f"The {what}", InvalidNumbers).copy()
+
+
+def pose_vector(pose: ArrayLike, what: str) -> FloatArray:
+    """Return a copy of `pose` (7,) with a quaternion of norm 1.
+
+    Raises:
+        InvalidNumbers: Wrong shape, NaN or infinity, or a quaternion whose norm is off by more than 0.1 %.
+    """
+    return as_pose(pose, f"The {what}", InvalidNumbers, tolerance=1e-3)
+
+
+def color_values(color: ArrayLike) -> tuple[float, float, float, float]:
+    """Return red, green, blue and alpha, which is 1 where it is not given.
+
+    Raises:
+        InvalidNumbers: It is not 3 or 4 numbers in 0..1.
+    """
+    array = as_array(color, "A colour", InvalidNumbers)
+    if array.shape not in ((3,), (4,)) or not ((array >= 0.0) & (array <= 1.0)).all():
+        raise InvalidNumbers("A colour", color, "has to be 3 or 4 numbers in 0..1")
+    red, green, blue, alpha = (*array.tolist(), 1.0)[:4]
+    return red, green, blue, alpha
+
+
+def whole_ratio(control_dt: float, timestep: float) -> int:
+    """Return how many physics steps of length `timestep` [s] a control tick of length `control_dt` [s] has.
+
+    Raises:
+        InvalidValue: It is no whole number, or a time is not finite and > 0 (also a ValueError).
+    """
+    control_dt, timestep = (as_number(t, what, above=0.0) for t, what in ((control_dt, "control_dt"), (timestep, "timestep")))
+    ratio = round(control_dt / timestep) if control_dt < 1e6 * timestep else 0
+    if ratio < 1 or abs(ratio * timestep - control_dt) > 1e-9:
+        raise InvalidValue(
+            "A control tick", control_dt, f"has to be a whole number of physics steps of {timestep} s, at most 1e6"
+        )
+    return ratio
+
+
+def action_vector(value: ArrayLike, size: int, what: str) -> FloatArray:
+    """Return a copy of a command as a finite vector (size,).
+
+    Raises:
+        InvalidActionError: Wrong shape, NaN or infinity.
+    """
+    try:
+        return finite_vector(value, size, what)
+    except InvalidNumbers as error:
+        raise InvalidActionError(str(error)) from error

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from rlbench_pin.environment.observations.cameras import look_at
+from rlbench_pin.environment.observations.observe import look_at
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.sim import CameraView
 from rlbench_pin.tasks import library_names

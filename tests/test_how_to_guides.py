@@ -19,9 +19,9 @@ DEMO = """
 import numpy as np
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.presets import low_dim_config
-from rlbench_pin.environment.actions.mode import MoveArmThenGripper
-from rlbench_pin.environment.actions.gripper import Discrete
-from rlbench_pin.environment.actions.joint import JointPosition
+from rlbench_pin.environment.actions.modes import MoveArmThenGripper
+from rlbench_pin.environment.actions.modes import Discrete
+from rlbench_pin.environment.actions.modes import JointPosition
 
 def play(task, **settings):
     with Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=low_dim_config(), seed=0, **settings) as env:

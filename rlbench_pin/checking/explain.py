@@ -13,8 +13,7 @@ from rlbench_pin.datasets.storage import storing
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.environment.runtime import Listener
 from rlbench_pin.errors import PlanningError
-from rlbench_pin.planning.listener import PlanRequest
-from rlbench_pin.planning.plan import Plan
+from rlbench_pin.planning.plan import Plan, PlanRequest
 from rlbench_pin.sim import CameraView, World
 from rlbench_pin.tasks import find_task
 from rlbench_pin.values import as_path

@@ -39,8 +39,7 @@ from rlbench_pin.environment.presets import key_frame_mode, low_dim_config, make
 from rlbench_pin.environment.replay import key_frame_actions, reaches_goal, replay_succeeds
 from rlbench_pin.environment.runtime import Listener, Runtime
 from rlbench_pin.errors import BoundaryError, InvalidActionError, PlanningError, ResetError
-from rlbench_pin.planning.listener import PlanRequest
-from rlbench_pin.planning.plan import Plan
+from rlbench_pin.planning.plan import Plan, PlanRequest
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.tasks import find_task
 

@@ -72,8 +72,8 @@ def check_renderer(renderer: Literal["cpu", "egl"]) -> str:
     Raises:
         CameraError: There is no such renderer here, or its images are black or flat.
     """
-    from rlbench_pin.environment.observations.cameras import camera_view
     from rlbench_pin.environment.observations.config import CameraConfig
+    from rlbench_pin.environment.observations.observe import camera_view
     from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
     from rlbench_pin.scene.spec import SceneSpec
     from rlbench_pin.sim import World

@@ -15,9 +15,8 @@ from pyrep.robots.configuration_paths import ArmConfigurationPath, Configuration
 from rlbench_pin.compat.simulator import SceneLike, runtime_of
 from rlbench_pin.environment.actions import RelativeFrame as NativeFrame
 from rlbench_pin.environment.actions import calculate_delta_pose as native_delta_pose
-from rlbench_pin.environment.actions.mode import Mode, as_action
-from rlbench_pin.environment.motion import follow
-from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.environment.actions.modes import Mode, as_action
+from rlbench_pin.environment.runtime import Runtime, follow
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.observation import Observation
 from rlbench_pin.spatial import FloatArray, compose

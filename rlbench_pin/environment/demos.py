@@ -11,8 +11,7 @@ from importlib.metadata import PackageNotFoundError, version
 import numpy as np
 
 from rlbench_pin.environment.episode import EpisodeOrigin, checked_seed
-from rlbench_pin.environment.motion import follow, move_gripper
-from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.environment.runtime import Runtime, follow, move_gripper
 from rlbench_pin.environment.waypoint_planning import WaypointPlanner, grasp_groups
 from rlbench_pin.errors import (
     DemoError,

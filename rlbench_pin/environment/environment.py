@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from rlbench_pin.datasets.layout import MANIFEST
-from rlbench_pin.environment.actions.mode import ActionMode
-from rlbench_pin.environment.observations.cameras import Camera, CameraPlaces, Cameras
+from rlbench_pin.environment.actions.modes import ActionMode
 from rlbench_pin.environment.observations.config import ObservationConfig
-from rlbench_pin.environment.observations.observe import camera_misc
+from rlbench_pin.environment.observations.observe import Camera, CameraPlaces, Cameras, camera_misc
 from rlbench_pin.environment.randomization.config import (
     DynamicsRandomizationConfig,
     RandomizeEvery,

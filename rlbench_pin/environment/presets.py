@@ -6,9 +6,7 @@ from collections.abc import Collection
 
 import numpy as np
 
-from rlbench_pin.environment.actions.gripper import Discrete
-from rlbench_pin.environment.actions.joint import JointPosition
-from rlbench_pin.environment.actions.mode import MoveArmThenGripper
+from rlbench_pin.environment.actions.modes import Discrete, JointPosition, MoveArmThenGripper
 from rlbench_pin.environment.actions.pose import EndEffectorPoseViaPlanning
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.observations.config import CameraConfig, ExtraCamera, ObservationConfig

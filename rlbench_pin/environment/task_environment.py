@@ -8,14 +8,13 @@ import numpy as np
 
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.environment import demos
-from rlbench_pin.environment.actions.mode import ActionMode
+from rlbench_pin.environment.actions.modes import ActionMode
 from rlbench_pin.environment.demos import DemoOutcome
 from rlbench_pin.environment.episode import MOST_DEMOS, EnvironmentState, EpisodeOrigin, EpisodeRandom, checked_seed, demo_seeds
-from rlbench_pin.environment.motion import success_lasts
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.randomization.randomizer import Randomizer
 from rlbench_pin.environment.reset import start_episode
-from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.environment.runtime import Runtime, success_lasts
 from rlbench_pin.environment.stored import StoredSelection, read_stored_demos
 from rlbench_pin.errors import InvalidArgument, NotReset, TaskEnvironmentError
 from rlbench_pin.observation import Demo, Observation

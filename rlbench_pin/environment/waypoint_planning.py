@@ -14,9 +14,9 @@ import numpy as np
 
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import NoIkSolution, NotStraight, PlanningError, WaypointError
+from rlbench_pin.planning.path import curve_path, straight_path
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.planning.planner import MotionPlanner
-from rlbench_pin.planning.straight import curve_path, straight_path
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, compose
 from rlbench_pin.tasks import Waypoint

@@ -18,7 +18,7 @@ from gymnasium.utils import EzPickle
 
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.environment.actions import ActionMode, JointPositionActionMode
-from rlbench_pin.environment.actions.mode import ActionSpec
+from rlbench_pin.environment.actions.modes import ActionSpec
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import checked_seed
 from rlbench_pin.environment.observations.config import LOW_DIM_FIELDS, Instant

@@ -17,9 +17,7 @@ from gymnasium import spaces
 from gymnasium.utils import EzPickle
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
-from rlbench_pin.environment.actions.gripper import Discrete
-from rlbench_pin.environment.actions.joint import JointPosition
-from rlbench_pin.environment.actions.mode import ActionMode, MoveArmThenGripper
+from rlbench_pin.environment.actions.modes import ActionMode, Discrete, JointPosition, MoveArmThenGripper
 from rlbench_pin.environment.episode import checked_seed
 from rlbench_pin.errors import InvalidArgument, InvalidCamera
 from rlbench_pin.gym.environment import VISION_CAMERAS, GymnasiumEnv, GymObservation

@@ -5,11 +5,18 @@
 
 from rlbench_pin.planning.continuous_collision import Certificate, certify
 from rlbench_pin.planning.kinematics import PoseRegion, self_motions, solve_ik, solve_pinned_ik, symmetric_poses
-from rlbench_pin.planning.listener import PlanningListener, PlanRequest
-from rlbench_pin.planning.path import JointPath
-from rlbench_pin.planning.plan import ALGORITHMS, Algorithm, Method, Plan, PlannerConfig, PlanReport
+from rlbench_pin.planning.path import JointPath, curve_path, straight_path
+from rlbench_pin.planning.plan import (
+    ALGORITHMS,
+    Algorithm,
+    Method,
+    Plan,
+    PlannerConfig,
+    PlanningListener,
+    PlanReport,
+    PlanRequest,
+)
 from rlbench_pin.planning.planner import MotionPlanner
-from rlbench_pin.planning.straight import curve_path, straight_path
 from rlbench_pin.planning.timing import TorqueLimits, retime
 
 __all__ = [

@@ -10,13 +10,19 @@ import numpy as np
 
 from rlbench_pin.errors import GoalInCollision, InvalidRequest, NoIkSolution, NoPath, NotStraight
 from rlbench_pin.planning.continuous_collision import ArmShapes, ContinuousCheck, Rules
-from rlbench_pin.planning.kinematics import PoseRegion, cost, self_motions, solve_ik
-from rlbench_pin.planning.listener import PlanningListeners, PlanRequest
-from rlbench_pin.planning.path import JointPath, along, edge_is_free, through
-from rlbench_pin.planning.plan import Method, Plan, PlannerConfig, PlanReport, Stages
-from rlbench_pin.planning.requests import as_configuration, as_goal_poses, check_options, check_switches
+from rlbench_pin.planning.kinematics import (
+    PoseRegion,
+    as_configuration,
+    as_goal_poses,
+    check_options,
+    check_switches,
+    cost,
+    self_motions,
+    solve_ik,
+)
+from rlbench_pin.planning.path import JointPath, along, curve_path, edge_is_free, straight_path, through
+from rlbench_pin.planning.plan import Method, Plan, PlannerConfig, PlanningListeners, PlanReport, PlanRequest, Stages
 from rlbench_pin.planning.search import path_around
-from rlbench_pin.planning.straight import curve_path, straight_path
 from rlbench_pin.planning.timing import ArcLimits, TorqueLimits, retime
 from rlbench_pin.robot.collision import CollisionModel
 from rlbench_pin.robot.dynamics import payload_inertia

@@ -24,9 +24,15 @@ import numpy as np
 import pinocchio as pin
 
 from rlbench_pin.control.differential_ik import DifferentialIK, DifferentialIKConfig
-from rlbench_pin.environment.actions.gripper import GripperJointPosition
-from rlbench_pin.environment.actions.joint import EndEffectorVelocity, JointPosition, JointTorque, JointVelocity
-from rlbench_pin.environment.actions.mode import ActionMode, RelativeFrame
+from rlbench_pin.environment.actions.modes import (
+    ActionMode,
+    EndEffectorVelocity,
+    GripperJointPosition,
+    JointPosition,
+    JointTorque,
+    JointVelocity,
+    RelativeFrame,
+)
 from rlbench_pin.environment.actions.pose import ERJointViaIK, PoseMode
 from rlbench_pin.environment.actions.safe_arm import unwrapped
 from rlbench_pin.environment.demos import EXTRA_TICKS

@@ -8,8 +8,7 @@ import numpy as np
 
 from rlbench_pin.environment.runtime import Listener
 from rlbench_pin.errors import PlanningError
-from rlbench_pin.planning.listener import PlanRequest
-from rlbench_pin.planning.plan import Plan
+from rlbench_pin.planning.plan import Plan, PlanRequest
 from rlbench_pin.planning.problems import PlanningProblem
 from rlbench_pin.scene.snapshot import WorldSnapshot
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from rlbench_pin.sim.arm.control import DriveMode, SimRobot
 from rlbench_pin.sim.arm.gripper import SimGripper
-from rlbench_pin.sim.body import Body, ObjectJoint
+from rlbench_pin.sim.body import Body, Contact, ObjectJoint
 from rlbench_pin.sim.client import RENDERERS, EglMissing, RendererName, give_back_memory
-from rlbench_pin.sim.contacts import Contact
 from rlbench_pin.sim.frames import Frame, Posed, Region, Sensor
 from rlbench_pin.sim.render.camera import CameraView, Images, look_at
 from rlbench_pin.sim.render.lighting import Light, Lighting, ShadowMap

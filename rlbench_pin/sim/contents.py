@@ -17,11 +17,9 @@ from rlbench_pin.scene.snapshot import ROOM, BodySnapshot, WorldSnapshot
 from rlbench_pin.scene.spec import ROOT, BodySpec, SceneSpec
 from rlbench_pin.sim.arm.control import SimRobot
 from rlbench_pin.sim.arm.gripper import SimGripper
-from rlbench_pin.sim.body import Body, ObjectJoint, OnMove
+from rlbench_pin.sim.body import Body, Contact, ContactReader, LoadedModel, ObjectJoint, OnMove, inspect
 from rlbench_pin.sim.client import PhysicsClient, bullet
-from rlbench_pin.sim.contacts import Contact, ContactReader
 from rlbench_pin.sim.frames import Frame, PlaceTree, Region, Sensor
-from rlbench_pin.sim.loaded_model import LoadedModel, inspect
 from rlbench_pin.sim.overrides import DynamicsOverrides, TextureOverrides
 from rlbench_pin.sim.render.masks import MaskTable
 from rlbench_pin.sim.render.raster.stage import Appearance, Visuals

@@ -12,9 +12,8 @@ from rlbench_pin.errors import RlbenchPinError, UnknownName
 from rlbench_pin.robot import geometry
 from rlbench_pin.scene.spec import ROOT, WORLD, BodySpec, SceneSpec
 from rlbench_pin.sim.body import Body, carried
-from rlbench_pin.sim.checks import finite_vector, pose_vector
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3, se3_to_pose
-from rlbench_pin.values import as_flag
+from rlbench_pin.values import as_flag, finite_vector, pose_vector
 
 
 class Posed(Protocol):

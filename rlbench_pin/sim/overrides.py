@@ -7,9 +7,8 @@ from typing import Any
 
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.sim.arm.control import POSITION_GAIN, SimRobot
-from rlbench_pin.sim.body import Body, Color, visual_colors
+from rlbench_pin.sim.body import BASE, Body, Color, LoadedModel, visual_colors
 from rlbench_pin.sim.client import bullet
-from rlbench_pin.sim.loaded_model import BASE, LoadedModel
 from rlbench_pin.sim.render.renderer import Renderer
 from rlbench_pin.sim.render.shading import LinkTexture
 from rlbench_pin.sim.render.texture import Texture

@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from rlbench_pin.errors import AssetInvalid
-from rlbench_pin.sim.body import Body, Color
+from rlbench_pin.sim.body import BASE, Body, Color
 from rlbench_pin.sim.client import bullet
-from rlbench_pin.sim.loaded_model import BASE
 from rlbench_pin.sim.render.backdrop import Panel
 from rlbench_pin.sim.render.texture import Texture, read_texture
 from rlbench_pin.spatial import FloatArray, pose_to_matrix

@@ -11,13 +11,12 @@ import numpy as np
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import state
-from rlbench_pin.sim.checks import whole_ratio
 from rlbench_pin.sim.client import RendererName, open_client
 from rlbench_pin.sim.contents import Contents
 from rlbench_pin.sim.render.camera import CameraView, Images
 from rlbench_pin.sim.render.lighting import ShadowMap
 from rlbench_pin.sim.state import WorldState
-from rlbench_pin.values import as_flag, as_record
+from rlbench_pin.values import as_flag, as_record, whole_ratio
 
 
 class World(Contents):

@@ -23,7 +23,7 @@ from rlbench_pin.environment import (
     SafeArm,
 )
 from rlbench_pin.environment.actions import ActionSpec
-from rlbench_pin.environment.actions.mode import Mode
+from rlbench_pin.environment.actions.modes import Mode
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.environment.runtime import TIP_WORKSPACE, Runtime
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.environment import Discrete, Environment, ERJointViaIK, JointPosition, MoveArmThenGripper, TaskEnvironment
-from rlbench_pin.environment.actions.mode import as_action
+from rlbench_pin.environment.actions.modes import as_action
 from rlbench_pin.environment.episode import checked_seed, demo_seeds
 from rlbench_pin.environment.stored import StoredSelection
 from rlbench_pin.errors import InvalidActionError, InvalidArgument, InvalidValue, OutsideJointLimits, RlbenchPinError

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.errors import NoIkSolution, PlanningError
-from rlbench_pin.planning.listener import ListenerList, PlanningListener, PlanRequest
-from rlbench_pin.planning.plan import Plan
+from rlbench_pin.planning.plan import ListenerList, Plan, PlanningListener, PlanRequest
 from rlbench_pin.planning.planner import MotionPlanner
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.snapshot import WorldSnapshot

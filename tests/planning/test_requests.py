@@ -20,7 +20,7 @@ from rlbench_pin.planning import (
     straight_path,
     symmetric_poses,
 )
-from rlbench_pin.planning.requests import FORGIVEN
+from rlbench_pin.planning.kinematics import FORGIVEN
 from rlbench_pin.planning.timing import ArcLimits
 from rlbench_pin.robot.model import JointLimits, RobotModel
 from rlbench_pin.spatial import FloatArray

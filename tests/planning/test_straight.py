@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.errors import NotStraight
-from rlbench_pin.planning.path import through
-from rlbench_pin.planning.straight import curve_path, straight_path
+from rlbench_pin.planning.path import curve_path, straight_path, through
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import above_table, compose, pose_at, rotation_distance
 

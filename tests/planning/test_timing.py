@@ -10,8 +10,7 @@ import pytest
 import toppra
 import toppra.algorithm
 
-from rlbench_pin.planning.path import JointPath, along, through
-from rlbench_pin.planning.straight import straight_path
+from rlbench_pin.planning.path import JointPath, along, straight_path, through
 from rlbench_pin.planning.timing import ArcLimits, MotionConstraint, TorqueLimits, fastest_speeds, retime
 from rlbench_pin.robot.dynamics import payload_inertia
 from rlbench_pin.robot.model import JointLimits, RobotModel

@@ -15,7 +15,7 @@ from rlbench_pin.environment import (
     JointVelocity,
     MoveArmThenGripper,
 )
-from rlbench_pin.environment.actions.mode import ArmActionMode
+from rlbench_pin.environment.actions.modes import ArmActionMode
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.recording import convert_by_playing, convert_demo, verify

@@ -11,7 +11,7 @@ import pytest
 from rlbench_pin.assets import ASSETS
 from rlbench_pin.cli.new import New
 from rlbench_pin.datasets import episode_files, kept_task, verify_task
-from rlbench_pin.environment.actions.joint import JointPositionActionMode
+from rlbench_pin.environment.actions.modes import JointPositionActionMode
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import DatasetConflict, EpisodeFileError, TaskError, UnknownName, UntrustedTaskFile

@@ -8,7 +8,7 @@ from reference_lib.action_modes import ARM, GRIPPER, WHOLE
 
 from rlbench_pin import environment
 from rlbench_pin.environment import ActionMode, Discrete, Environment, JointVelocity, MoveArmThenGripper, TaskEnvironment
-from rlbench_pin.environment.actions.mode import Mode
+from rlbench_pin.environment.actions.modes import Mode
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import InvalidActionError
 from tests.reference.support import part, rows

@@ -9,7 +9,7 @@ import pytest
 
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.sim import World
-from rlbench_pin.sim.loaded_model import BASE
+from rlbench_pin.sim.body import BASE
 from tests.sim.support import build, cube, cube_scene, furniture_scene
 
 

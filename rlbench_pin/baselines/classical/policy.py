@@ -7,9 +7,7 @@ import numpy as np
 from rlbench_pin.baselines.classical.recipes import Instruction, find_recipe
 from rlbench_pin.baselines.classical.skills import Driver, Hand, Moves, NothingFound
 from rlbench_pin.baselines.perception import CAMERAS
-from rlbench_pin.environment.actions.gripper import Discrete
-from rlbench_pin.environment.actions.joint import JointVelocity
-from rlbench_pin.environment.actions.mode import MoveArmThenGripper
+from rlbench_pin.environment.actions.modes import Discrete, JointVelocity, MoveArmThenGripper
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.evaluation.policies.policy import PolicyContext
 from rlbench_pin.observation import Observation

@@ -19,16 +19,13 @@ from rlbench_pin.builder.worker.reach import planned_paths, verdicts
 from rlbench_pin.checking.reach import reach_of
 from rlbench_pin.control.differential_ik import DifferentialIK
 from rlbench_pin.environment import Environment, TaskEnvironment
-from rlbench_pin.environment.actions.gripper import Discrete
-from rlbench_pin.environment.actions.joint import JointPosition
-from rlbench_pin.environment.actions.mode import MoveArmThenGripper
+from rlbench_pin.environment.actions.modes import Discrete, JointPosition, MoveArmThenGripper
 from rlbench_pin.environment.episode import EpisodeRandom, drawn_variations
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.environment.reset import lay_out
 from rlbench_pin.environment.runtime import Listener, Runtime
 from rlbench_pin.errors import BoundaryError, PlanningError, ResetError, RlbenchPinError
-from rlbench_pin.planning.listener import PlanRequest
-from rlbench_pin.planning.plan import Plan
+from rlbench_pin.planning.plan import Plan, PlanRequest
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.reader import read_scene
 from rlbench_pin.scene.spec import ROOT, PlacementSpec, SceneSpec

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from rlbench_pin.environment.actions.gripper import Discrete, GripperJointPosition
-from rlbench_pin.environment.actions.joint import (
+from rlbench_pin.environment.actions.modes import (
+    ActionMode,
+    ActionSpec,
+    ArmActionMode,
+    Discrete,
     EndEffectorVelocity,
+    GripperActionMode,
+    GripperJointPosition,
     JointPosition,
     JointPositionActionMode,
     JointTorque,
     JointVelocity,
-)
-from rlbench_pin.environment.actions.mode import (
-    ActionMode,
-    ActionSpec,
-    ArmActionMode,
-    GripperActionMode,
     MoveArmThenGripper,
     RelativeFrame,
     calculate_delta_pose,

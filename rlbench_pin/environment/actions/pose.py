@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rlbench_pin.environment.actions.mode import (
+from rlbench_pin.environment.actions.modes import (
     POSE_NAMES,
     POSE_UNITS,
     ActionSpec,
@@ -18,8 +18,7 @@ from rlbench_pin.environment.actions.mode import (
     assert_unit_quaternion,
     calculate_delta_pose,
 )
-from rlbench_pin.environment.motion import follow
-from rlbench_pin.environment.runtime import TIP_WORKSPACE, Runtime
+from rlbench_pin.environment.runtime import TIP_WORKSPACE, Runtime, follow
 from rlbench_pin.errors import InvalidActionError, PlanningError, shown
 from rlbench_pin.planning.kinematics import solve_ik, solve_pinned_ik
 from rlbench_pin.planning.plan import Plan

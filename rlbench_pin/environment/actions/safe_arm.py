@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rlbench_pin.control.safety_filter import FilterCounts, SafeCommand, SafetyConfig, SafetyFilter
-from rlbench_pin.environment.actions.mode import ActionSpec, ArmActionMode
+from rlbench_pin.environment.actions.modes import ActionSpec, ArmActionMode
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray

@@ -1,6 +1,5 @@
 """Observations: settings, cameras, noise, and how a world becomes an observation."""
 
-from rlbench_pin.environment.observations.cameras import Camera, CameraPlaces, Cameras, camera_view
 from rlbench_pin.environment.observations.config import (
     CameraConfig,
     ExtraCamera,
@@ -10,7 +9,7 @@ from rlbench_pin.environment.observations.config import (
     NoiseModel,
     ObservationConfig,
 )
-from rlbench_pin.environment.observations.observe import Observer, rgb_handles_to_mask
+from rlbench_pin.environment.observations.observe import Camera, CameraPlaces, Cameras, Observer, camera_view, rgb_handles_to_mask
 
 __all__ = [
     "Camera",

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal, Protocol
 
 from rlbench_pin.datasets.storage import storing, write_whole
-from rlbench_pin.environment.actions.mode import ActionMode
+from rlbench_pin.environment.actions.modes import ActionMode
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.task_environment import TaskEnvironment

@@ -7,7 +7,7 @@ from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 
-from rlbench_pin.environment.actions.mode import ActionMode
+from rlbench_pin.environment.actions.modes import ActionMode
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.errors import InvalidValue, MissingExtra, RlbenchPinError
 from rlbench_pin.observation import Observation

@@ -9,12 +9,10 @@ from typing import Literal
 import numpy as np
 
 from rlbench_pin.robot.description import RobotDescription
-from rlbench_pin.sim.checks import action_vector, finite_vector
+from rlbench_pin.sim.body import ContactReader, LoadedModel
 from rlbench_pin.sim.client import PASSES, bullet
-from rlbench_pin.sim.contacts import ContactReader
-from rlbench_pin.sim.loaded_model import LoadedModel
 from rlbench_pin.spatial import FloatArray, pose_to_se3
-from rlbench_pin.values import as_flag
+from rlbench_pin.values import action_vector, as_flag, finite_vector
 
 DriveMode = Literal["position", "velocity", "torque"]
 """What the arm's motors follow."""

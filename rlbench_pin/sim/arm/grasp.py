@@ -6,9 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from rlbench_pin.robot.description import RobotDescription
-from rlbench_pin.sim.body import Body
+from rlbench_pin.sim.body import Body, LoadedModel
 from rlbench_pin.sim.client import bullet
-from rlbench_pin.sim.loaded_model import LoadedModel
 from rlbench_pin.spatial import FloatArray, pose_to_se3, relative, se3_to_pose
 
 _FORCE = 200.0

@@ -12,9 +12,8 @@ from rlbench_pin.errors import InvalidActionError, InvalidValue
 from rlbench_pin.robot import geometry
 from rlbench_pin.sim.arm.control import SimRobot
 from rlbench_pin.sim.arm.grasp import Attachment, Attachments
-from rlbench_pin.sim.body import Body
+from rlbench_pin.sim.body import Body, touched_links
 from rlbench_pin.sim.client import bullet
-from rlbench_pin.sim.contacts import touched_links
 from rlbench_pin.sim.frames import volume_meets
 from rlbench_pin.spatial import FloatArray, pose_to_se3
 from rlbench_pin.values import as_number

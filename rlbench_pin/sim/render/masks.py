@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rlbench_pin.sim.loaded_model import LoadedModel
+from rlbench_pin.sim.body import LoadedModel
 
 FIRST_OBJECT = 61
 """Robot and room have ids below, task objects from here on."""

@@ -13,8 +13,8 @@ from selenium.webdriver import Chrome
 from viser import ClientHandle, ViserServer
 
 from rlbench_pin.builder.server import LocalServer
-from rlbench_pin.environment.observations.cameras import camera_view
 from rlbench_pin.environment.observations.config import CameraConfig
+from rlbench_pin.environment.observations.observe import camera_view
 from rlbench_pin.robot import robot_description
 from rlbench_pin.scene import SceneSpec, read_scene
 from rlbench_pin.sim import CameraView

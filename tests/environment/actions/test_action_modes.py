@@ -15,7 +15,7 @@ from rlbench_pin.environment import (
     RelativeFrame,
     TaskEnvironment,
 )
-from rlbench_pin.environment.actions.mode import ArmActionMode, calculate_delta_pose
+from rlbench_pin.environment.actions.modes import ArmActionMode, calculate_delta_pose
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.environment.runtime import TIP_WORKSPACE
 from rlbench_pin.errors import InvalidActionError

@@ -21,7 +21,7 @@ from rlbench_pin.environment import (
     RelativeFrame,
     TaskEnvironment,
 )
-from rlbench_pin.environment.actions.mode import ArmActionMode
+from rlbench_pin.environment.actions.modes import ArmActionMode
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.spatial import compose, pose_at, relative, rotation_distance

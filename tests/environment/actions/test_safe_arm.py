@@ -14,7 +14,7 @@ from rlbench_pin.environment import (
     SafeArm,
     TaskEnvironment,
 )
-from rlbench_pin.environment.actions.mode import ArmActionMode
+from rlbench_pin.environment.actions.modes import ArmActionMode
 from rlbench_pin.environment.presets import low_dim_config
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.environment import CameraConfig, ObservationConfig, TaskEnvironment, clear_view, make_environment
-from rlbench_pin.environment.observations.cameras import camera_view
+from rlbench_pin.environment.observations.observe import camera_view
 
 # name -> field of view [deg], near [m], far [m], position [m]; the wrist camera rides on the hand
 KNOWN = {

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.environment import CameraConfig, Environment, ExtraCamera, JointPositionActionMode, ObservationConfig
-from rlbench_pin.environment.observations.cameras import camera_view
+from rlbench_pin.environment.observations.observe import camera_view
 from rlbench_pin.errors import CameraError, EnvironmentClosed, UnknownName
 from rlbench_pin.sim import look_at
 from rlbench_pin.spatial import pose_to_matrix, relative

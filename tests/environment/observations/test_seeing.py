@@ -18,8 +18,7 @@ from rlbench_pin.environment import (
     ObservationConfig,
     TaskEnvironment,
 )
-from rlbench_pin.environment.observations.cameras import camera_view
-from rlbench_pin.environment.observations.observe import point_cloud
+from rlbench_pin.environment.observations.observe import camera_view, point_cloud
 from rlbench_pin.errors import CameraError, UnknownName
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.sim import look_at

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rlbench_pin.environment.observations.cameras import camera_view
 from rlbench_pin.environment.observations.config import CameraConfig
+from rlbench_pin.environment.observations.observe import camera_view
 from rlbench_pin.errors import InvalidValue
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
 from rlbench_pin.sim import CameraView, Request, look_at

@@ -10,9 +10,8 @@ import sys
 import numpy as np
 import pytest
 
-from rlbench_pin.environment.observations.cameras import camera_view
 from rlbench_pin.environment.observations.config import CameraConfig
-from rlbench_pin.environment.observations.observe import point_cloud
+from rlbench_pin.environment.observations.observe import camera_view, point_cloud
 from rlbench_pin.errors import CameraError, UnknownName
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.scene.spec import SceneSpec

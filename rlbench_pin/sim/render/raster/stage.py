@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rlbench_pin.sim.body import BASE
 from rlbench_pin.sim.client import PhysicsClient, bullet
-from rlbench_pin.sim.loaded_model import BASE
 from rlbench_pin.sim.render.camera import CameraView
 from rlbench_pin.sim.render.masks import segment_of
 from rlbench_pin.sim.render.raster.meshes import Triangles, flat_normals, triangles_of

@@ -10,7 +10,7 @@ from rlbench.action_modes.arm_action_modes import ArmActionMode, JointPosition, 
 from rlbench.action_modes.gripper_action_modes import GripperActionMode, GripperJointPosition
 from rlbench_pin.compat.actions import ScenePart
 from rlbench_pin.compat.simulator import SceneLike
-from rlbench_pin.environment.actions.mode import as_action
+from rlbench_pin.environment.actions.modes import as_action
 from rlbench_pin.robot import DEFAULT_ROBOT, robot_description
 from rlbench_pin.spatial import FloatArray
 

@@ -29,8 +29,8 @@ from rlbench_pin.compat.actions import (
     setting,
 )
 from rlbench_pin.compat.simulator import SceneLike, runtime_of
-from rlbench_pin.environment.actions import joint, pose
-from rlbench_pin.environment.actions.mode import FrameChoice, as_frame, assert_unit_quaternion
+from rlbench_pin.environment.actions import modes, pose
+from rlbench_pin.environment.actions.modes import FrameChoice, as_frame, assert_unit_quaternion
 from rlbench_pin.observation import Observation
 from rlbench_pin.spatial import FloatArray, compose
 
@@ -66,7 +66,7 @@ class ArmActionMode(UserMode):
         robot.arm.set_control_loop_enabled(True)
 
 
-class JointVelocity(OneStepPart, joint.JointVelocity, ArmActionMode):
+class JointVelocity(OneStepPart, modes.JointVelocity, ArmActionMode):
     """Joint velocities [rad/s] for one step; then the arm stops."""
 
     def set_control_mode(self, robot: Robot) -> None:
@@ -75,7 +75,7 @@ class JointVelocity(OneStepPart, joint.JointVelocity, ArmActionMode):
         robot.arm.set_motor_locked_at_zero_velocity(True)
 
 
-class JointPosition(OneStepPart, joint.JointPosition, ArmActionMode):
+class JointPosition(OneStepPart, modes.JointPosition, ArmActionMode):
     """Joint positions [rad], or changes of the measured ones: one step towards them, then hold.
 
     Args:
@@ -85,7 +85,7 @@ class JointPosition(OneStepPart, joint.JointPosition, ArmActionMode):
     _absolute_mode = setting("absolute_mode")
 
 
-class JointTorque(OneStepPart, joint.JointTorque, ArmActionMode):
+class JointTorque(OneStepPart, modes.JointTorque, ArmActionMode):
     """Joint torques [N m], with gravity, for one step; a positive torque turns a joint the positive way. Then the arm stops."""
 
     def set_control_mode(self, robot: Robot) -> None:

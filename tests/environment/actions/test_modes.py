@@ -27,8 +27,8 @@ from rlbench_pin.environment import (
     SafeArm,
     TaskEnvironment,
 )
-from rlbench_pin.environment.actions import mode
-from rlbench_pin.environment.actions.mode import ActionSpec
+from rlbench_pin.environment.actions import modes
+from rlbench_pin.environment.actions.modes import ActionSpec
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.spatial import FloatArray
@@ -87,7 +87,7 @@ def test_an_action_is_checked_once_and_needs_no_specification(
 ) -> None:
     """One check for each action, which makes no specification."""
     checks, specs = [], []
-    check, made = mode.as_action, ActionSpec.__post_init__
+    check, made = modes.as_action, ActionSpec.__post_init__
 
     def counted(*arguments: object) -> FloatArray:
         checks.append(1)
@@ -97,7 +97,7 @@ def test_an_action_is_checked_once_and_needs_no_specification(
         specs.append(spec)
         made(spec)
 
-    monkeypatch.setattr(mode, "as_action", counted)
+    monkeypatch.setattr(modes, "as_action", counted)
     monkeypatch.setattr(ActionSpec, "__post_init__", counted_spec)
     task_env = task_of(make())
     low, high = task_env.action_bounds()

@@ -1,0 +1,547 @@
+"""Action modes: shape, bounds, checks, joint modes and gripper modes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Literal
+
+import numpy as np
+
+from rlbench_pin.control.differential_ik import DifferentialIK, DifferentialIKConfig
+from rlbench_pin.environment.runtime import Runtime, hold_or_release, move_gripper
+from rlbench_pin.errors import InvalidActionError, InvalidValue, shown
+from rlbench_pin.spatial import FloatArray, compose
+from rlbench_pin.values import as_array, as_flag, as_vector
+
+POSE_NAMES = ("x", "y", "z", "qx", "qy", "qz", "qw")
+POSE_UNITS = ("m", "m", "m", "1", "1", "1", "1")
+TWIST_NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
+TWIST_UNITS = ("m/s", "m/s", "m/s", "rad/s", "rad/s", "rad/s")
+
+
+@dataclass(frozen=True, eq=False)
+class ActionSpec:
+    """The numbers of one action, in order."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    low: FloatArray
+    """Lowest values, shape (n,), read-only."""
+    high: FloatArray
+    """Highest values, shape (n,), read-only."""
+    frame: str
+    """Axes that Cartesian numbers are expressed in, or `joint`."""
+    ticks: int | None
+    """Control ticks that one action takes; None when that depends on the motion."""
+
+    def __post_init__(self) -> None:
+        if not len(self.names) == len(self.units) == len(self.low) == len(self.high):
+            raise ValueError(
+                f"{len(self.names)} names, {len(self.units)} units and {len(self.low)} bounds do not belong together"
+            )
+        for name in ("low", "high"):
+            bound = np.array(getattr(self, name), dtype=float)
+            bound.setflags(write=False)
+            object.__setattr__(self, name, bound)
+
+    @property
+    def size(self) -> int:
+        """How many numbers an action has."""
+        return len(self.names)
+
+    def joined(self, other: ActionSpec) -> ActionSpec:
+        """Return the description of this action followed by another."""
+        ticks = None if self.ticks is None or other.ticks is None else self.ticks + other.ticks
+        return ActionSpec(
+            (*self.names, *other.names),
+            (*self.units, *other.units),
+            np.concatenate([self.low, other.low]),
+            np.concatenate([self.high, other.high]),
+            self.frame,
+            ticks,
+        )
+
+
+class Mode:
+    """Base class of all modes: what the numbers of an action mean (`spec`), and what they do.
+
+    `action` checks one action and runs `pre_step`, `steps` and `post_step`. A mode whose action takes one control tick overrides
+    `pre_step` and `post_step`, and sets `ticks` to 1. Then other modes can share the tick: all pre-steps, one `runtime.step()`,
+    all post-steps. A mode that takes as many ticks as its motion needs overrides `steps`.
+
+    A mode contains settings only, which may be replaced at any time: one object may serve several environments. Data of one
+    environment belongs into `runtime.kept`.
+
+    Attributes:
+        ticks: Control ticks that one action takes; None when that depends on the motion.
+    """
+
+    ticks: int | None = None
+
+    @property
+    def optional_values(self) -> int:
+        """How many numbers may follow those of the specification, all or none."""
+        return 0
+
+    def spec(self, runtime: Runtime) -> ActionSpec:
+        """Return names, units, bounds and frame of the numbers."""
+        raise NotImplementedError(f"{type(self).__name__} needs a method `spec(runtime)` where its bounds are asked for.")
+
+    def shape(self, runtime: Runtime) -> tuple[int]:
+        """Return the shape of an action, without optional values."""
+        return (self.spec(runtime).size,)
+
+    def bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
+        """Return lowest and highest values of an action, each of shape (n,)."""
+        spec = self.spec(runtime)
+        return spec.low.copy(), spec.high.copy()
+
+    def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
+        """Return finite `values` (n,), or others to take their place, or raise InvalidActionError to refuse them."""
+        return values
+
+    def pre_step(self, runtime: Runtime, values: FloatArray) -> None:
+        """Do what comes before the tick of an action (n,), such as commanding the motors, without stepping. Here nothing."""
+
+    def steps(self, runtime: Runtime, values: FloatArray) -> None:
+        """Run the ticks of an action (n,). Here one."""
+        runtime.step()
+
+    def post_step(self, runtime: Runtime, values: FloatArray) -> None:
+        """Do what comes after the tick of an action (n,), such as holding still, without stepping. Here nothing."""
+
+    def run(self, runtime: Runtime, values: FloatArray) -> None:
+        """Run one action (n,) that is checked, to its end."""
+        self.pre_step(runtime, values)
+        self.steps(runtime, values)
+        self.post_step(runtime, values)
+
+    def action(self, runtime: Runtime, action: object) -> None:
+        """Check one action, then run it to its end, or until the episode is over.
+
+        Raises:
+            InvalidActionError: The action is refused; nothing has moved.
+        """
+        values = as_action(action, self.shape(runtime)[0], type(self).__name__, self.optional_values)
+        self.run(runtime, self.check(runtime, values))
+
+
+class ArmActionMode(Mode):
+    """Turns numbers into arm motion."""
+
+
+class GripperActionMode(Mode):
+    """Turns numbers into finger motion."""
+
+
+class ActionMode(Mode):
+    """An arm mode and a gripper mode; subclasses say how they share one action, by `steps` or by `pre_step` and `post_step`.
+
+    Numbers that the arm mode takes beyond its specification come last in the action.
+
+    Args:
+        arm_action_mode: Mode of the first numbers.
+        gripper_action_mode: Mode of the numbers after them.
+    """
+
+    def __init__(self, arm_action_mode: ArmActionMode, gripper_action_mode: GripperActionMode) -> None:
+        self.arm_action_mode, self.gripper_action_mode = arm_action_mode, gripper_action_mode
+
+    @property
+    def optional_values(self) -> int:
+        """Those of the arm mode."""
+        return self.arm_action_mode.optional_values
+
+    def spec(self, runtime: Runtime) -> ActionSpec:
+        """The numbers of the arm, then those of the gripper."""
+        return self.arm_action_mode.spec(runtime).joined(self.gripper_action_mode.spec(runtime))
+
+    def shape(self, runtime: Runtime) -> tuple[int]:
+        """Return the shape of an action, without optional values."""
+        return (self.arm_action_mode.shape(runtime)[0] + self.gripper_action_mode.shape(runtime)[0],)
+
+    def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
+        """Return the numbers as both modes want them, or raise InvalidActionError when one of them refuses its numbers."""
+        arm, gripper = self.split(runtime, values)
+        arm, gripper = self.arm_action_mode.check(runtime, arm), self.gripper_action_mode.check(runtime, gripper)
+        size = self.arm_action_mode.shape(runtime)[0]
+        return np.concatenate([arm[:size], gripper, arm[size:]])
+
+    def split(self, runtime: Runtime, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the numbers of the arm, optional ones last, and those of the gripper."""
+        arm = self.arm_action_mode.shape(runtime)[0]
+        both = arm + self.gripper_action_mode.shape(runtime)[0]
+        return np.concatenate([values[:arm], values[both:]]), values[arm:both]
+
+
+class MoveArmThenGripper(ActionMode):
+    """The arm action runs to its end, then the gripper action. What ends the episode ends the action.
+
+    With `EndEffectorPoseViaPlanning` a ninth number may follow the gripper's: 1 plans without collision checks, 0 with them.
+    """
+
+    def steps(self, runtime: Runtime, values: FloatArray) -> None:
+        """Move the arm, then the gripper."""
+        arm, gripper = self.split(runtime, values)
+        self.arm_action_mode.run(runtime, arm)
+        if not runtime.over:
+            self.gripper_action_mode.run(runtime, gripper)
+
+
+def as_action(action: object, size: int, what: str, more: int = 0) -> FloatArray:
+    """Return `action` as a finite float64 vector of `size` numbers, or with `more` after them, or raise InvalidActionError."""
+    try:
+        array = as_array(action, what)
+    except InvalidValue as error:
+        raise InvalidActionError(f"{what} takes {size} numbers, not {shown(action)}. It {error.problem}.") from error
+    if array.shape not in ((size,), (size + more,)):
+        shapes = f"({size},)" if more == 0 else f"({size},) or ({size + more},)"
+        raise InvalidActionError(f"{what} takes an array of shape {shapes}, not {array.shape}.", "wrong shape")
+    if not all(map(math.isfinite, array.tolist())):
+        bad = ", ".join(str(i) for i in np.flatnonzero(~np.isfinite(array)))
+        raise InvalidActionError(f"{what} got NaN or infinity at index {bad}. Check the policy's output.", "not finite")
+    return array.copy()
+
+
+# Frames --------------------------------------------------------------------------------------------------------------
+
+
+class RelativeFrame(IntEnum):
+    """Frame that a Cartesian action is expressed in."""
+
+    WORLD = 0
+    EE = 1
+
+
+FrameChoice = RelativeFrame | Literal["world", "end effector"]
+_FRAME_WORDS = {"world": RelativeFrame.WORLD, "end effector": RelativeFrame.EE}
+
+
+def as_frame(frame: FrameChoice | int | str) -> RelativeFrame:
+    """Accept the enum or its words."""
+    if isinstance(frame, str):
+        if frame not in _FRAME_WORDS:
+            raise InvalidActionError(f"No relative frame is called '{frame}'. Use 'world' or 'end effector'.")
+        return _FRAME_WORDS[frame]
+    try:
+        return RelativeFrame(frame)
+    except (ValueError, TypeError, RuntimeError) as error:  # what cannot be compared
+        raise InvalidActionError(f"No relative frame is {shown(frame)}. Use 'world' or 'end effector'.") from error
+
+
+def assert_unit_quaternion(quaternion: FloatArray) -> None:
+    """Raise InvalidActionError when a quaternion (4,) is not of length 1."""
+    norm = float(np.linalg.norm(quaternion))
+    if not np.isclose(norm, 1.0):
+        raise InvalidActionError(
+            f"The quaternion {np.round(quaternion, 4).tolist()} has norm {norm:.4f}. "
+            "Divide it by its norm; the order is x, y, z, w.",
+            "not a rotation",
+        )
+
+
+def calculate_delta_pose(current: FloatArray, action: FloatArray, frame: RelativeFrame = RelativeFrame.WORLD) -> FloatArray:
+    """Apply a delta pose (7,) to the current tip pose (7,).
+
+    In the world frame the position is added along world axes and the rotation multiplied from the left; in the end-effector
+    frame the whole delta is composed on the right.
+    """
+    current, action = as_vector(current, 7, "current"), as_vector(action, 7, "action")
+    if frame is RelativeFrame.EE:
+        return compose(current, action)
+    rotation = compose(np.concatenate([np.zeros(3), action[3:]]), np.concatenate([np.zeros(3), current[3:]]))
+    return np.concatenate([current[:3] + action[:3], rotation[3:]])
+
+
+class GripperMode(GripperActionMode):
+    """Base class of the gripper modes of this package.
+
+    Args:
+        attach_grasped_objects: Fix graspable bodies between the fingers to the gripper; None leaves it to the environment.
+        detach_before_open: Release before the fingers open; otherwise after.
+    """
+
+    def __init__(self, attach_grasped_objects: bool | None = None, detach_before_open: bool = True) -> None:
+        if attach_grasped_objects is not None:
+            attach_grasped_objects = as_flag(attach_grasped_objects, "attach_grasped_objects")
+        self.attach_grasped_objects = attach_grasped_objects
+        self.detach_before_open = as_flag(detach_before_open, "detach_before_open")
+
+    def attaches(self, runtime: Runtime) -> bool:
+        """Whether bodies are fixed to the gripper."""
+        return runtime.attach_grasped_objects if self.attach_grasped_objects is None else self.attach_grasped_objects
+
+
+class Discrete(GripperMode):
+    """One number: above 0.5 opens the gripper, otherwise closes it. Does nothing when the gripper is already as asked.
+
+    A number below 0 or above 1 is refused.
+    """
+
+    def spec(self, runtime: Runtime) -> ActionSpec:
+        """From 0, closed, to 1, open."""
+        return ActionSpec(("gripper",), ("1",), np.zeros(1), np.ones(1), "joint", None)
+
+    def shape(self, runtime: Runtime) -> tuple[int]:
+        """One number."""
+        return (1,)
+
+    def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
+        """Return the number, or raise InvalidActionError when it does not lie between 0 and 1."""
+        if not 0.0 <= values[0] <= 1.0:
+            raise InvalidActionError(
+                f"The gripper action is {values[0]}; it must lie between 0 (closed) and 1 (open).", "gripper out of range"
+            )
+        return values
+
+    def steps(self, runtime: Runtime, values: FloatArray) -> None:
+        """Open or close when that changes something."""
+        wants_open = bool(values[0] > 0.5)
+        if wants_open == runtime.gripper.is_open:
+            return
+        arm = runtime.description
+        move_gripper(
+            runtime,
+            1.0 if wants_open else 0.0,
+            release=wants_open,
+            speed=arm.grip_speed if not wants_open and runtime.gripper.closes_on_something() else arm.finger_speed,
+            attach=self.attaches(runtime),
+            detach_before_open=self.detach_before_open,
+        )
+
+
+@dataclass
+class FingerMove:
+    """The finger motion of the present tick, from `pre_step` to `post_step`."""
+
+    target: float | None = None
+    """Commanded position of the fingers [m]."""
+    opens: bool = False
+    """Whether that is farther open than they were."""
+
+
+class GripperJointPosition(GripperMode):
+    """One number: the position of both fingers [m], or its change, for one tick; then the fingers hold.
+
+    Positions beyond the range of a finger mean its end.
+
+    Args:
+        attach_grasped_objects: Fix graspable bodies between the fingers once they can close no further.
+        detach_before_open: Release before the fingers open; otherwise after.
+        absolute_mode: A position; otherwise a difference to the measured one.
+    """
+
+    ticks = 1
+
+    def __init__(
+        self, attach_grasped_objects: bool | None = None, detach_before_open: bool = True, absolute_mode: bool = True
+    ) -> None:
+        super().__init__(attach_grasped_objects, detach_before_open)
+        self.absolute_mode = as_flag(absolute_mode, "absolute_mode")
+
+    def shape(self, runtime: Runtime) -> tuple[int]:
+        """One number."""
+        return (1,)
+
+    def spec(self, runtime: Runtime) -> ActionSpec:
+        """From 0, shut, to the range of a finger; differences span it both ways."""
+        high = np.array([runtime.description.gripper_open])
+        return ActionSpec(("finger",), ("m",), np.zeros(1) if self.absolute_mode else -high, high, "joint", 1)
+
+    def pre_step(self, runtime: Runtime, values: FloatArray) -> None:
+        """Command the finger motors, without stepping; opening lets go."""
+        here, reach = runtime.robot.fingers, runtime.description.gripper_open
+        target = float(np.clip(values[0] if self.absolute_mode else here.mean() + values[0], 0.0, reach))
+        opens = bool(target > here.mean() + 1e-4)
+        if opens and self.detach_before_open:
+            runtime.gripper.release()
+        if not runtime.gripper.grasped or opens:
+            runtime.gripper.set_target(target / reach, runtime.description.finger_speed)
+        move = runtime.kept(self, FingerMove)
+        move.target, move.opens = target, opens
+
+    def steps(self, runtime: Runtime, values: FloatArray) -> None:
+        """One tick, in which the arm holds still."""
+        if runtime.robot.mode == "torque":
+            runtime.hold()
+        runtime.step()
+
+    def post_step(self, runtime: Runtime, values: FloatArray) -> None:
+        """Attach what stopped the fingers, or let go; then hold.
+
+        Raises:
+            InvalidActionError: No `pre_step` came before.
+        """
+        move = runtime.kept(self, FingerMove)
+        target, move.target = move.target, None
+        if target is None:
+            raise InvalidActionError("`post_step` of the fingers was called without `pre_step`. Call that first.")
+        stalled = runtime.robot.fingers.mean() > target + 1e-3 and not runtime.gripper.moving
+        hold_or_release(runtime, release=move.opens, attach=self.attaches(runtime) and stalled)
+        runtime.gripper.hold()
+
+
+DELTA_LIMIT = 0.1
+"""Largest joint difference of `JointPositionActionMode` [rad]."""
+
+
+class JointMode(ArmActionMode):
+    """Base class of modes with one number per arm joint; subclasses override `bounds`.
+
+    Args:
+        absolute_mode: The numbers are values; otherwise differences to what is measured.
+    """
+
+    unit = ""
+    ticks = 1
+
+    def __init__(self, absolute_mode: bool = True) -> None:
+        self.absolute_mode = as_flag(absolute_mode, "absolute_mode")
+
+    def shape(self, runtime: Runtime) -> tuple[int]:
+        """One number per arm joint."""
+        return (runtime.model.size,)
+
+    def spec(self, runtime: Runtime) -> ActionSpec:
+        """One number per arm joint."""
+        names = runtime.description.arm_joints
+        low, high = self.bounds(runtime)
+        return ActionSpec(names, (self.unit,) * len(names), low, high, "joint", 1)
+
+
+class JointVelocity(JointMode):
+    """Joint velocities [rad/s], or changes of the measured ones, for one tick; then the arm stops.
+
+    Velocities beyond the limits are capped.
+    """
+
+    unit = "rad/s"
+
+    def bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
+        """Velocity limits of the joints."""
+        limit = runtime.model.limits.velocity
+        return -limit, limit
+
+    def pre_step(self, runtime: Runtime, values: FloatArray) -> None:
+        """Set velocity targets."""
+        runtime.robot.set_velocity_targets(values if self.absolute_mode else runtime.robot.joint_velocities + values)
+
+    def post_step(self, runtime: Runtime, values: FloatArray) -> None:
+        """Command zero velocity."""
+        runtime.robot.set_velocity_targets(np.zeros(runtime.model.size))
+
+
+class JointPosition(JointMode):
+    """Joint positions [rad], or changes of the measured ones: one tick towards them, then hold.
+
+    Positions beyond a joint limit mean the limit; the arm goes as far as the velocity limits allow in the tick.
+    """
+
+    unit = "rad"
+
+    def bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
+        """Joint limits; for differences what the velocity limits allow in one tick."""
+        limits = runtime.model.limits
+        if self.absolute_mode:
+            return limits.lower, limits.upper
+        step = limits.velocity * runtime.world.control_dt
+        return -step, step
+
+    def pre_step(self, runtime: Runtime, values: FloatArray) -> None:
+        """Set position targets."""
+        runtime.robot.set_position_targets(values if self.absolute_mode else runtime.robot.joint_positions + values)
+
+    def post_step(self, runtime: Runtime, values: FloatArray) -> None:
+        """Hold what is measured."""
+        runtime.hold()
+
+
+class JointTorque(JointMode):
+    """Joint torques [N m] for one tick, gravity included, or changes of the motors' last torques; then the arm stops.
+
+    Torques beyond the limits are capped. Joint positions are not limited: torques can drive a joint through its stop, which gives
+    way, and to speeds beyond its limit; keep away from both in the policy, or use another mode with `SafeArm` around it.
+    Between two torque actions nothing stops: the arm brakes in ticks that no torque action commands, as while the gripper moves.
+    """
+
+    unit = "N m"
+
+    def bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
+        """Effort limits of the joints."""
+        limit = runtime.model.limits.effort
+        return -limit, limit
+
+    def pre_step(self, runtime: Runtime, values: FloatArray) -> None:
+        """Set torques."""
+        runtime.robot.set_torques(values if self.absolute_mode else runtime.robot.joint_torques + values)
+
+    def post_step(self, runtime: Runtime, values: FloatArray) -> None:
+        """Command zero velocity, so that no torque acts on unwatched; the next action finds the arm as fast as it is."""
+        runtime.robot.set_velocity_targets(np.zeros(runtime.model.size))
+
+
+class EndEffectorVelocity(ArmActionMode):
+    """Tip velocity `[linear, angular]` (6,) for one tick, or a change of the present one; then the arm stops.
+
+    Joint limits come first: where the velocity cannot be had without breaking one, the arm follows as well as it can.
+
+    Args:
+        absolute_mode: A velocity; otherwise a difference to the present tip velocity.
+        frame: Axes of the velocity: of the world, or of the tip.
+    """
+
+    ticks = 1
+
+    def __init__(self, absolute_mode: bool = True, frame: FrameChoice = RelativeFrame.WORLD) -> None:
+        self.absolute_mode, self.frame = as_flag(absolute_mode, "absolute_mode"), as_frame(frame)
+
+    def shape(self, runtime: Runtime) -> tuple[int]:
+        """Six numbers."""
+        return (6,)
+
+    def spec(self, runtime: Runtime) -> ActionSpec:
+        """Linear, then angular velocity."""
+        high = np.repeat([runtime.description.linear_speed, runtime.description.angular_speed], 3)
+        return ActionSpec(TWIST_NAMES, TWIST_UNITS, -high, high, "end effector" if self.frame is RelativeFrame.EE else "world", 1)
+
+    def pre_step(self, runtime: Runtime, values: FloatArray) -> None:
+        """Solve for joint velocities and command them."""
+        axes: Literal["tip", "world"] = "tip" if self.frame is RelativeFrame.EE else "world"
+        q, v = runtime.robot.joint_positions, runtime.robot.joint_velocities
+        if not self.absolute_mode:
+            values = values + runtime.model.jacobian(q, axes) @ v
+        config = DifferentialIKConfig(dt=runtime.world.control_dt)
+        solver = runtime.kept(self, lambda: DifferentialIK(runtime.model, config))
+        runtime.robot.set_velocity_targets(solver.velocity_for_twist(q, v, values, axes))
+
+    def post_step(self, runtime: Runtime, values: FloatArray) -> None:
+        """Command zero velocity."""
+        runtime.robot.set_velocity_targets(np.zeros(runtime.model.size))
+
+
+class JointPositionActionMode(ActionMode):
+    """Joint differences [rad] and an absolute finger position [m], both within one control tick."""
+
+    ticks = 1
+
+    def __init__(self) -> None:
+        super().__init__(JointPosition(absolute_mode=False), GripperJointPosition())
+
+    def spec(self, runtime: Runtime) -> ActionSpec:
+        """As both modes say, with joint differences of at most 0.1 rad, in one tick."""
+        spec = super().spec(runtime)
+        low, high = spec.low.copy(), spec.high.copy()
+        low[:-1], high[:-1] = -DELTA_LIMIT, DELTA_LIMIT
+        return ActionSpec(spec.names, spec.units, low, high, spec.frame, 1)
+
+    def pre_step(self, runtime: Runtime, values: FloatArray) -> None:
+        """Command both."""
+        self.arm_action_mode.pre_step(runtime, values[:-1])
+        self.gripper_action_mode.pre_step(runtime, values[-1:])
+
+    def post_step(self, runtime: Runtime, values: FloatArray) -> None:
+        """Hold both."""
+        self.arm_action_mode.post_step(runtime, values[:-1])
+        self.gripper_action_mode.post_step(runtime, values[-1:])
