@@ -6,14 +6,14 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from pyrep.robots.arms.panda import Panda
-from pyrep.robots.end_effectors.panda_gripper import PandaGripper
 
 from pyrep import PyRep
 from pyrep.const import ConfigurationPathAlgorithms as Algorithms
 from pyrep.const import PrimitiveShape
 from pyrep.errors import UnsupportedCall
 from pyrep.objects import Shape
+from pyrep.robots.arms.panda import Panda
+from pyrep.robots.end_effectors.panda_gripper import PandaGripper
 from rlbench.action_modes.gripper_action_modes import Discrete, GripperJointPosition
 from rlbench_pin.compat import arm_planning
 from rlbench_pin.compat.simulator import Simulator

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pyrep.robots.configuration_paths.arm_configuration_path import ArmConfigurationPath
 
+from pyrep.robots.configuration_paths.arm_configuration_path import ArmConfigurationPath
 from rlbench import Environment, ObservationConfig
 from rlbench.action_modes.action_mode import MoveArmThenGripper
 from rlbench.action_modes.arm_action_modes import EndEffectorPoseViaPlanning

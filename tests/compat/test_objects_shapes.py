@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pyrep.objects.force_sensor import ForceSensor
 
 from pyrep import PyRep
 from pyrep.const import PrimitiveShape
 from pyrep.errors import UnsupportedCall
+from pyrep.objects.force_sensor import ForceSensor
 from pyrep.objects.joint import Joint
 from pyrep.objects.shape import Shape
 from pyrep.objects.vision_sensor import VisionSensor

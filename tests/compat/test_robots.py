@@ -6,17 +6,17 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+
+from pyrep.const import PrimitiveShape
+from pyrep.errors import ConfigurationError, ConfigurationPathError, IKError, UnsupportedCall
 from pyrep.objects.dummy import Dummy
 from pyrep.objects.proximity_sensor import ProximitySensor
+from pyrep.objects.shape import Shape
 from pyrep.robots.arms.jaco import Jaco
 from pyrep.robots.arms.panda import Panda
 from pyrep.robots.arms.ur5 import UR5
 from pyrep.robots.end_effectors.panda_gripper import PandaGripper
 from pyrep.robots.end_effectors.robotiq85_gripper import Robotiq85Gripper
-
-from pyrep.const import PrimitiveShape
-from pyrep.errors import ConfigurationError, ConfigurationPathError, IKError, UnsupportedCall
-from pyrep.objects.shape import Shape
 from rlbench.backend.robot import Robot
 from rlbench.const import SUPPORTED_ROBOTS, colors
 from rlbench_pin.compat.simulator import Simulator

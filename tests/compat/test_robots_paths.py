@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from pyrep.robots.arms.panda import Panda
-from pyrep.robots.configuration_paths.arm_configuration_path import ArmConfigurationPath
 
 from pyrep.const import ConfigurationPathAlgorithms as Algos
 from pyrep.errors import ConfigurationPathError
 from pyrep.objects.cartesian_path import CartesianPath
 from pyrep.objects.shape import Shape
+from pyrep.robots.arms.panda import Panda
+from pyrep.robots.configuration_paths.arm_configuration_path import ArmConfigurationPath
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment import ObservationConfig
 from rlbench_pin.tasks import task_class

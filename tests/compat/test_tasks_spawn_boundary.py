@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pyrep.objects.dummy import Dummy
 
+from pyrep.objects.dummy import Dummy
 from pyrep.objects.shape import Shape
 from rlbench import Environment, ObservationConfig
 from rlbench.action_modes.action_mode import MoveArmThenGripper
