@@ -14,7 +14,7 @@ from rlbench_pin.environment.episode import MOST_DEMOS, EnvironmentState, Episod
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.randomization.randomizer import Randomizer
 from rlbench_pin.environment.reset import start_episode
-from rlbench_pin.environment.runtime import Runtime, success_lasts
+from rlbench_pin.environment.runtime import RefusedOpening, Runtime, success_lasts
 from rlbench_pin.environment.stored import StoredSelection, read_stored_demos
 from rlbench_pin.errors import InvalidArgument, NotReset, TaskEnvironmentError
 from rlbench_pin.observation import Demo, Observation
@@ -57,6 +57,7 @@ class TaskEnvironment:
         self._randomizer = randomizer
         runtime.world.end_building()
         self._variation_number, self._succeeded = 0, False
+        self._refused_opening: RefusedOpening | None = None
         self._episode: EpisodeOrigin | None = None
 
     # What it is -------------------------------------------------------------------------------------------------
@@ -90,6 +91,11 @@ class TaskEnvironment:
     def succeeded(self) -> bool:
         """Whether the goal was reached by the last step; False after a reset."""
         return self._succeeded
+
+    @property
+    def refused_opening(self) -> RefusedOpening | None:
+        """Why `SafeArm` kept the fingers as they were in the last action; None when it did not."""
+        return self._refused_opening
 
     def get_name(self) -> str:
         """Return the snake-case task name."""
@@ -149,7 +155,7 @@ class TaskEnvironment:
         return self.get_task_descriptions(), self.get_observation()
 
     def _start(self, seed: int, attempt: int, variation: int | None = None) -> EpisodeOrigin:
-        self._episode, self._succeeded = None, False
+        self._episode, self._succeeded, self._refused_opening = None, False, None
         random = EpisodeRandom.from_seed(seed, attempt)
         variation = self._variation_number if variation is None else variation
         if variation == ALL_VARIATIONS:
@@ -177,7 +183,7 @@ class TaskEnvironment:
         self._started("step")
         with self._runtime.acting() as result:
             self._action_mode.action(self._runtime, action)
-        self._succeeded = result.success
+        self._succeeded, self._refused_opening = result.success, result.refused_opening
         return self.get_observation(), result.reward(self._shaped_rewards), result.over
 
     def success_lasts(self) -> bool:

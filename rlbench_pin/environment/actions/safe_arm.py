@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rlbench_pin.control.safety_filter import FilterCounts, SafeCommand, SafetyConfig, SafetyFilter
 from rlbench_pin.environment.actions.modes import ActionSpec, ArmActionMode
-from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.environment.runtime import RefusedOpening, Runtime
+from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_record
@@ -26,6 +28,11 @@ ones drag along, such as the third, end a tick up to 7 % of a dt beyond the comm
 UNSEEN = 2e-5
 """Where bodies and fingers tremble by less than this, the filter's world stays as it is [m], or of a quaternion."""
 
+OPENING_STEP = 0.005
+"""Largest finger motion between two places at which the distances of an opening are measured [m]."""
+CLOSER = 1e-4
+"""How much nearer an opening may bring fingers that are below their minimum distance already [m]."""
+
 
 @dataclass
 class Guard:
@@ -34,6 +41,8 @@ class Guard:
     filter: SafetyFilter
     seen: WorldSnapshot | None = None
     """The world as the filter has it."""
+    opened: DistanceModel | None = None
+    """Distances with the fingers elsewhere; made for the first opening."""
 
     def look_at(self, snapshot: WorldSnapshot) -> None:
         """Give the filter the world, when something but the arm has moved since it was given."""
@@ -41,12 +50,36 @@ class Guard:
             self.filter.distances.update(snapshot)
             self.seen = snapshot
 
+    def refused_opening(self, snapshot: WorldSnapshot, velocity: FloatArray, fingers: FloatArray) -> RefusedOpening | None:
+        """Return why the fingers may not open to `fingers` (2,) [m] while the arm brakes from `velocity` (n,) [rad/s]."""
+        model, config, bounds = self.filter.model, self.filter.config, self.filter.bounds
+        if self.opened is None:
+            self.opened = DistanceModel(model)
+        distances, here = self.opened, snapshot.fingers
+        turns = np.array(bounds.travels(velocity, bounds.braking(velocity)))
+        steps = max(1, math.ceil(np.abs(fingers - here).max() / OPENING_STEP))
+        minimum = which = np.zeros(0, dtype=np.intp)
+        for step in range(steps + 1):
+            distances.update(replace(snapshot, fingers=here + step / steps * (fingers - here)))
+            if step == 0:
+                which = distances.pairs_of(model.description.finger_links)
+            found = distances.measure(which) - distances.motion.displacement(turns)[which]
+            if step == 0:
+                margins = np.where(distances.crosses[which], config.margin, config.self_margin)
+                minimum = np.minimum(margins, found - CLOSER)
+            worst = int(np.argmin(found - minimum))
+            if found[worst] < minimum[worst]:
+                return RefusedOpening(distances.names(which[worst]), float(found[worst]), float(minimum[worst]))
+        return None
+
 
 class SafeArm(ArmActionMode):
     """Runs another arm mode, each control tick of which passes the safety filter first.
 
     The filter looks at the joint velocity that the motors are commanded to reach in the next tick, and replaces it when a
-    joint limit or a distance would be violated. Bodies that the arm holds count as part of it.
+    joint limit or a distance would be violated. Bodies that the arm holds count as part of it, and fingers count as open as they
+    are commanded to be. A gripper action that would open them nearer to something than the margin is refused:
+    `TaskEnvironment.refused_opening` says why.
 
     Args:
         mode: The mode to make safe.
@@ -66,8 +99,14 @@ class SafeArm(ArmActionMode):
     def guard(self, runtime: Runtime) -> Guard:
         """Return the filter of this arm and tick, with the world as it is now."""
         guard = runtime.kept(self, lambda: self.make_guard(runtime))
-        guard.look_at(runtime.world.snapshot())
+        snapshot = runtime.world.snapshot()
+        guard.look_at(replace(snapshot, fingers=np.maximum(snapshot.fingers, runtime.gripper.control.target)))
         return guard
+
+    def refused_opening(self, runtime: Runtime, fingers: FloatArray) -> RefusedOpening | None:
+        """Return why the fingers may not open to `fingers` (2,) [m]; None when there is room."""
+        guard: Guard = runtime.kept(self, lambda: self.make_guard(runtime))
+        return guard.refused_opening(runtime.world.snapshot(), runtime.robot.joint_velocities, fingers)
 
     def make_guard(self, runtime: Runtime) -> Guard:
         """Make the filter of one runtime."""
