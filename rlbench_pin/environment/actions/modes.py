@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Literal
@@ -135,6 +136,10 @@ class ArmActionMode(Mode):
         """Return why the fingers may not open to `fingers` (2,) [m]; None when they may, as always here."""
         return None
 
+    def guarding(self, runtime: Runtime) -> AbstractContextManager[None]:
+        """Return a block in which the arm is kept safe while the gripper moves; here it does nothing."""
+        return nullcontext()
+
 
 class GripperActionMode(Mode):
     """Turns numbers into finger motion."""
@@ -198,12 +203,13 @@ class MoveArmThenGripper(ActionMode):
             return
         opening = self.gripper_action_mode.opening(runtime, gripper)
         refused = None if opening is None else self.arm_action_mode.refused_opening(runtime, opening)
-        if refused is None:
-            self.gripper_action_mode.run(runtime, gripper)
-            return
-        runtime.refuse_opening(refused)
-        for _ in range(self.gripper_action_mode.ticks or 0):
-            runtime.step()
+        with self.arm_action_mode.guarding(runtime):
+            if refused is None:
+                self.gripper_action_mode.run(runtime, gripper)
+                return
+            runtime.refuse_opening(refused)
+            for _ in range(self.gripper_action_mode.ticks or 0):
+                runtime.step()
 
 
 def as_action(action: object, size: int, what: str, more: int = 0) -> FloatArray:

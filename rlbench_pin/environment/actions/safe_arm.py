@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +14,7 @@ from rlbench_pin.environment.actions.modes import ActionSpec, ArmActionMode
 from rlbench_pin.environment.runtime import RefusedOpening, Runtime
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.scene.snapshot import WorldSnapshot
+from rlbench_pin.sim.arm.control import ArmControl
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_record
 
@@ -163,17 +166,33 @@ class SafeArm(ArmActionMode):
         with runtime.calling(before=before_tick):
             self.mode.steps(runtime, values)
 
+    @contextmanager
+    def guarding(self, runtime: Runtime) -> Iterator[None]:
+        """Filter the motor command that the arm has, in each tick of a block in which the gripper moves."""
+        replaced: ArmControl | None = None
+
+        def before_tick() -> None:
+            nonlocal replaced
+            if replaced is not None:  # by a command for one tick
+                runtime.robot.set_control(replaced)
+            control = runtime.robot.control
+            replaced = control if self.filter_command(runtime, self.guard(runtime)).intervened else None
+
+        with runtime.calling(before=before_tick):
+            yield
+
     def post_step(self, runtime: Runtime, values: FloatArray) -> None:
         """Do what the inner mode does after its ticks."""
         self.mode.post_step(runtime, values)
 
-    def filter_command(self, runtime: Runtime, guard: Guard) -> None:
-        """Replace the command of the motors for the coming tick by a safe one where needed."""
+    def filter_command(self, runtime: Runtime, guard: Guard) -> SafeCommand:
+        """Replace the command of the motors for the coming tick by a safe one where needed, and return that."""
         robot = runtime.robot
         q, v = robot.joint_positions, robot.joint_velocities
         self.last = guard.filter.filter(q, v, wanted_velocity(runtime, q, v))
         if self.last.intervened:
             robot.set_velocity_targets(self.last.velocity)
+        return self.last
 
 
 def unwrapped(mode: ArmActionMode) -> ArmActionMode:
