@@ -236,7 +236,7 @@ def draw_images(task: str, trials: Sequence[Trial], out: Path) -> dict[str, str]
 def _draw_sheet(task: str, trial: DemoTrial, out: Path) -> str:
     """The five cameras at the reset, at three moments of a demonstration, and at its end."""
     sheet, _ = demo_sheet(find_task(task), trial.seed, trial.variation, attempt=len(trial.failed), size=_SIZE)
-    file = Path("pictures") / f"{trial.task}.jpg"
+    file = Path("images") / f"{trial.task}.jpg"
     (out / file).parent.mkdir(parents=True, exist_ok=True)
     sheet.save(out / file, quality=80, optimize=True)
     return file.as_posix()
@@ -244,7 +244,7 @@ def _draw_sheet(task: str, trial: DemoTrial, out: Path) -> str:
 
 def _draw_map(task: str, trials: Sequence[ReachTrial], out: Path) -> str:
     static = task_scene(find_task(task)).placement.static
-    file = Path("pictures") / f"{trials[0].task}_reach.png"
+    file = Path("images") / f"{trials[0].task}_reach.png"
     (out / file).parent.mkdir(parents=True, exist_ok=True)
     reach_map(trials[0].task, [trial.reach for trial in trials if trial.reach], static).save(out / file)
     return file.as_posix()

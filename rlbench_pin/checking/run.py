@@ -20,7 +20,7 @@ from rlbench_pin.processes import GivenUp, Journal, ProcessEngine, SerialEngine,
 from rlbench_pin.tasks import LIBRARY, find_task
 from rlbench_pin.values import as_function, as_names, as_path, as_record, as_several, as_whole
 
-MOST_WORKERS = 1024
+MAX_WORKERS = 1024
 _PACKAGE = ASSETS.parent
 _DECISIVE = ("reach.py", "records.py", "trials.py", "validate.py")
 """Files of this folder that trials depend on; the others only show them."""
@@ -62,7 +62,7 @@ def run_trials(
         RlbenchPinError: Several workers died with the same item.
     """
     items = [as_record(item, Item, "an entry of items") for item in as_several(items, "items")]
-    workers = as_whole(workers, "workers", least=1, most=MOST_WORKERS)
+    workers = as_whole(workers, "workers", least=1, most=MAX_WORKERS)
     as_record(journal, TrialJournal, "journal")
     as_function(on_progress, "on_progress")
     report = on_progress or (lambda _: None)

@@ -105,7 +105,7 @@ class RecordConfig:
     """Cap on the speed of motions along the joint-space path [rad/s]."""
     max_acceleration: float = 4.0
     """Cap on how fast that speed changes [rad/s^2]."""
-    pictures: ImageConfig = field(default_factory=ImageConfig)
+    images: ImageConfig = field(default_factory=ImageConfig)
     """Which images the episodes contain."""
 
     def __post_init__(self) -> None:
@@ -117,7 +117,7 @@ class RecordConfig:
             raise InvalidArgument("variations", 0, "records nothing", "Write -1 for all variations.")
         for name in ("max_velocity", "max_acceleration"):
             as_number(getattr(self, name), name, InvalidArgument, above=0.0)
-        as_record(self.pictures, ImageConfig, "pictures", InvalidArgument)
+        as_record(self.images, ImageConfig, "images", InvalidArgument)
         for name in ("per_variation", "draw_variations"):
             as_flag(getattr(self, name), name, InvalidArgument)
         if not as_names(self.tasks, "tasks", InvalidArgument):
@@ -232,10 +232,10 @@ def read_recording(root: Path | str) -> RecordConfig:
             raise ValueError("it is no table")
         if (version := content.pop("version", None)) != VERSION:
             raise ValueError(f"it has version {short(version)}, this package reads version {VERSION}")
-        if not isinstance(content.get("pictures"), dict):
-            raise ValueError("it has no table 'pictures'")
-        pictures = ImageConfig(**_with_tuples(content.pop("pictures")))
-        config = RecordConfig(**_with_tuples(content), pictures=pictures)
+        images = content.pop("images" if "images" in content else "pictures", None)  # earlier versions wrote `pictures`
+        if not isinstance(images, dict):
+            raise ValueError("it has no table 'images'")
+        config = RecordConfig(**_with_tuples(content), images=ImageConfig(**_with_tuples(images)))
         return replace(config, tasks=tuple(map(_stored_name, config.tasks)))
     except (OSError, ValueError, TypeError, RlbenchPinError) as error:
         raise EpisodeFileError(

@@ -239,7 +239,7 @@ def record(
     names = tuple(task.get_name() if is_task_file(task) else word for word, task in tasks.items())
     with hold(root):
         _prepare(root, replace(config, tasks=names), items, tasks.values(), resume)
-        return run_items(config.pictures, items, root, engine=engine, on_progress=on_progress, stop=stop)
+        return run_items(config.images, items, root, engine=engine, on_progress=on_progress, stop=stop)
 
 
 def check_work(engine: Engine | None, on_progress: OnProgress | None, stop: threading.Event | None, trust: bool) -> None:
@@ -253,7 +253,7 @@ def check_work(engine: Engine | None, on_progress: OnProgress | None, stop: thre
 
 
 def run_items(
-    pictures: ImageConfig,
+    images: ImageConfig,
     items: Sequence[WorkItem],
     root: Path,
     *,
@@ -265,7 +265,7 @@ def run_items(
     watch = on_progress or (lambda report: None)
     began = time.perf_counter()
     pending = _pending(root, items)
-    _check_pictures(root, items, {item.key for item in pending}, pictures)
+    _check_images(root, items, {item.key for item in pending}, images)
     report = RecordReport(len(items), len(items) - len(pending))
     watch(report)
     writer = DatasetWriter(root)
@@ -275,7 +275,7 @@ def run_items(
             writer.put(result.item.name, result.data, result.entry)
 
     try:
-        for event in run_jobs(pending, partial(Recorder, pictures), store=store, lost=_lost, engine=engine, stop=stop):
+        for event in run_jobs(pending, partial(Recorder, images), store=store, lost=_lost, engine=engine, stop=stop):
             if isinstance(event, WorkerDeath):
                 report = replace(report, deaths=(*report.deaths, event))
             else:
@@ -298,7 +298,7 @@ def _prepare(root: Path, config: RecordConfig, items: Sequence[WorkItem], tasks:
         raise DatasetConflict(f"'{root}' holds episodes of {held} already. Go on with `--resume`, or choose another folder.")
     if (root / RECORDING).exists():
         before = read_recording(root)
-        for name in ("seed", "max_attempts", "pictures"):
+        for name in ("seed", "max_attempts", "images"):
             then, now = getattr(before, name), getattr(config, name)
             if held and then != now:
                 raise DatasetConflict(
@@ -331,13 +331,13 @@ def _is_stored(root: Path, item: WorkItem, entry: EpisodeEntry | None) -> bool:
     return path.is_file() and path.stat().st_size == entry.num_bytes
 
 
-def _check_pictures(root: Path, items: Sequence[WorkItem], pending: set[tuple[str, int, int]], pictures: ImageConfig) -> None:
+def _check_images(root: Path, items: Sequence[WorkItem], pending: set[tuple[str, int, int]], images: ImageConfig) -> None:
     """Raise DatasetConflict when a stored episode of a task contains other images than the new ones would."""
     stored = {item.name: episode_path(root, *item.key) for item in items if item.key not in pending}
     for path in stored.values():
         with suppress(EpisodeFileError):  # damaged: `verify` finds it
-            if (found := stored_pictures(path)) != pictures.fields():
-                asked = pictures.fields()
+            if (found := stored_pictures(path)) != images.fields():
+                asked = images.fields()
                 raise DatasetConflict(
                     f"'{path}' contains the images {found}, asked for are {asked}. Choose the same, or another folder."
                 )

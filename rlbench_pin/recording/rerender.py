@@ -90,7 +90,7 @@ def read_seeds(path: Path) -> list[EpisodeSeed]:
 def rerender(
     source: Path,
     out: Path,
-    pictures: ImageConfig,
+    images: ImageConfig,
     *,
     tasks: Sequence[str] = (),
     engine: Engine | None = None,
@@ -106,7 +106,7 @@ def rerender(
     Args:
         source: Folder of the dataset (its manifests are enough), or a file with a list of seeds.
         out: Folder of the new dataset.
-        pictures: Which images they contain.
+        images: Which images they contain.
         tasks: Only these; all when none is named.
         engine: Who does the work; one process when None.
         on_progress: As for `record`.
@@ -118,7 +118,7 @@ def rerender(
         UntrustedTaskFile: A task is code that came with the dataset, and nobody said that it may be run.
         DatasetError: The source cannot be used, or is `out`.
     """
-    source, out, _ = as_path(source, "source"), as_path(out, "out"), as_record(pictures, ImageConfig, "pictures")
+    source, out, _ = as_path(source, "source"), as_path(out, "out"), as_record(images, ImageConfig, "images")
     check_work(engine, on_progress, stop, trust_task_files)
     _check_apart(source, out)
     items = _items(source, tasks)
@@ -126,7 +126,7 @@ def rerender(
     with hold(out):
         remove_leftovers(out)
         keep_tasks(out, classes.values())
-        return run_items(pictures, _with_tasks(items, classes), out, engine=engine, on_progress=on_progress, stop=stop)
+        return run_items(images, _with_tasks(items, classes), out, engine=engine, on_progress=on_progress, stop=stop)
 
 
 def _check_apart(source: Path, out: Path) -> None:

@@ -1,4 +1,4 @@
-"""Failures say why, with evidence and a picture."""
+"""Failures say why, with evidence and a image."""
 
 from __future__ import annotations
 

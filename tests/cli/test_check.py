@@ -46,7 +46,7 @@ def test_a_report_folder_holds_page_data_and_pictures(tmp_path: Path, capsys: Ca
     assert [(segment["waypoint"], segment["count"]) for segment in report["segments"]] == [(0, 6)]
     assert report["speed"]["physics_share"] + report["speed"]["planning_share"] < 1.0
     page = (tmp_path / "report.md").read_text()
-    for picture in ("pictures/reach_target.jpg", "pictures/reach_target_reach.png"):
+    for picture in ("images/reach_target.jpg", "images/reach_target_reach.png"):
         assert f"]({picture})" in page
         with Image.open(tmp_path / picture) as image:
             assert image.width > 400

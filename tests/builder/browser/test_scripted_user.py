@@ -74,14 +74,15 @@ def _drag_square(desk: Desk) -> None:
     page.press("■ square")
     until(lambda: session.selected == "square", "the square is selected")
     desk.settle()
-    start = session.places.things["square"][:3].copy()
+    start = session.places.elements["square"][:3].copy()
     page.drag(start + (0.0, 0.125, 0.0), start + (0.0, 0.275, 0.0))
     until(
-        lambda: session.places.things["square"][1] > start[1] + 0.08 and not desk.window.view.is_dragging, "the square has moved"
+        lambda: session.places.elements["square"][1] > start[1] + 0.08 and not desk.window.view.is_dragging,
+        "the square has moved",
     )
     page.picture("2_dragged")
     page.type("x y z [m]", "0.05", 1)
-    until(lambda: abs(session.places.things["square"][0] - 0.3) < 1e-6, "the number counts")
+    until(lambda: abs(session.places.elements["square"][0] - 0.3) < 1e-6, "the number counts")
 
 
 def _rename(page: Page, name: str) -> None:

@@ -137,7 +137,7 @@ def test_what_cannot_be_reached_is_shown(sit: Sit, copied: Callable[[str], TaskD
     assert document.scene_text == text
     until(lambda: "/ghosts/nearest reachable pose" not in _drawn(desk), "it is gone")
     page.tab("Validate")
-    page.press("Map of what can be reached")
+    page.press("Reach map")
     until(lambda: window.validation.work, "the map begins")
     until(lambda: not window.validation.work, "the map is done", 300.0)
     points = page.browser.execute_script("return window.__viserSceneTree.getState()['/reach'].message.props.points.byteLength")

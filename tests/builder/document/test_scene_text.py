@@ -216,7 +216,7 @@ def test_a_scene_that_is_not_valid_can_be_mended_by_forms(document: TaskDocument
     document.set("cup", "color", [0.5, 0.0, 0.0])
     assert not document.problems and document.spec.body[0].color == (0.5, 0.0, 0.0)
     document.set_scene_text("format = ")
-    with pytest.raises(EditRefused, match="Mend the text first"):
+    with pytest.raises(EditRefused, match="Correct the text first"):
         document.set("cup", "color", None)
 
 

@@ -163,7 +163,7 @@ def test_deleting_what_others_need_is_asked_first(copied: Copied, show: Show) ->
     _press(window, "Keep it")
     assert window.session.pending_deletion is None and document.text == texts
     _press(window, "Delete")
-    _press(window, "Delete with all that depends on it")
+    _press(window, "Delete with all dependants")
     assert window.session.selected == "" and document.spec is not None and not [p for p in document.problems if p.file == "scene"]
     assert [w.name for w in document.spec.waypoint] == ["waypoint0"]
     assert document.behaviour.graspable == ()

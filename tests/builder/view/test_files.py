@@ -78,7 +78,7 @@ def test_fields_keep_their_places_when_a_file_changes_on_disk(copied: Callable[[
     settle(window)
     after = window.panels["Files"].controls
     assert after[: len(before)] == before
-    assert [c.label for c in after if c.key[0] == "button"][1:] == ["Take over what is on disk", "Save over it"]
+    assert [c.label for c in after if c.key[0] == "button"][1:] == ["Load the files from disk", "Save over it"]
 
 
 @pytest.mark.parametrize(

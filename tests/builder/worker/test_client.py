@@ -74,7 +74,7 @@ def test_everything_can_be_asked(client: WorkerClient, saucepan: TaskText) -> No
     q, error = client.follow(verdicts[0].pose, recording.frames[0].arm)
     assert error < 1e-3
     assert q.shape == (7,)
-    assert client.simulate(0.1).frames[-1].held == (True, True)
+    assert client.simulate(0.1).frames[-1].conditions_met == (True, True)
     assert client.images(32)["front"].shape == (32, 32, 3)
     begin = recording.frames[0]
     assert np.array_equal(client.images(32, begin)["front"], client.images(32, begin)["front"])

@@ -120,7 +120,7 @@ def run(args: argparse.Namespace) -> RecordReport:
         seed=_seed(root, args),
         max_velocity=args.arm_max_velocity,
         max_acceleration=args.arm_max_acceleration,
-        pictures=ImageConfig(image_size=(args.image_size[0], args.image_size[1]), render_mode=args.renderer),
+        images=ImageConfig(image_size=(args.image_size[0], args.image_size[1]), render_mode=args.renderer),
     )
     engine = SerialEngine() if args.processes <= 1 else ProcessEngine(args.processes)
     report = record(config, root / _RECORDING, engine=engine, resume=args.resume, on_progress=_say)
