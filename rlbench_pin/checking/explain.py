@@ -1,4 +1,4 @@
-"""Why a demonstration failed: the typed reason with its evidence, and an image of the world at that moment."""
+"""Causes of failed demonstrations: the error with its evidence, and an image of the world at that moment."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from rlbench_pin.values import as_path
 
 
 def explain_failure(task: str, seed: int, variation: int, image: Path | None = None, attempt: int = 0) -> list[str]:
-    """Play one demonstration again and return lines that say why it fails; one line when it does not.
+    """Replay one demonstration and return lines with the cause of its failure; one line when it succeeds.
 
     Args:
         task: Name of the task, or path of a task file.
         seed: Seed of the episode.
         variation: Its variation.
         image: PNG file of the world at the failure; None for none.
-        attempt: Which try of the seed.
+        attempt: Number of the attempt of the seed.
 
     Raises:
         StorageError: The image cannot be written.

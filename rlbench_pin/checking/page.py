@@ -24,8 +24,8 @@ def page(content: Plain, images: Mapping[str, Mapping[str, str]] | None = None) 
     """Return the page.
 
     Args:
-        content: What the JSON report holds; parts that an older one lacks are left out.
-        images: Task -> what an image shows (`sheet`, `map`) -> its file, relative to the page.
+        content: The JSON report; parts that an older one lacks are left out.
+        images: Task -> content of an image (`sheet`, `map`) -> its file, relative to the page.
     """
     content = current_keys(content)
     tasks = content["tasks"]
@@ -157,7 +157,7 @@ def _reach(task: Plain) -> str:
 
 
 def share(rate: Plain | None) -> str:
-    """Return `19/20`, or nothing where nothing was tried."""
+    """Return `19/20`, or an empty text where nothing was tried."""
     return f"{rate['count']}/{rate['of']}" if rate and rate["of"] else ""
 
 

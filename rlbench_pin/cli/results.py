@@ -31,8 +31,8 @@ class ShowResults:
     """Results files, as `rlbench-pin evaluate` writes them."""
     compare: bool = False
     """Compare each further file with the first: McNemar's test on the common episodes, by task and overall."""
-    held: bool = False
-    """Compare success that lasts, instead of success."""
+    stable: bool = False
+    """Compare stable success instead of success."""
     common: bool = False
     """Compare only the common episodes of two files with different episodes."""
     any_limits: bool = False
@@ -90,7 +90,7 @@ class ShowResults:
         for other, label in zip(results[1:], labels[1:]):
             comparison = compare(
                 results[0], other, np.random.default_rng(0),
-                measure="lasts" if self.held else "success", common=self.common, any_limits=self.any_limits,
+                measure="lasts" if self.stable else "success", common=self.common, any_limits=self.any_limits,
             )  # fmt: skip
             found.append(replace(comparison, first=labels[0], second=label))
         return found

@@ -88,17 +88,17 @@ class Video:
 
     def _record_grid(self, tasks: tuple[type[Task], ...]) -> Path:
         from rlbench_pin.datasets import VideoWriter
-        from rlbench_pin.recording.video import Orbit, Reel, grid_frames, grid_size
+        from rlbench_pin.recording.video import Orbit, Clip, grid_frames, grid_size
 
-        reels = {}
+        clips = {}
         for task in tasks:
-            reel = reels[task.get_name()] = Reel()
+            clip = clips[task.get_name()] = Clip()
             with self._environment() as environment:
                 orbit = Orbit(size=_CELL, step=self.speed / self.smooth)
-                self._play(environment.get_task(task), orbit, reel.add)
+                self._play(environment.get_task(task), orbit, clip.add)
         path = self.out / "grid.mp4"
-        with storing(path), VideoWriter(path, grid_size(len(reels), _CELL), self.fps * self.smooth) as video:
-            for image in grid_frames(reels, _CELL):
+        with storing(path), VideoWriter(path, grid_size(len(clips), _CELL), self.fps * self.smooth) as video:
+            for image in grid_frames(clips, _CELL):
                 video.add(image)
         return path
 

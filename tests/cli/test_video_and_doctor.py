@@ -13,7 +13,7 @@ from rlbench_pin.cli.doctor import check_image
 from rlbench_pin.cli.main import main
 from rlbench_pin.environment import low_dim_config, make_environment
 from rlbench_pin.errors import CameraError
-from rlbench_pin.recording.video import Orbit, Reel, grid_frames, grid_size, side_view
+from rlbench_pin.recording.video import Orbit, Clip, grid_frames, grid_size, side_view
 
 
 def test_the_orbit_stays_inside_the_room_and_looks_at_its_centre():
@@ -45,11 +45,11 @@ def test_films_have_the_arm_and_the_task_in_the_picture(name):
 
 def test_a_grid_shows_all_films_until_the_longest_ends():
     """Shorter films stand still at their end; the size is even."""
-    reels = {"a": Reel(), "b_c": Reel(), "d": Reel()}
-    for reel, (length, gray) in zip(reels.values(), ((2, 60), (4, 120), (1, 200))):
+    clips = {"a": Clip(), "b_c": Clip(), "d": Clip()}
+    for clip, (length, gray) in zip(clips.values(), ((2, 60), (4, 120), (1, 200))):
         for _ in range(length):
-            reel.add(np.full((41, 61, 3), gray, dtype=np.uint8))
-    frames = list(grid_frames(reels, (61, 41)))
+            clip.add(np.full((41, 61, 3), gray, dtype=np.uint8))
+    frames = list(grid_frames(clips, (61, 41)))
     width, height = grid_size(3, (61, 41))
     assert len(frames) == 4 and frames[0].shape == (height, width, 3) and width % 2 == height % 2 == 0
     assert abs(int(frames[-1][35, 30, 0]) - 60) < 4 and abs(int(frames[-1][80, 30, 0]) - 200) < 4
