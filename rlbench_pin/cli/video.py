@@ -88,7 +88,7 @@ class Video:
 
     def _record_grid(self, tasks: tuple[type[Task], ...]) -> Path:
         from rlbench_pin.datasets import VideoWriter
-        from rlbench_pin.recording.video import Orbit, Clip, grid_frames, grid_size
+        from rlbench_pin.recording.video import Clip, Orbit, grid_frames, grid_size
 
         clips = {}
         for task in tasks:

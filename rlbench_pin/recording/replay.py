@@ -40,9 +40,7 @@ def replay_demo(task: TaskEnvironment, stored: Demo) -> Demo:
     for index, recorded in enumerate(stored[1:], start=1):
         action = recorded.misc.get("joint_position_action")
         if action is None:
-            raise DemoError(
-                "The stored demonstration has no `joint_position_action`, so it cannot be replayed. Record it again."
-            )
+            raise DemoError("The stored demonstration has no `joint_position_action`, so it cannot be replayed. Record it again.")
         observation, _, _ = task.step(action)
         observation.misc["joint_position_action"] = np.array(action)
         _keep_flag(observation, recorded)

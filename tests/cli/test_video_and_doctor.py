@@ -13,7 +13,7 @@ from rlbench_pin.cli.doctor import check_image
 from rlbench_pin.cli.main import main
 from rlbench_pin.environment import low_dim_config, make_environment
 from rlbench_pin.errors import CameraError
-from rlbench_pin.recording.video import Orbit, Clip, grid_frames, grid_size, side_view
+from rlbench_pin.recording.video import Clip, Orbit, grid_frames, grid_size, side_view
 
 
 def test_the_orbit_stays_inside_the_room_and_looks_at_its_centre():
