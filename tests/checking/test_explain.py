@@ -1,4 +1,4 @@
-"""Failures say why, with evidence and a image."""
+"""Failures say why, with evidence and an image."""
 
 from __future__ import annotations
 

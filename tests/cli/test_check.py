@@ -34,8 +34,8 @@ def _without_times(report: dict[str, Any]) -> dict[str, Any]:
     return report
 
 
-def test_a_report_folder_holds_page_data_and_pictures(tmp_path: Path, capsys: Capture) -> None:
-    """Every part of the contract is in the JSON, and each picture that the page names is there."""
+def test_a_report_folder_holds_page_data_and_images(tmp_path: Path, capsys: Capture) -> None:
+    """Every part of the contract is in the JSON, and each image that the page names is there."""
     assert main(["check", "reach_target", *QUICK, "--out", str(tmp_path)]) == 0
     assert str(tmp_path / "report.md") in capsys.readouterr().out
     report = json.loads((tmp_path / "report.json").read_text())["tasks"]["reach_target"]

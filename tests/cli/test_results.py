@@ -32,12 +32,12 @@ def test_tables(files: tuple[str, str], capsys: Captured) -> None:
     assert "| reach_target " in capsys.readouterr().out
 
 
-def test_a_comparison_and_a_picture(files: tuple[str, str], tmp_path: Path, capsys: Captured) -> None:
+def test_a_comparison_and_a_image(files: tuple[str, str], tmp_path: Path, capsys: Captured) -> None:
     """Of every further file with the first."""
-    picture = tmp_path / "new" / "plot.svg"
-    assert main(["results", *files, "--compare", "--plot", str(picture)]) == 0
+    image = tmp_path / "new" / "plot.svg"
+    assert main(["results", *files, "--compare", "--plot", str(image)]) == 0
     assert "'second' is better" in capsys.readouterr().out
-    assert picture.read_text().startswith("<?xml")
+    assert image.read_text().startswith("<?xml")
 
 
 def test_json(files: tuple[str, str], capsys: Captured) -> None:

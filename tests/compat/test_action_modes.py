@@ -40,7 +40,7 @@ from rlbench.tasks import OpenDrawer, PickAndLift, ReachTarget, TakeLidOffSaucep
 
 
 def launched() -> Iterator[Environment]:
-    """Yield a launched environment without pictures, and shut it down."""
+    """Yield a launched environment without images, and shut it down."""
     config = ObservationConfig()
     config.set_all_high_dim(False)
     environment = Environment(MoveArmThenGripper(JointVelocity(), Discrete()), obs_config=config, headless=True)
@@ -64,7 +64,7 @@ HALF = [0.0, 0.0, np.sin(0.1), np.cos(0.1)]
 
 @pytest.fixture(scope="module")
 def environment() -> Iterator[Environment]:
-    """An environment without pictures."""
+    """An environment without images."""
     yield from launched()
 
 

@@ -36,7 +36,7 @@ class Typed(Task):
 
 
 def low_dim() -> ObservationConfig:
-    """All low-dimensional data, no pictures."""
+    """All low-dimensional data, no images."""
     config = ObservationConfig()
     config.set_all_high_dim(False)
     config.set_all_low_dim(True)

@@ -57,7 +57,7 @@ class Remembering(Task):
 
 
 def low_dim() -> ObservationConfig:
-    """All low-dimensional data, no pictures."""
+    """All low-dimensional data, no images."""
     config = ObservationConfig()
     config.set_all_high_dim(False)
     config.set_all_low_dim(True)
@@ -66,7 +66,7 @@ def low_dim() -> ObservationConfig:
 
 @pytest.fixture(scope="module")
 def environment() -> Iterator[Environment]:
-    """An environment without pictures."""
+    """An environment without images."""
     with Environment(MoveArmThenGripper(JointVelocity(), Discrete()), obs_config=low_dim()) as environment:
         yield environment
 

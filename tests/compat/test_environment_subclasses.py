@@ -279,7 +279,7 @@ STILL = np.array([0.0] * 7 + [1.0])
 
 @pytest.fixture
 def two() -> Iterator[tuple[Environment, Environment]]:
-    """Two launched environments without pictures."""
+    """Two launched environments without images."""
     config = ObservationConfig()
     config.set_all_high_dim(False)
     config.task_low_dim_state = True

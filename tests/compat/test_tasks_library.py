@@ -51,7 +51,7 @@ class AsItIs(OpenDrawer):
 
 @pytest.fixture(scope="module")
 def environment() -> Iterator[Environment]:
-    """An environment without pictures."""
+    """An environment without images."""
     config = ObservationConfig()
     config.set_all_high_dim(False)
     env = Environment(MoveArmThenGripper(JointVelocity(), Discrete()), obs_config=config, headless=True)

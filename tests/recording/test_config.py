@@ -63,7 +63,7 @@ def test_senseless_settings_are_refused(change: dict[str, object], error: type[E
         plan_items(replace(CONFIG, **change))  # type: ignore[arg-type]
 
 
-def test_senseless_pictures_are_refused() -> None:
+def test_senseless_images_are_refused() -> None:
     """Unknown cameras and products and empty images are errors at once."""
     with pytest.raises(UnknownName, match="Did you mean 'wrist'"):
         ImageConfig(cameras=("wrst",))
@@ -104,7 +104,7 @@ def test_settings_come_back(tmp_path: Path) -> None:
 
 
 def test_recordings_of_earlier_versions_are_read(tmp_path: Path) -> None:
-    """Their settings of images have the key `pictures`."""
+    """Their settings of images have the key `images`."""
     content = {"version": 1, **asdict(FILED)}
     content["pictures"] = content.pop("images")
     (tmp_path / "recording.json").write_text(json.dumps(content))

@@ -507,11 +507,11 @@ if (!window.pressesWait) {
     event.stopImmediatePropagation();
     const label = pressed.innerText;
     setTimeout(() => {
-      const alike = pressed.isConnected ? [pressed] : [...document.querySelectorAll(buttons)].filter((e) => e.innerText === label);
-      if (alike.length !== 1) return;
-      replayed.add(alike[0]);
-      alike[0].click();
-      replayed.delete(alike[0]);
+      const same = pressed.isConnected ? [pressed] : [...document.querySelectorAll(buttons)].filter((b) => b.innerText === label);
+      if (same.length !== 1) return;
+      replayed.add(same[0]);
+      same[0].click();
+      replayed.delete(same[0]);
     }, free - now);
     free += PAUSE;
   }, true);

@@ -43,7 +43,7 @@ def test_texts_are_edited_in_place(sit: Sit, copied: Callable[[str], TaskDocumen
     assert [(problem.file, problem.line) for problem in document.problems] == [("scene", line)]
     page.shows("Problems (1)")
     page.shows(f"line {line}:")
-    page.picture("broken_scene")
+    page.screenshot("broken_scene")
     _stands(desk, 0.05)
     _apply(desk, SCENE, before.scene)
     until(lambda: "Problems" not in page.text, "no problems")
@@ -85,7 +85,7 @@ def test_an_editor_beside_the_page(sit: Sit, copied: Callable[[str], TaskDocumen
     file.write_text(changed.replace("[placement]", "[placement"))
     page.shows("Problems (1)")
     _stands(desk, 0.05)
-    page.picture("broken_on_disk")
+    page.screenshot("broken_on_disk")
     page.press(f"Undo: {document.undoable}")
     until(lambda: document.scene_text == changed, "the text before")
     until(lambda: "Problems" not in page.text, "no problems")

@@ -19,7 +19,7 @@ def test_a_dragged_body_moves_in_the_file_and_back(sit: Sit, copied: Callable[[s
     desk.settle()
     before = document.text
     page.quiet()
-    page.picture("opened")
+    page.screenshot("opened")
     seen = session.places.elements["distractor0"][:3] + (0.0, 0.0, 0.015)
     page.click_until(seen, lambda: session.selected == "distractor0", "the block is selected")
     page.shows("Duplicate")
@@ -31,7 +31,7 @@ def test_a_dragged_body_moves_in_the_file_and_back(sit: Sit, copied: Callable[[s
     assert np.allclose(moved - start, (0.0, 0.1, 0.0), atol=0.021)
     assert abs(moved[0] - start[0]) < 1e-9
     assert document.scene_text != before.scene
-    page.picture("dragged")
+    page.screenshot("dragged")
     page.press(f"Undo: {document.undoable}")
     until(lambda: document.text == before, "the same bytes")
     assert not document.unsaved

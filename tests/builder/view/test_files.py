@@ -26,9 +26,9 @@ def viser() -> Iterator[ViserServer]:
 
 def test_lines_have_numbers_and_wrong_ones_are_red() -> None:
     """As many as there are, and the wrong one in red."""
-    picture = unquote(line_numbers("code-0", 3, (2,)))
-    assert [f">{k}</text>" in picture for k in (1, 2, 3, 4)] == [True, True, True, False]
-    assert picture.count("#fdd8d3") == 1 and 'fill="#c0392b">2<' in picture
+    image = unquote(line_numbers("code-0", 3, (2,)))
+    assert [f">{k}</text>" in image for k in (1, 2, 3, 4)] == [True, True, True, False]
+    assert image.count("#fdd8d3") == 1 and 'fill="#c0392b">2<' in image
 
 
 def test_what_was_typed_outlives_another_edit(viser: ViserServer) -> None:

@@ -157,7 +157,7 @@ def test_files_changed_on_disk_are_read_again(copied: Copied, show: Show) -> Non
 
 
 def test_moving_a_body_is_quick(copied: Copied, show: Show) -> None:
-    """The picture follows a drag without waiting for text or worker."""
+    """The image follows a drag without waiting for text or worker."""
     window = show(copied("pick_and_lift"), WorkerStandIn())
     frame = window._viser.scene.get_handle_by_name("/bodies/block/0")
     window.session.post(lambda: window.session.select("block"))

@@ -38,7 +38,7 @@ def environment(config, every, frequency=1):
     )
 
 
-def pictures(env, count):
+def images(env, count):
     env.launch()
     task = env.get_task(OpenDrawer)
     task.set_variation(0)
@@ -70,9 +70,9 @@ def main():
         config = VisualRandomizationConfig(image_directory=folder)
         assert len(config.sample(3)) == 3 and all(os.path.exists(path) for path in config.sample(3))
 
-        plain = pictures(environment(None, None), 2)
-        every = pictures(environment(config, RandomizeEvery.EPISODE), 3)
-        second = pictures(environment(config, RandomizeEvery.EPISODE, frequency=2), 4)
+        plain = images(environment(None, None), 2)
+        every = images(environment(config, RandomizeEvery.EPISODE), 3)
+        second = images(environment(config, RandomizeEvery.EPISODE, frequency=2), 4)
     assert changed(plain[0], plain[1]) < 0.02, changed(plain[0], plain[1])
     assert changed(plain[0], every[0]) > 0.3, changed(plain[0], every[0])
     assert changed(every[0], every[1]) > 0.3 and changed(every[1], every[2]) > 0.3
