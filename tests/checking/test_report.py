@@ -203,7 +203,7 @@ def test_reach_is_counted_by_waypoint() -> None:
 
 
 def test_the_page_shows_what_the_json_holds() -> None:
-    """Tables of tasks, variations and legs, the slowest with the reason, and images where there are some."""
+    """Tables of tasks, variations and segments, the slowest with the reason, and images where there are some."""
     slower = replace(DEMO, cost=replace(DEMO.cost, process=1.0, physics=0.8))
     demos = [replace(GOOD, task="stack_blocks", seed=i, variation=i % 3, demo=slower) for i in range(20)]
     slow = [*demos, *(replace(t, task="stack_blocks") for t in _trials(0))]

@@ -85,7 +85,7 @@ def test_demo_videos(tmp_path: Path, capsys: Capture) -> None:
         images = [frame.to_ndarray(format="rgb24").astype(int) for frame in container.decode(stream)]
     assert len(images) > 60
     assert np.abs(images[0] - images[-1]).max() > 50
-    assert not list(tmp_path.glob(".film*"))
+    assert not list(tmp_path.glob(".recording*"))
 
 
 @pytest.mark.slow

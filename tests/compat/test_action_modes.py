@@ -154,7 +154,7 @@ def test_the_frame_of_the_end_effector(scene: Any, kind: type, frame: Any) -> No
 
 
 def test_inverse_kinematics_with_a_pinned_joint(scene: Any) -> None:
-    """The first joint goes where it is told, the tip stays."""
+    """The first joint reaches its target, the tip does not move."""
     tip = scene.robot.arm.get_tip().get_pose()
     ERJointViaIK(commanded_joints=[0]).action(scene, [*tip, 0.15])
     assert scene.robot.arm.get_joint_positions()[0] == pytest.approx(0.15, abs=0.01)

@@ -69,8 +69,8 @@ def test_parents_that_physics_moves(pyrep: PyRep) -> None:
     """When a cube falls, another one on it stays in the air, and a dummy falls with it; moved by a call, both come along."""
     parent, child, mark = cube([0.3, 0.3, 1.2]), cube([0.3, 0.3, 1.4], static=True), Dummy.create()
     mark.set_position([0.3, 0.3, 1.3])
-    for thing in (child, mark):
-        thing.set_parent(parent)
+    for item in (child, mark):
+        item.set_parent(parent)
     steps(pyrep, 4)
     assert parent.get_position()[2] < 1.1 and child.get_position()[2] == pytest.approx(1.4)
     assert mark.get_position()[2] - parent.get_position()[2] == pytest.approx(0.1, abs=1e-3)

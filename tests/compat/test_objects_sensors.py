@@ -280,13 +280,13 @@ def test_textures(pyrep: PyRep) -> None:
     holder, texture = pyrep.create_texture(str(file))
     holder.remove()
     plain = camera.capture_rgb()
-    for thing in (cube, Shape("Wall3"), Shape("Wall4"), Shape("diningTable_visible")):
+    for item in (cube, Shape("Wall3"), Shape("Wall4"), Shape("diningTable_visible")):
         before = camera.capture_rgb()
-        thing.set_texture(texture, uv_scaling=[0.2, 0.2])
+        item.set_texture(texture, uv_scaling=[0.2, 0.2])
         changed = camera.capture_rgb()
-        thing.remove_texture()
+        item.remove_texture()
         assert np.array_equal(camera.capture_rgb(), before)
-        assert thing.get_name() != "Cuboid" or not np.array_equal(changed, before)
+        assert item.get_name() != "Cuboid" or not np.array_equal(changed, before)
     assert np.array_equal(camera.capture_rgb(), plain)
     with pytest.raises(CameraError, match="no_such.png"):
         pyrep.create_texture("no_such.png")

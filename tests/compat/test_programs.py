@@ -1,6 +1,6 @@
 """Programs as users of RLBench write them run under the known names, and show what their users want to see.
 
-`programs/` imports nothing of rlbench_pin; each program judges itself and ends with a line that says what it found.
+`programs/` imports nothing of rlbench_pin; each program checks its own results and ends with a line that reports them.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ PROGRAMS = Path(__file__).parent / "programs"
 SAYS = {
     "camera_moved": "moved cam_front to [0.9 0.6 1.4]",
     "custom_action_mode": "joints by",
-    "domain_randomisation": "looks changed on",
+    "domain_randomisation": "appearance changed on",
     "gym_user": "image (360, 640, 3)",
     "imitation": "cloned",
     "keyframe_agent": "success",

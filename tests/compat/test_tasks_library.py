@@ -118,8 +118,8 @@ def _demonstrate(environment: Environment, user: Any) -> bool:
                     gripper.release()
                 while not gripper.actuate(float(number or full), 0.04):
                     step()
-                for thing in [] if full else user.get_graspable_objects():
-                    gripper.grasp(thing)
+                for item in [] if full else user.get_graspable_objects():
+                    gripper.grasp(item)
     return bool(user.success()[0])
 
 

@@ -1,4 +1,4 @@
-"""Frames made by hand, and a drawing that takes note of what it is told."""
+"""Frames made by hand, and a drawing that records its calls."""
 
 from __future__ import annotations
 

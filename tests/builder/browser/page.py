@@ -1,4 +1,4 @@
-"""A browser in front of the builder's page: finds things as a person does, by what stands on them."""
+"""A browser in front of the builder's page: finds controls by their labels, as a person does."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from viser import ViserServer
 
 Found = TypeVar("Found")
 PATIENCE = 60.0
-"""So long a thing may take to appear [s]: the browser draws without a graphics card."""
+"""Time limit for an element to appear [s]: the browser draws without a graphics card."""
 _OPTIONS = (
     "--headless=new",
     "--no-sandbox",

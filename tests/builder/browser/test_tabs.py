@@ -61,7 +61,7 @@ def test_two_tabs_see_the_same(sit: Sit, copied: Callable[[str], TaskDocument]) 
     selected = desk.session.selected
     browser.refresh()
     until(lambda: _tree(desk) == trees[0], "the same tree after a reload")
-    until(lambda: page.field("Name").get_attribute("value") == selected, "the same thing is selected")
+    until(lambda: page.field("Name").get_attribute("value") == selected, "the same element is selected")
     assert page.errors() == []
 
 

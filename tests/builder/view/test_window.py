@@ -38,7 +38,7 @@ def _drag(window: Window, name: str, *moves: tuple[float, float, float]) -> None
 
 
 def test_edits_reach_the_stage(copied: Copied, show: Show) -> None:
-    """Opened once without the task's own code; a moved thing is placed; changed Python is opened anew."""
+    """Opened once without the task's own code; a moved element is placed; changed Python is opened anew."""
     document, worker = copied("pick_and_lift"), WorkerStandIn(("waypoint0",))
     window = show(document, worker)
     assert worker.asked == ["open False", "reach"]

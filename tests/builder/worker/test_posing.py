@@ -48,7 +48,7 @@ def test_an_edit_in_place_is_what_building_gives(copied: Copied, opened: Opened,
 
 
 def test_what_counts_as_a_move(copied: Copied) -> None:
-    """Poses and the placement; not what things are, nor how they hang together."""
+    """Poses and the placement; not what elements are, nor how they hang together."""
     text = copied("take_lid_off_saucepan")
     file = text.folder / "take_lid_off_saucepan.toml"
     before = read_scene(file)

@@ -78,7 +78,10 @@ def main():
     assert changed(every[0], every[1]) > 0.3 and changed(every[1], every[2]) > 0.3
     kept = [changed(a, b) for a, b in zip(second, second[1:])]
     assert sorted(kept)[0] < 0.05 and max(kept) > 0.3, kept
-    print("looks changed on %.0f %% of the pixels; with frequency 2: %s" % (100 * changed(every[0], every[1]), np.round(kept, 2)))
+    print(
+        "appearance changed on %.0f %% of the pixels; with frequency 2: %s"
+        % (100 * changed(every[0], every[1]), np.round(kept, 2))
+    )
 
 
 if __name__ == "__main__":
