@@ -156,7 +156,7 @@ def test_training_that_was_ended_goes_on_to_the_same_files(algorithm: str, demon
 @pytest.mark.slow
 def test_a_killed_training_goes_on_to_the_same_files(tmp_path: Path, capsys: Capture) -> None:
     """`kill -9` in the middle of the second leg, then `--resume`."""
-    words = ("train", "ppo", TASK, "--steps", "48", "--leg", "16", "--episode-steps", "4", "--out")
+    words = ("train", "ppo", TASK, "--steps", "48", "--checkpoint-steps", "16", "--episode-steps", "4", "--out")
     assert exit_code(*words, str(tmp_path / "a")) == 0
     assert f"ppo:{tmp_path / 'a'}" in capsys.readouterr().out
     process = subprocess.Popen(
@@ -259,7 +259,7 @@ def test_curves_hold_intervals_and_are_drawn_alike(trained: tuple[str, Path], tm
         (("sac", "reach_targt"), "reach_target"),
         (("sac", TASK, "--steps", "0"), "--steps"),
         (("sac", TASK, "--workers", "0"), "--workers"),
-        (("sac", TASK, "--leg", "9", "--workers", "2"), "leg_steps"),
+        (("sac", TASK, "--checkpoint-steps", "9", "--workers", "2"), "leg_steps"),
         (("ppo", TASK, "--demonstrations", "-1"), "--demonstrations"),
         (("ppo", "push_button", "--shaped"), "no shaped reward"),
         (("ppo", TASK, "--plot", "curve.pdf"), ".png or .svg"),
@@ -275,7 +275,7 @@ def test_misuse_is_named(words: tuple[str, ...], hint: str, tmp_path: Path, caps
 @pytest.mark.slow
 def test_sac_learns_and_is_evaluated(tmp_path: Path) -> None:
     """Two hundred decisions after twenty demonstrations; the evaluation of what comes of them is better than chance."""
-    words = ("--steps", "256", "--leg", "128", "--demonstrations", "20", "--out", str(tmp_path / "m"))
+    words = ("--steps", "256", "--checkpoint-steps", "128", "--demonstrations", "20", "--out", str(tmp_path / "m"))
     assert exit_code("train", "sac", TASK, *words) == 0
     out = tmp_path / "results.json"
     assert exit_code("evaluate", f"sac:{tmp_path / 'm'}", "--tasks", TASK, "--episodes", "10", "--out", str(out)) == 0
