@@ -57,7 +57,8 @@ class PlannerConfig:
     margin: float = 0.003
     """Clearance to the world, except where start or goal have less [m]."""
     algorithm: Algorithm = "rrt_connect"
-    """Sampling planner."""
+    """Planner that searches paths around obstacles; straight and direct motions do not use it. Edges that fail the fine check
+    are always replaced by RRT-Connect."""
     checks: int = 50_000
     """Budget of state checks of the sampling planner."""
     simplify_checks: int = 1000
@@ -79,7 +80,8 @@ class PlannerConfig:
     certify_checks: int = 6000
     """Budget of state checks of one continuous check."""
     clearance: float = 0.0
-    """Clearance that paths around obstacles keep if they can, at most tried before `margin` [m]."""
+    """Clearance to the world that a path around obstacles keeps, less only near start and goals [m]. Without such a path, and for
+    straight and direct motions, `margin` counts. A value up to `margin` has no effect."""
     measure_clearance: bool = False
     """Report the clearance of every plan; costs some milliseconds."""
     own_margin: float = 0.001

@@ -32,7 +32,7 @@ VERSION = 1
 
 @dataclass(frozen=True, kw_only=True)
 class ImageConfig:
-    """Which images an episode contains, how it is stored, and how fast the arm may move."""
+    """The images of recorded episodes: cameras, products, size, renderer and compression."""
 
     cameras: tuple[str, ...] = CAMERAS
     """Cameras whose images are stored."""

@@ -167,7 +167,7 @@ class Sensor(Frame):
     Args:
         shape: Kind of volume.
         size: box: x, y, z; cylinder: diameter, length along z; sphere: diameter [m].
-        find: Appearance a body up by name.
+        find: Looks up a body by name.
     """
 
     def __init__(
@@ -228,7 +228,7 @@ class PlaceTree:
 
     Args:
         spec: Names, parents and local poses.
-        find: Appearance a body up by name.
+        find: Looks up a body by name.
     """
 
     def __init__(self, spec: SceneSpec, find: Callable[[str], Body]) -> None:

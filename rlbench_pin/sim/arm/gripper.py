@@ -47,7 +47,7 @@ class SimGripper:
 
     Args:
         robot: The arm that carries the gripper.
-        find: Appearance a body up by name.
+        find: Looks up a body by name.
         bodies: Returns all bodies of the scene.
     """
 
@@ -126,7 +126,11 @@ class SimGripper:
         return self._attachments.names
 
     def between_fingers(self) -> tuple[str, ...]:
-        """Names of graspable bodies that both fingers touch and that reach into the thin box between the pads."""
+        """Return the names of the graspable bodies that both fingers touch and that overlap the box between the pads.
+
+        A touch counts on the links that `register_graspable_objects` allows. The box is `pad_size` along tip x and z, and
+        along tip y 2 mm less than the gap between the fingers (1 mm at least).
+        """
         return tuple(body.name for body in self._bodies() if body.graspable and self._is_gripped(body) and self._in_gap(body))
 
     def _is_gripped(self, body: Body) -> bool:
@@ -135,11 +139,11 @@ class SimGripper:
         return all(links & touched_links(self._model, finger, body.model) for finger in self._fingers)
 
     def reaches_between_fingers(self, name: str) -> bool:
-        """Whether a body, graspable or not, reaches into the thin box between the pads."""
+        """Whether a body, graspable or not, overlaps the box between the pads."""
         return self._in_gap(self._find(name))
 
     def closes_on_something(self) -> bool:
-        """Whether any body, graspable or not, reaches into the thin box between the pads."""
+        """Whether any body, graspable or not, overlaps the box between the pads."""
         return any(body.collides and self._in_gap(body) for body in self._bodies())
 
     def _in_gap(self, body: Body) -> bool:
