@@ -12,7 +12,7 @@ from harness import state_only
 
 from rlbench_pin.control import SafetyConfig
 from rlbench_pin.environment import Discrete, Environment, JointVelocity, MoveArmThenGripper, SafeArm, TaskEnvironment
-from rlbench_pin.environment.actions.safe_arm import LIMIT_MARGIN, Guard, wanted_velocity
+from rlbench_pin.environment.actions.safe_arm import LIMIT_MARGIN, RuntimeFilter, wanted_velocity
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.scene.snapshot import WorldSnapshot
@@ -82,7 +82,7 @@ def merged(parts: Sequence[Figures]) -> Figures:
 
 
 @dataclass
-class TimedGuard(Guard):
+class TimedFilter(RuntimeFilter):
     """A filter that notes what it takes to take over the world [s]."""
 
     looking: list[float] = field(default_factory=list)
@@ -102,11 +102,11 @@ class TimedArm(SafeArm):
         self.states: list[State] = []
         self.seconds: list[float] = []
 
-    def make_guard(self, runtime: Runtime) -> Guard:
+    def make_filter(self, runtime: Runtime) -> RuntimeFilter:
         """Make the filter, timed."""
-        return TimedGuard(super().make_guard(runtime).filter)
+        return TimedFilter(super().make_filter(runtime).filter)
 
-    def filter_command(self, runtime: Runtime, guard: Guard) -> None:
+    def filter_command(self, runtime: Runtime, guard: RuntimeFilter) -> None:
         q, v = runtime.robot.joint_positions, runtime.robot.joint_velocities
         self.states.append((q, v, wanted_velocity(runtime, q, v).copy()))
         began = time.process_time()

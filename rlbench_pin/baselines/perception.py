@@ -66,7 +66,7 @@ def name_of(color: FloatArray, names: Sequence[str] = tuple(PALETTE)) -> str:
 
 SPACING = 0.006
 """Mean distance of points on a surface [m]."""
-MOST = 6000
+MAX_POINTS = 6000
 """Points of one link at most."""
 NO_JOINTS: Mapping[str, float] = MappingProxyType({})
 
@@ -147,7 +147,7 @@ def _sampled(link: UrdfLink) -> FloatArray:
     triangles = np.concatenate([points[numbers] for points, numbers in corners])
     across = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     areas = 0.5 * np.linalg.norm(across, axis=1)
-    count = int(min(MOST, max(40.0, areas.sum() / SPACING**2)))
+    count = int(min(MAX_POINTS, max(40.0, areas.sum() / SPACING**2)))
     chosen = triangles[rng.choice(len(triangles), size=count, p=areas / areas.sum())]
     a, b = rng.random((2, count, 1))
     flip = a + b > 1.0

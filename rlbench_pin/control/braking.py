@@ -142,7 +142,7 @@ class Way:
         return Piece(self.q[i], self.start[i], self.end[i], self.dt)
 
 
-def ways_to_standstill(
+def paths_to_standstill(
     bounds: JointBounds, q: FloatArray, v: FloatArray, command: FloatArray, loaded_joints: int
 ) -> Iterator[Way]:
     """Yield the ways that `command` and the braking after it may take, from `q` [rad] moving at `v` [rad/s].
@@ -195,7 +195,7 @@ class BrakingCheck:
         if not keep.any():
             return which[:0]
         pairs, now = Pairs(which, levers, floors[which])[keep], now[keep]
-        for way in ways_to_standstill(self.bounds, q, v, command, model.model.description.loaded_joints):
+        for way in paths_to_standstill(self.bounds, q, v, command, model.model.description.loaded_joints):
             after, broken = self._measured(way.q[-1], pairs)
             if not len(broken):
                 broken = self._between(way, 0, len(way), pairs, pairs.levers @ way.turns.T, now, after)

@@ -37,7 +37,7 @@ import placo
 from numpy.typing import ArrayLike
 
 from rlbench_pin.control.checks import as_pose, as_state, as_vector, check_made_of
-from rlbench_pin.control.qp.constraints import HOLDS, HeldQuantity, JointBounds
+from rlbench_pin.control.qp.constraints import HELD_QUANTITIES, HeldQuantity, JointBounds
 from rlbench_pin.control.qp.objectives import Manipulability, PostureObjective, TipApproach, TipObjective, moved
 from rlbench_pin.control.qp.programs import OsqpSolver, QPSolver, QuadraticProgram, empty_rows
 from rlbench_pin.errors import InfeasibleControl, InvalidValue, RobotModelError
@@ -114,7 +114,7 @@ _RULES = ruled(
     (NOT_NEGATIVE, "limit_margin"),
     (record_of(TipObjective), "tip"),
     (record_of(PostureObjective), "posture"),
-    (one_of(*HOLDS), "hold"),
+    (one_of(*HELD_QUANTITIES), "hold"),
 )
 
 

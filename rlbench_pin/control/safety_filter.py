@@ -31,7 +31,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rlbench_pin.control.braking import BrakingCheck, MotorCheck
 from rlbench_pin.control.checks import as_state, as_vector, check_made_of
-from rlbench_pin.control.qp.constraints import HOLDS, HeldQuantity, JointBounds
+from rlbench_pin.control.qp.constraints import HELD_QUANTITIES, HeldQuantity, JointBounds
 from rlbench_pin.control.qp.programs import OsqpSolver, QPSolver, QuadraticProgram
 from rlbench_pin.errors import InfeasibleControl, InvalidValue
 from rlbench_pin.robot.distances import DistanceModel, IndexArray
@@ -46,7 +46,7 @@ motors have; the QP had no solution."""
 _RULES = ruled(
     (POSITIVE, "dt gain"),
     (NOT_NEGATIVE, "margin self_margin buffer influence recovery_speed limit_margin"),
-    (one_of(*HOLDS), "hold"),
+    (one_of(*HELD_QUANTITIES), "hold"),
 )
 
 
@@ -196,7 +196,7 @@ class Dampers:
             floors[which] = np.minimum(floors[which], model.measure(which) - SLACK)
         return floors
 
-    def nothing_near(self, turns: FloatArray) -> bool:
+    def is_clear(self, turns: FloatArray) -> bool:
         """Whether all pairs are farther apart than where dampers begin and what joint turns (n,) [rad] can take at most now."""
         model = self.distances
         self.floors()
@@ -305,7 +305,7 @@ class SafetyFilter:
             return False
         gain = self.config.gain
         turns = [max(abs(u) / gain, way / left) for u, way in zip(command.tolist(), travel)]
-        return self._dampers.nothing_near(np.array(turns))
+        return self._dampers.is_clear(np.array(turns))
 
     # Proposing ----------------------------------------------------------------------------------------------------
 

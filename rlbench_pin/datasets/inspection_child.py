@@ -20,13 +20,13 @@ _MEMORY = 6 << 30
 """So much memory may be asked for, beside 64 times the size of the file [bytes]."""
 _BLOCK = 1 << 24
 """So much of an array is read at once [bytes]."""
-_MOST, _SMALL = 1100, 1 << 20
+_MAX_INFLATION, _SMALL = 1100, 1 << 20
 """No compression makes an array smaller than by this factor; small arrays may be of any size [bytes]."""
 
 
 def is_oversized(dataset: Any) -> bool:
     """Whether an array claims more bytes than what is stored of it can hold."""
-    return bool(dataset.nbytes > _MOST * dataset.id.get_storage_size() + _SMALL)
+    return bool(dataset.nbytes > _MAX_INFLATION * dataset.id.get_storage_size() + _SMALL)
 
 
 def read_all(path: str) -> None:

@@ -72,7 +72,7 @@ VERSION = 1
 _BLOCK = 1 << 20
 _JOURNAL = ".manifest.journal"
 _SHA256 = re.compile("[0-9a-f]{64}")
-_MOST_EPISODES = 2**31 - 1
+_MAX_EPISODES = 2**31 - 1
 
 Entries = dict[tuple[int, int], "EpisodeEntry"]
 
@@ -113,8 +113,8 @@ class EpisodeEntry:
 
 _FIELDS: dict[str, Callable[[object], bool]] = {
     "file": lambda value: isinstance(value, str),
-    "variation": lambda value: is_whole(value, 0, _MOST_EPISODES),
-    "episode": lambda value: is_whole(value, 0, _MOST_EPISODES),
+    "variation": lambda value: is_whole(value, 0, _MAX_EPISODES),
+    "episode": lambda value: is_whole(value, 0, _MAX_EPISODES),
     "frames": lambda value: is_whole(value, 1, MAX_FRAMES),
     "random_seed": lambda value: value is None or is_whole(value),
     "attempt": is_whole,

@@ -31,14 +31,14 @@ FRAMES = 4
 _REACH = 24576
 """Bytes of one frame in one plane of a chunk, well within deflate's window."""
 _LEVEL = 2
-_LEAST = 4096
+_MIN_BYTES = 4096
 """Smaller frames are no images [bytes]."""
 
 
 def are_pictures(values: Sequence[object]) -> bool:
     """Whether these are large arrays of two or more dimensions, one per frame, all of one kind that can be stacked."""
     first = values[0]
-    return isinstance(first, np.ndarray) and first.ndim >= 2 and first.nbytes >= _LEAST
+    return isinstance(first, np.ndarray) and first.ndim >= 2 and first.nbytes >= _MIN_BYTES
 
 
 def write_pictures(group: h5py.Group, name: str, frames: Sequence[NDArray]) -> h5py.Dataset:

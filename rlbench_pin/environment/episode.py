@@ -17,7 +17,7 @@ from rlbench_pin.values import as_seed, as_whole
 
 EVALUATION_SEEDS = 2**53
 """Seeds of evaluations begin here. Resets without a seed draw theirs below 2^31, recordings make theirs below 2^53."""
-MOST_DEMOS = 10_000_000
+MAX_DEMOS = 10_000_000
 """Live demonstrations of one call at most."""
 
 
@@ -97,7 +97,7 @@ def demo_seeds(amount: int, seed: int | None, rng: np.random.Generator) -> list[
     Raises:
         InvalidArgument: `amount` is less than 1, or the seed is no whole number >= 0, or one of the others would be too large.
     """
-    amount = as_whole(amount, "The amount of live demonstrations", InvalidArgument, least=1, most=MOST_DEMOS)
+    amount = as_whole(amount, "The amount of live demonstrations", InvalidArgument, least=1, most=MAX_DEMOS)
     if seed is None:
         return [int(s) for s in rng.integers(2**31, size=amount)]
     first = checked_seed(seed)

@@ -36,7 +36,7 @@ from rlbench_pin.values import as_names, as_record, as_vector, as_whole
 
 IndexArray = NDArray[np.intp]
 _NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
-_NOTHING = np.zeros(())
+_ZERO = np.zeros(())
 
 
 class MotionBounds:
@@ -128,7 +128,7 @@ class MotionBounds:
         gap = self._middle[:, None] - balls[:, :, None]
         np.abs(gap, out=gap)
         gap -= self._half
-        np.maximum(gap, _NOTHING, out=gap)
+        np.maximum(gap, _ZERO, out=gap)
         gap *= gap
         bounds = (gap[0] + gap[1] + gap[2]).take(self._cell)
         np.sqrt(bounds, out=bounds)

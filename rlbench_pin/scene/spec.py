@@ -93,9 +93,9 @@ FARTHEST = 100.0
 """Coordinates and sizes are at most so large [m]."""
 TURN = 2.0 * np.pi + 1e-6
 """Angles are at most one turn [rad]."""
-MOST_THINGS = 1000
+MAX_ELEMENTS = 1000
 """Entries of a table, and points of a curve, at most."""
-MOST_WAYPOINTS = 200
+MAX_WAYPOINTS = 200
 """Waypoints of a scene at most."""
 NAME_PATTERN = r"^[a-z][a-z0-9_]*$"
 
@@ -332,7 +332,7 @@ class WaypointSpec(PosedSpec):
     """Plan without looking at collisions, for contact; curves are always planned so."""
     gripper: Literal["open", "close"] | Annotated[Number, Kind("number", bounds="0 to 1")] | None = None
     """After arriving: open fully, close fully, or drive to a fraction of the opening; left alone when left out."""
-    points: tuple[Pose, ...] = Field(default=(), max_length=MOST_THINGS)
+    points: tuple[Pose, ...] = Field(default=(), max_length=MAX_ELEMENTS)
     """For `curve`: the poses to pass, in the waypoint's frame, ending at the last."""
     arc: ArcSpec | None = None
     """For `curve`: a circular sweep instead of points."""
@@ -385,13 +385,13 @@ class SceneSpec(Spec):
     format: Literal[1, 2]
     """Format of the file."""
     placement: PlacementSpec = PlacementSpec()
-    body: tuple[BodySpec, ...] = Field(default=(), max_length=MOST_THINGS)
-    joint: tuple[JointSpec, ...] = Field(default=(), max_length=MOST_THINGS)
-    frame: tuple[FrameSpec, ...] = Field(default=(), max_length=MOST_THINGS)
-    region: tuple[RegionSpec, ...] = Field(default=(), max_length=MOST_THINGS)
-    sensor: tuple[SensorSpec, ...] = Field(default=(), max_length=MOST_THINGS)
-    waypoint: tuple[WaypointSpec, ...] = Field(default=(), max_length=MOST_WAYPOINTS)
-    deviation: tuple[DeviationSpec, ...] = Field(default=(), max_length=MOST_THINGS)
+    body: tuple[BodySpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
+    joint: tuple[JointSpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
+    frame: tuple[FrameSpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
+    region: tuple[RegionSpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
+    sensor: tuple[SensorSpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
+    waypoint: tuple[WaypointSpec, ...] = Field(default=(), max_length=MAX_WAYPOINTS)
+    deviation: tuple[DeviationSpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
     file: str = Field(default="", exclude=True)
     """Where the scene was read from; not part of the file."""
 

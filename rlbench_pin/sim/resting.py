@@ -22,7 +22,7 @@ _WAKING = 4e-4
 """Squares of speed and speed of turning, added, at which PyBullet wakes a body for the rest of a tick [m^2/s^2]."""
 _SLEEP = bullet.ACTIVATION_STATE_ENABLE_SLEEPING | bullet.ACTIVATION_STATE_SLEEP
 _WAKE = bullet.ACTIVATION_STATE_DISABLE_SLEEPING | bullet.ACTIVATION_STATE_WAKE_UP
-_STILL = (0.0, 0.0, 0.0)
+_ZERO = (0.0, 0.0, 0.0)
 
 
 @dataclass
@@ -80,7 +80,7 @@ class Resting:
         for body in self._loose.values():
             linear, angular = bullet.getBaseVelocity(body.uid, physicsClientId=identifier)
             slept = body.ticks == QUIET_TICKS
-            if slept and linear == _STILL and angular == _STILL:
+            if slept and linear == _ZERO and angular == _ZERO:
                 continue
             if math.hypot(*linear) < QUIET_SPEED and math.hypot(*angular) < QUIET_TURN:
                 body.ticks = min(body.ticks + 1, QUIET_TICKS)
@@ -98,7 +98,7 @@ class Resting:
         present = {body.model.uid for body in now}
         slept = [b.uid for b in self._loose.values() if b.ticks == QUIET_TICKS and b.uid in present]
         velocities = {uid: bullet.getBaseVelocity(uid, physicsClientId=self._client.id) for uid in slept}
-        self._thrown = {uid: velocity for uid, velocity in velocities.items() if velocity != (_STILL, _STILL)}
+        self._thrown = {uid: velocity for uid, velocity in velocities.items() if velocity != (_ZERO, _ZERO)}
         self._tell(slept, _WAKE)
         if self._fixed_sleep:
             self._tell([uid for uid in self._fixed if uid in present], _WAKE)
@@ -110,7 +110,7 @@ class Resting:
     def _throw_again(self) -> None:
         """Give velocities back that were set while a body slept: in the step in which it wakes PyBullet makes them zero."""
         for uid, velocity in self._thrown.items():
-            if bullet.getBaseVelocity(uid, physicsClientId=self._client.id) == (_STILL, _STILL):
+            if bullet.getBaseVelocity(uid, physicsClientId=self._client.id) == (_ZERO, _ZERO):
                 bullet.resetBaseVelocity(uid, *velocity, physicsClientId=self._client.id)
         self._thrown.clear()
 

@@ -17,7 +17,7 @@ TRIES = 3
 """How often it tries."""
 PAUSE = 10
 """How long it waits whether that was it [ticks]."""
-MOST_TICKS = 800
+MAX_TICKS = 800
 """Length of an episode that it suggests [ticks]: three tries."""
 PICTURE = (256, 256)
 """Width and height of the pictures it asks for [px]."""
@@ -39,7 +39,7 @@ class ClassicalPolicy:
         """Prepare for episodes."""
         self.action_mode = MoveArmThenGripper(JointVelocity(), Discrete())
         self.obs_config = observation_config()
-        self.max_steps = MOST_TICKS
+        self.max_steps = MAX_TICKS
         self._drivers: dict[tuple[str, float], Driver] = {}
         self._driver: Driver | None = None
         self._instruction, self._rng = Instruction(()), np.random.default_rng(0)

@@ -247,7 +247,7 @@ TIME_NOISE = 0.1
 """Spread of what is added to the time [s]."""
 SHIFT = 2
 """Pixels that pictures are moved by at most, of `PICTURE`."""
-LEAST_SPREAD = 0.02
+MIN_SPREAD = 0.02
 """Numbers that vary less are divided by this, so that what is constant in the demonstrations stays near 0."""
 
 
@@ -265,8 +265,8 @@ class ChunkLearner:
         numbers = np.concatenate([examples.joints, examples.opening, examples.time, examples.task_state], axis=1)
         steps = examples.targets - examples.joints[:, None]
         self._fill(self.network.mean, numbers.mean(axis=0))
-        self._fill(self.network.spread, np.maximum(numbers.std(axis=0), LEAST_SPREAD))
-        self._fill(self.network.reach, np.maximum(steps.std(axis=0), LEAST_SPREAD))
+        self._fill(self.network.spread, np.maximum(numbers.std(axis=0), MIN_SPREAD))
+        self._fill(self.network.reach, np.maximum(steps.std(axis=0), MIN_SPREAD))
         self._numbers, width = numbers, examples.joints.shape[1]
         self._noise = np.r_[np.full(width, JOINT_NOISE), 0.0, TIME_NOISE, np.full(state, STATE_NOISE)]
 

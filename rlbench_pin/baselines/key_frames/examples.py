@@ -174,9 +174,9 @@ def near(points: FloatArray, middle: FloatArray, radius: float, count: int, rng:
     return np.resize(np.argsort(far)[:count], count)
 
 
-MOST_STEPS = 24
+MAX_STEPS = 24
 """Key frames that are told apart by their number; later ones count as the last."""
-CONTEXT = SENTENCE_SIZE + 9 + 1 + 3 + MOST_STEPS
+CONTEXT = SENTENCE_SIZE + 9 + 1 + 3 + MAX_STEPS
 """Numbers that say what to do and how the hand stands."""
 NAMED = 4
 """Colours of a sentence that count, in their order; a point is told how like it is to each."""
@@ -209,8 +209,8 @@ class Told:
 
     def row(self, frame: Frame, sentence: FloatArray) -> FloatArray:
         """Return it as numbers, as seen from a frame, (CONTEXT,), with the sentence encoded already."""
-        number = np.zeros(MOST_STEPS)
-        number[min(self.step, MOST_STEPS - 1)] = 1.0
+        number = np.zeros(MAX_STEPS)
+        number[min(self.step, MAX_STEPS - 1)] = 1.0
         hand = [frame.points(self.tip[:3]), frame.axes(axes_of(self.tip)), [self.opening]]
         return np.concatenate([sentence, *hand, frame.rotation[2], number])
 

@@ -15,7 +15,7 @@ from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_flag, as_seed, as_whole
 
-LEAST_LEG = 8
+MIN_SEGMENT_STEPS = 8
 """Decisions of a leg in one environment at least: SAC learns after so many."""
 Algorithm = Literal["ppo", "sac"]
 ALGORITHMS = ("ppo", "sac")
@@ -72,8 +72,8 @@ class ReinforcementConfig:
         as_whole(self.demonstrations, "demonstrations", InvalidArgument, least=0)
         as_flag(self.shaped, "shaped", InvalidArgument)
         as_seed(self.seed, "seed", InvalidArgument)
-        if self.leg_steps < LEAST_LEG * self.workers:
-            hint = f"has to be at least {LEAST_LEG} for each of the {self.workers} environments"
+        if self.leg_steps < MIN_SEGMENT_STEPS * self.workers:
+            hint = f"has to be at least {MIN_SEGMENT_STEPS} for each of the {self.workers} environments"
             raise InvalidArgument("leg_steps", self.leg_steps, hint)
         if self.episode_steps is None:
             object.__setattr__(self, "episode_steps", EPISODE_STEPS.get(self.task, LONG_EPISODE))

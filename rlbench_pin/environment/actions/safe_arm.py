@@ -28,7 +28,7 @@ UNSEEN = 2e-5
 
 
 @dataclass
-class Guard:
+class RuntimeFilter:
     """The safety filter of one runtime."""
 
     filter: SafetyFilter
@@ -63,19 +63,19 @@ class SafeArm(ArmActionMode):
         self.counts = FilterCounts()
         self.last: SafeCommand | None = None
 
-    def guard(self, runtime: Runtime) -> Guard:
+    def guard(self, runtime: Runtime) -> RuntimeFilter:
         """Return the filter of this arm and tick, with the world as it is now."""
-        guard = runtime.kept(self, lambda: self.make_guard(runtime))
+        guard = runtime.kept(self, lambda: self.make_filter(runtime))
         guard.look_at(runtime.world.snapshot())
         return guard
 
-    def make_guard(self, runtime: Runtime) -> Guard:
+    def make_filter(self, runtime: Runtime) -> RuntimeFilter:
         """Make the filter of one runtime."""
         limits, arm = runtime.model.limits, runtime.description
         shares = np.where(np.arange(len(limits.acceleration)) < arm.loaded_joints, arm.loaded_share, ACCELERATION_SHARE)
         reduced = replace(limits, velocity=SHARE * limits.velocity, acceleration=shares * limits.acceleration)
         config = replace(self.config, dt=runtime.world.control_dt, hold="any")
-        return Guard(SafetyFilter(runtime.model, config, limits=reduced, counts=self.counts))
+        return RuntimeFilter(SafetyFilter(runtime.model, config, limits=reduced, counts=self.counts))
 
     @property
     def ticks(self) -> int | None:  # type: ignore[override]
@@ -112,7 +112,7 @@ class SafeArm(ArmActionMode):
 
     def steps(self, runtime: Runtime, values: FloatArray) -> None:
         """Run the ticks of the inner action; those of a motion are filtered one by one."""
-        guard: Guard = runtime.kept(self, lambda: self.make_guard(runtime))
+        guard: RuntimeFilter = runtime.kept(self, lambda: self.make_filter(runtime))
         filtered = self.mode.ticks == 1  # by `pre_step`, for the first tick
 
         def before_tick() -> None:
@@ -128,7 +128,7 @@ class SafeArm(ArmActionMode):
         """Do what the inner mode does after its ticks."""
         self.mode.post_step(runtime, values)
 
-    def filter_command(self, runtime: Runtime, guard: Guard) -> None:
+    def filter_command(self, runtime: Runtime, guard: RuntimeFilter) -> None:
         """Replace the command of the motors for the coming tick by a safe one where needed."""
         robot = runtime.robot
         q, v = robot.joint_positions, robot.joint_velocities

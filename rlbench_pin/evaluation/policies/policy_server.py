@@ -36,7 +36,7 @@ VERSION = 1
 """Of the protocol."""
 LARGEST_MESSAGE = 256 * 2**20
 """Bytes of a message at most; five cameras of 512 x 512 px with all their products take 30 MB."""
-MOST_CONNECTIONS = 32
+MAX_CONNECTIONS = 32
 """So many are served at once; each has a policy of its own."""
 _ARRAY = 1
 _KINDS = "biuf"
@@ -279,7 +279,7 @@ def serve(make: Callable[[], Any], address: str, *, anywhere: bool = False) -> N
 
 def serve_answers(answers: Callable[[], Answers], listener: socket.socket) -> None:
     """Serve on a listening socket until Ctrl-C; see `serve`."""
-    places = threading.Semaphore(MOST_CONNECTIONS)
+    places = threading.Semaphore(MAX_CONNECTIONS)
 
     def one(connection: socket.socket) -> None:
         try:

@@ -248,8 +248,8 @@ def make_named(reference: str, kind: str, parts: tuple[str, ...]) -> Any:
     if name not in vars(module) and not hasattr(module, name):
         raise NoPolicy(f"'{where}' has no '{name}'.")
     made = getattr(module, name)
-    is_thing = any(callable(getattr(made, part, None)) for part in parts[:2])
-    if callable(made) and not is_thing or isinstance(made, type):
+    is_instance = any(callable(getattr(made, part, None)) for part in parts[:2])
+    if callable(made) and not is_instance or isinstance(made, type):
         try:
             inspect.signature(made).bind(**arguments)
         except TypeError as error:

@@ -100,7 +100,7 @@ ARM_MODES: Mapping[str, type] = {
 """Name -> arm mode that a policy may have."""
 GRIPPER_MODES: Mapping[str, type] = {kind.__name__: kind for kind in (Discrete, GripperJointPosition)}
 """Name -> gripper mode that a policy may have."""
-WHOLE_MODES: Mapping[str, type] = {kind.__name__: kind for kind in (MoveArmThenGripper, JointPositionActionMode)}
+ACTION_MODES: Mapping[str, type] = {kind.__name__: kind for kind in (MoveArmThenGripper, JointPositionActionMode)}
 """Name -> action mode that a policy may have."""
 DEEPEST = 4
 """So many safety filters may be around an arm mode."""
@@ -112,7 +112,7 @@ def describe_action_mode(mode: ActionMode) -> dict[str, Any]:
     Raises:
         PolicySettingsError: A part is a class of the policy's own. It would run beside the simulation, not with the policy.
     """
-    described: dict[str, Any] = {"mode": _name_of(mode, WHOLE_MODES, "action mode")}
+    described: dict[str, Any] = {"mode": _name_of(mode, ACTION_MODES, "action mode")}
     if isinstance(mode, MoveArmThenGripper):
         for part, kinds, value in (
             ("arm", ARM_MODES, mode.arm_action_mode),
@@ -129,7 +129,7 @@ def make_action_mode(described: Mapping[str, Any]) -> ActionMode:
     Raises:
         PolicySettingsError: The data name no mode, or a parameter that it has not, or one with a wrong value.
     """
-    kind = _kind_of(_table(described, "action_mode"), "mode", WHOLE_MODES)
+    kind = _kind_of(_table(described, "action_mode"), "mode", ACTION_MODES)
     if kind is JointPositionActionMode:
         _entries(described, ["mode"], "action_mode")
         return JointPositionActionMode()

@@ -166,7 +166,7 @@ def added_counts(counts: object) -> dict[str, int]:
 
 SIGNIFICANT = 0.05
 """A difference whose p-value is below this is called significant."""
-_MOST = 10**6
+_MAX_COUNT = 10**6
 
 
 @dataclass(frozen=True)
@@ -190,7 +190,8 @@ def mcnemar(only_first: int, only_second: int) -> PValues:
         only_second: Pairs in which the second alone succeeded.
     """
     first, second = (
-        as_whole(value, what, least=0, most=_MOST) for value, what in ((only_first, "only_first"), (only_second, "only_second"))
+        as_whole(value, what, least=0, most=_MAX_COUNT)
+        for value, what in ((only_first, "only_first"), (only_second, "only_second"))
     )
     probabilities = _binomial(first + second, 0.5)
     low = min(first, second)

@@ -19,7 +19,7 @@ from rlbench_pin.values import as_flag, as_names, as_number, as_record, as_text,
 
 EXPERT = "expert"
 """The policy that is the planner of demonstrations. It is not asked for actions: the runner plays its demonstration."""
-MOST_EPISODES = 100_000
+MAX_EPISODES = 100_000
 """Episodes of one task at most."""
 LARGEST_START = 2**48
 """Largest seed of an evaluation."""
@@ -65,7 +65,7 @@ class EvaluationConfig:
             "policy": as_text(self.policy, "policy", InvalidArgument),
             "tasks": tuple(as_names(self.tasks, "tasks", InvalidArgument)),
             "task_set": as_text(self.task_set, "task_set", InvalidArgument),
-            "episodes": as_whole(self.episodes, "episodes", InvalidArgument, least=1, most=MOST_EPISODES),
+            "episodes": as_whole(self.episodes, "episodes", InvalidArgument, least=1, most=MAX_EPISODES),
             "seed": as_whole(self.seed, "seed", InvalidArgument, least=0, most=LARGEST_START),
             "variations": as_whole(self.variations, "variations", InvalidArgument, least=ALL_VARIATIONS),
             "robot": robot_description(self.robot).name,
@@ -124,7 +124,7 @@ def evaluation_seed(seed: int, index: int) -> int:
     an evaluation does. Even numbers up to 2^54 are numbers that JSON readers of every language keep.
     """
     seed = as_whole(seed, "seed", InvalidArgument, least=0, most=LARGEST_START)
-    return EVALUATION_SEEDS + 2 * (seed + as_whole(index, "index", InvalidArgument, least=0, most=MOST_EPISODES))
+    return EVALUATION_SEEDS + 2 * (seed + as_whole(index, "index", InvalidArgument, least=0, most=MAX_EPISODES))
 
 
 def policy_seed(seed: int, name: str, index: int) -> int:

@@ -25,7 +25,7 @@ from rlbench_pin.observation import Observation
 
 KEY_FRAMES = 25
 """Actions of an episode at most, unless said otherwise, where each plans a motion to a pose."""
-LEAST_FORCE = 1.0
+MIN_FORCE = 1.0
 """A contact that is lighter is none [N]."""
 APART = 5
 """Control ticks without contact after which the next one with the same body counts as another collision."""
@@ -104,7 +104,7 @@ class Meter:
             if not self._may_touch(link, body):
                 forces[body] = forces.get(body, 0.0) + force
         for body, force in forces.items():
-            if force >= LEAST_FORCE:
+            if force >= MIN_FORCE:
                 self._touched.add(body)
                 self.max_force = max(self.max_force, force)
 

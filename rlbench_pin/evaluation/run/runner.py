@@ -76,7 +76,7 @@ class EpisodeRunner:
                         end, fault, detail = episode.play(self._client, instructions[0], context, limits, seen), "", ""
                     except PolicyFault as error:
                         end, fault, detail = "fault", error.kind, error.detail
-            lasts = end == "success" and task.success_lasts()
+            lasts = end == "success" and task.success_is_stable()
             return EpisodeOutcome(item, episode.record(end, fault, detail, lasts=lasts), tuple(episode.action_times))
         except PolicyFault as error:  # it did not even start
             return EpisodeOutcome(item, not_played(item, error.kind, error.detail))
