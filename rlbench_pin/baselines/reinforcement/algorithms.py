@@ -141,7 +141,7 @@ class ImitatingSac(SAC):
     def _fit_critics(self, batch: ReplayBufferSamples) -> float:
         with torch.no_grad():
             actions, _ = self.actor.action_log_prob(batch.next_observations)
-            later = _least(self.critic_target(batch.next_observations, actions))
+            later = _smallest(self.critic_target(batch.next_observations, actions))
             target = batch.rewards + (1.0 - batch.dones) * self.gamma * later
         found = self.critic(batch.observations, batch.actions)
         loss = torch.stack([nn.functional.mse_loss(each, target) for each in found]).sum()
@@ -154,7 +154,7 @@ class ImitatingSac(SAC):
         surplus = (likelihood + self.target_entropy).detach().mean()
         _step(self.ent_coef_optimizer, -(self.log_ent_coef * surplus).sum())
         weight = self.log_ent_coef.detach().exp()
-        loss = (weight * likelihood[:, None] - _least(self.critic(batch.observations, actions))).mean()
+        loss = (weight * likelihood[:, None] - _smallest(self.critic(batch.observations, actions))).mean()
         if self.replay_buffer.demonstrations is not None:
             shown = slice(len(batch.actions) - len(batch.actions) // 2, None)
             mean, _, _ = self.actor.get_action_dist_params(batch.observations[shown])
@@ -163,7 +163,7 @@ class ImitatingSac(SAC):
         return {"actor_loss": float(loss.detach()), "ent_coef": float(weight)}
 
 
-def _least(values: tuple[Tensor, ...]) -> Tensor:
+def _smallest(values: tuple[Tensor, ...]) -> Tensor:
     return torch.cat(values, dim=1).min(dim=1, keepdim=True).values
 
 
@@ -240,7 +240,7 @@ def gather(env: LearningEnv, count: int, on_demo: Callable[[int, int], None] = l
 
 
 def follow(env: LearningEnv, demo: Demo, rng: np.random.Generator) -> Experience | None:
-    """Follow joints and hand of a demonstration, with noise; None where that does not succeed within an episode.
+    """Follow joints and gripper of a demonstration, with noise; None where that does not succeed within an episode.
 
     The noise is made good by the decisions after it, and means nothing on average: the mean action is the right one.
     """
@@ -285,7 +285,7 @@ SPREAD = -0.5
 CLONED_RATE = 1e-4
 """Learning rate of PPO after imitation: large steps forget what was imitated."""
 WARM_UP: Mapping[str, int] = {"ppo": 2, "sac": 1}
-"""Legs in which the values of an imitating policy are learned, and it stays as it is."""
+"""Segments in which the values of an imitating policy are learned, and it stays as it is."""
 
 Model: TypeAlias = PPO | ImitatingSac
 
@@ -300,9 +300,9 @@ def make_model(config: ReinforcementConfig, env: VecNormalize) -> Model:
             NormedCritics, env, replay_buffer_class=HalfDemonstrations, policy_kwargs=networks, **SAC_SETTINGS, **common
         )
     settings = {**PPO_SETTINGS, **({"learning_rate": CLONED_RATE} if config.demonstrations else {})}
-    settings["batch_size"] = min(settings["batch_size"], config.leg)
+    settings["batch_size"] = min(settings["batch_size"], config.segment)
     networks["log_std_init"] = SPREAD
-    return PPO("MlpPolicy", env, n_steps=config.leg // config.workers, policy_kwargs=networks, **settings, **common)
+    return PPO("MlpPolicy", env, n_steps=config.segment // config.workers, policy_kwargs=networks, **settings, **common)
 
 
 def teach(model: Model, env: VecNormalize, experience: Experience, steps: int) -> None:
@@ -316,12 +316,12 @@ def teach(model: Model, env: VecNormalize, experience: Experience, steps: int) -
         model.replay_buffer.hold(experience)
 
 
-def hold_still(model: Model, still: bool) -> None:
+def freeze_policy(model: Model, frozen: bool) -> None:
     """Let a model change its values alone, or all of its weights."""
     if isinstance(model, ImitatingSac):
-        model.is_actor_frozen = still
+        model.is_actor_frozen = frozen
         return
     policy = model.policy
     assert isinstance(policy, ActorCriticPolicy)
     for weight in (*policy.mlp_extractor.policy_net.parameters(), *policy.action_net.parameters(), policy.log_std):
-        weight.requires_grad_(not still)
+        weight.requires_grad_(not frozen)
