@@ -1,4 +1,4 @@
-"""Memory of one worker over hundreds of demonstrations with pictures of five cameras, and the size of an episode.
+"""Memory of one worker over hundreds of demonstrations with images of five cameras, and the size of an episode.
 
     python benchmarks/bench_record_memory.py --out docs/results/record_memory.json
 

@@ -24,7 +24,7 @@ STEPS = 20_000
 EPISODE = 50
 SPEED = 0.5  # of the tip, at most, along each axis [m/s]
 TESTS = range(1_000_000, 1_000_030)  # seeds that training does not meet
-PICTURE = "train_ppo.png"
+IMAGE_FILE = "train_ppo.png"
 
 
 class TipVelocity(gymnasium.ActionWrapper):
@@ -85,7 +85,7 @@ def draw(episodes: Monitor, title: str) -> None:
     axes.plot(steps, means, color="tab:blue", label="mean of the last 20")
     axes.set(title=title, xlabel="steps of training", ylabel="reward per episode")
     axes.legend(frameon=False, loc="lower right")
-    figure.savefig(PICTURE, dpi=110)
+    figure.savefig(IMAGE_FILE, dpi=110)
 
 
 def main(shaped: bool = True, steps: int = STEPS) -> None:
@@ -103,7 +103,7 @@ def main(shaped: bool = True, steps: int = STEPS) -> None:
     print(f"{policy.num_timesteps} steps of training, {rate:.0f} a second")
     for moment, (reward, success) in (("before", before), ("after", after)):
         print(f"{moment}: mean reward {reward:.2f} per episode, {100 * success:.0f} % of {len(TESTS)} balls touched")
-    print(f"the mean reward has {'risen' if after[0] > before[0] else 'not risen'}; the curve is in {PICTURE}")
+    print(f"the mean reward has {'risen' if after[0] > before[0] else 'not risen'}; the curve is in {IMAGE_FILE}")
 
 
 if __name__ == "__main__":

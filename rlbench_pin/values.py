@@ -135,7 +135,7 @@ def as_interval(
     return low, high
 
 
-def as_picture_size(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> tuple[int, int]:
+def as_image_size(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> tuple[int, int]:
     """Return width and height of an image [px], from a pair or from one number for both; or raise InvalidValue."""
     sides = (value, value) if isinstance(value, int | np.integer) else items_of(value)
     if len(sides) != 2:

@@ -55,9 +55,9 @@ from rlbench_pin.values import (
     as_array,
     as_choice,
     as_flag,
+    as_image_size,
     as_interval,
     as_number,
-    as_picture_size,
     as_pose,
     as_rows,
     as_seed,
@@ -139,12 +139,12 @@ def test_switches_are_truth_values() -> None:
 
 def test_sizes_of_pictures() -> None:
     """A pair, or one number for both sides."""
-    assert as_picture_size(64, "size") == (64, 64)
-    assert as_picture_size([64, np.int16(32)], "size") == (64, 32)
-    assert as_picture_size(np.array([64, 32]), "size") == (64, 32)
+    assert as_image_size(64, "size") == (64, 64)
+    assert as_image_size([64, np.int16(32)], "size") == (64, 32)
+    assert as_image_size(np.array([64, 32]), "size") == (64, 32)
     for size in (0, -1, 64.0, True, "64", "ab", (64,), (64, 64, 3), (64, 0), (64, 1.5), None, (64, 10**9), {64, 32}):
         with pytest.raises(InvalidValue, match="size"):
-            as_picture_size(size, "size")
+            as_image_size(size, "size")
 
 
 def test_intervals_are_in_order() -> None:

@@ -3,7 +3,7 @@
 That environment needs `pip install msgpack`; `policy_server.py` and `lerobot_directory.py` of rlbench_pin lie beside this file.
 FOLDER is `pretrained_model` of a checkpoint, trained on an export of `rlbench-pin dataset export lerobot`.
 
-What to look for: pictures come from the cameras and in the size that the checkpoint says.
+What to look for: images come from the cameras and in the size that the checkpoint says.
 """
 
 from __future__ import annotations

@@ -303,12 +303,12 @@ class Episode:
                     raise EpisodeFileError(
                         self.path, f"'{self.path}' has a link at '{name}' that leads elsewhere. Do not trust it."
                     )
-                thing = group[name]
-                if isinstance(thing, h5py.Dataset) and (thing.external or thing.is_virtual):
+                item = group[name]
+                if isinstance(item, h5py.Dataset) and (item.external or item.is_virtual):
                     raise EpisodeFileError(self.path, f"'{self.path}' keeps '{name}' in another file. Do not trust it.")
-                if isinstance(thing, h5py.Dataset) and is_oversized(thing):
+                if isinstance(item, h5py.Dataset) and is_oversized(item):
                     raise ValueError(f"'{name}' claims more values than are stored")
-                if isinstance(thing, h5py.Dataset) == (group is self._file):
+                if isinstance(item, h5py.Dataset) == (group is self._file):
                     raise ValueError(f"'{name}' is not what belongs there")
 
     @contextmanager

@@ -36,11 +36,11 @@ def read_all(path: str) -> None:
         file.visititems(_read)
 
 
-def _read(name: str, thing: Any) -> None:
-    _read_attributes(thing)
-    if not isinstance(thing, h5py.Dataset) or thing.external or thing.is_virtual:
+def _read(name: str, item: Any) -> None:
+    _read_attributes(item)
+    if not isinstance(item, h5py.Dataset) or item.external or item.is_virtual:
         return
-    _try(_read_rows, thing)
+    _try(_read_rows, item)
 
 
 def _read_rows(dataset: Any) -> None:
@@ -55,9 +55,9 @@ def _read_rows(dataset: Any) -> None:
         _try(dataset.__getitem__, slice(first, first + rows))
 
 
-def _read_attributes(thing: Any) -> None:
-    for name in list(thing.attrs):
-        _try(thing.attrs.__getitem__, name)
+def _read_attributes(item: Any) -> None:
+    for name in list(item.attrs):
+        _try(item.attrs.__getitem__, name)
 
 
 def _try(read: Any, *args: Any) -> None:

@@ -35,13 +35,13 @@ _MIN_BYTES = 4096
 """Smaller frames are no images [bytes]."""
 
 
-def are_pictures(values: Sequence[object]) -> bool:
+def are_images(values: Sequence[object]) -> bool:
     """Whether these are large arrays of two or more dimensions, one per frame, all of one kind that can be stacked."""
     first = values[0]
     return isinstance(first, np.ndarray) and first.ndim >= 2 and first.nbytes >= _MIN_BYTES
 
 
-def write_pictures(group: h5py.Group, name: str, frames: Sequence[NDArray]) -> h5py.Dataset:
+def write_images(group: h5py.Group, name: str, frames: Sequence[NDArray]) -> h5py.Dataset:
     """Store images of one shape and type, stacked along the first axis."""
     first = frames[0]
     chunk = _chunk(first.shape, len(frames))
@@ -109,9 +109,9 @@ def write_series(group: h5py.Group, name: str, values: Sequence[Value], compress
         return
     present = [values[i] for i in frames]
     kind = _kind(present)
-    if kind == "array" and len(present) > 1 and are_pictures(present):
+    if kind == "array" and len(present) > 1 and are_images(present):
         constant = _are_equal(present)
-        dataset = _create_pictures(group, name, present[:1] if constant else present, compression)
+        dataset = _create_images(group, name, present[:1] if constant else present, compression)
     else:
         data = _pack(kind, present)
         constant = kind != "float" and len(present) > 1 and _are_equal(data)
@@ -254,10 +254,10 @@ def _create(group: h5py.Group, name: str, data: np.ndarray, compression: str) ->
     return group.create_dataset(name, data=data, chunks=data.shape, compression=compression, shuffle=True)
 
 
-def _create_pictures(group: h5py.Group, name: str, frames: Sequence[np.ndarray], compression: str) -> h5py.Dataset:
+def _create_images(group: h5py.Group, name: str, frames: Sequence[np.ndarray], compression: str) -> h5py.Dataset:
     """Make a dataset of images in chunks of some frames."""
     if compression == "gzip":
-        return write_pictures(group, name, frames)
+        return write_images(group, name, frames)
     data = np.stack(frames)
     return group.create_dataset(name, data=data, chunks=(1, *data.shape[1:]), compression=compression, shuffle=True)
 

@@ -357,7 +357,7 @@ def build_runtime(
         config: What observations contain.
         planning: Settings of the planner.
         attach_grasped_objects: As in `Runtime`.
-        renderer: Who draws pictures.
+        renderer: Who draws images.
         camera_places: Where cameras stand that were put elsewhere; shared with other runtimes.
         kind: `Runtime`, or a subclass of it.
     """

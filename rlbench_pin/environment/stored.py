@@ -116,7 +116,7 @@ def wanted_fields(config: ObservationConfig) -> list[str]:
 def fit(observation: Observation, config: ObservationConfig) -> None:
     """Bring the images of one stored observation to what a config asks for, in place.
 
-    Pictures are scaled by taking the nearest pixel, so that depth and ids stay true, and the intrinsics in `misc` follow.
+    Images are scaled by taking the nearest pixel, so that depth and ids stay true, and the intrinsics in `misc` follow.
     """
     for name in CAMERAS:
         _fit_camera(observation, name, config.camera(name))

@@ -147,12 +147,12 @@ def _keep_arrays(present: AoT, model: type[Spec], wanted: Mapping[str, Any]) -> 
     for index in reversed(range(len(present))):
         if "poses" not in present[index]:
             continue
-        things = {thing.name: thing for thing in _parsed(present[index], model)}
-        if things and all(name in wanted and _alike(thing, wanted[name]) for name, thing in things.items()):
-            kept |= things.keys()
+        items = {item.name: item for item in _parsed(present[index], model)}
+        if items and all(name in wanted and _alike(item, wanted[name]) for name, item in items.items()):
+            kept |= items.keys()
             continue
         del present[index]
-        for k, name in enumerate(name for name in things if name in wanted):
+        for k, name in enumerate(name for name in items if name in wanted):
             entry = tomlkit.table()
             entry["name"] = name
             present.insert(index + k, entry)

@@ -355,5 +355,5 @@ class PlaceTree:
         return tuple(ancestors)
 
     def _parent(self, name: str) -> str | None:
-        things: Mapping[str, Frame | BodySpec] = self.frames if name in self.frames else self._bodies
-        return things[name].parent.partition("/")[0] if name in things else None
+        elements: Mapping[str, Frame | BodySpec] = self.frames if name in self.frames else self._bodies
+        return elements[name].parent.partition("/")[0] if name in elements else None

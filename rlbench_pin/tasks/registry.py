@@ -183,7 +183,7 @@ def _model_files(urdf: Path) -> list[Path]:
     files = [urdf, *read.meshes, *read.textures]
     materials = [material for mesh in read.meshes if mesh.suffix == ".obj" for material in _named(mesh, _NAMED_IN_OBJ)]
     files += materials
-    files += [picture for material in materials for picture in _named(material, _NAMED_IN_MTL)]
+    files += [image for material in materials for image in _named(material, _NAMED_IN_MTL)]
     return [file.resolve() for file in files]
 
 

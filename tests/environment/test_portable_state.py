@@ -27,7 +27,7 @@ def actions(start: Observation, count: int = STEPS) -> list[np.ndarray]:
 
 
 def numbers(observation: Observation) -> dict[str, np.ndarray]:
-    """Return what an observation says without pictures."""
+    """Return what an observation says without images."""
     return {name: np.asarray(value) for name in LOW_DIM if (value := getattr(observation, name)) is not None}
 
 

@@ -104,7 +104,7 @@ def test_things_of_one_boundary_do_not_touch_and_keep_their_distance() -> None:
 
 
 def test_collisions_may_be_ignored() -> None:
-    """Then things may stand in each other."""
+    """Then elements may stand in each other."""
     boundary = SpawnBoundary([FakeFrame("region", size=(0.11, 0.11, 0.0))])
     rng = np.random.default_rng(0)
     for _ in range(2):
@@ -112,7 +112,7 @@ def test_collisions_may_be_ignored() -> None:
 
 
 def test_a_crowded_or_too_small_region_says_why() -> None:
-    """The error names the thing, its size, the regions and what stands there; the thing has not moved."""
+    """The error names the element, its size, the regions and what stands there; the element has not moved."""
     rng = np.random.default_rng(0)
     boundary = SpawnBoundary([FakeFrame("shelf", size=(0.15, 0.15, 0.0))])
     boundary.sample(FakeBody("first", box=(0.05, 0.05, 0.05)), rng)
@@ -225,7 +225,7 @@ def sample(**arguments: object) -> object:
 WRONG: dict[str, tuple[Callable[[], object], str]] = {
     "regions": (lambda: SpawnBoundary(REGION), "regions has to be a list"),  # type: ignore[arg-type]
     "a body for a region": (lambda: SpawnBoundary(["patch"]), r"entry 0 of regions.*self.world.region"),  # type: ignore[list-item]
-    "a name for a thing": (lambda: sample(thing="cube"), r"thing has to be a body or a frame"),
+    "a name for an element": (lambda: sample(element="cube"), r"element has to be a body or a frame"),
     "a seed for a generator": (lambda: sample(rng=3), r"rng has to be a Generator.*default_rng"),
     "degrees": (lambda: sample(min_rotation=(0.0, 0.0, -1800.0)), "min_rotation has to hold numbers"),
     "turned round": (lambda: sample(max_rotation=(0.0, 0.0, -4.0)), "max_rotation has to be nowhere below min_rotation"),
@@ -246,7 +246,7 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
 
 @pytest.mark.parametrize(("call", "words"), WRONG.values(), ids=WRONG.keys())
 def test_what_is_no_thing_of_a_world_is_refused(call: Callable[[], object], words: str) -> None:
-    """The error names the argument and says where a task finds the right thing."""
+    """The error names the argument and says where a task finds the right element."""
     with pytest.raises(InvalidValue, match=words):
         call()
 

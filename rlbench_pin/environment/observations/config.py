@@ -22,9 +22,9 @@ from rlbench_pin.values import (
     Rule,
     Settings,
     as_choice,
+    as_image_size,
     as_interval,
     as_number,
-    as_picture_size,
     as_pose,
     as_text,
     check_settings,
@@ -91,7 +91,7 @@ class GaussianNoise(Settings):
 RenderMode = Literal["opengl", "opengl3"]
 """With shadows, `opengl3`, or without."""
 
-PICTURE_SIZE: Rule = partial(as_picture_size, error=InvalidCamera)
+IMAGE_SIZE_RULE: Rule = partial(as_image_size, error=InvalidCamera)
 
 
 @dataclass(kw_only=True)
@@ -106,7 +106,7 @@ class CameraConfig(Settings):
     rules: ClassVar[Mapping[str, Rule]] = ruled(
         (FLAG, "rgb depth point_cloud mask masks_as_one_channel depth_in_meters antialiasing"),
         (as_noise, "rgb_noise depth_noise"),
-        (PICTURE_SIZE, "image_size"),
+        (IMAGE_SIZE_RULE, "image_size"),
     )
 
     rgb: bool = True
@@ -386,7 +386,7 @@ class ObservationConfig(Settings):
     model: ModelObservationConfig = field(default_factory=ModelObservationConfig)
     """Jacobians, dynamics and distances, put into `misc`; all off."""
     lighting: Lighting = field(default_factory=Lighting)
-    """The lights of all pictures."""
+    """The lights of all images."""
     extra_cameras: dict[str, ExtraCamera] = field(default_factory=dict)
     """Cameras beside the five; see `add_camera`."""
 

@@ -38,7 +38,7 @@ class NoTextureFolder(CameraError, NotADirectoryError):
 
 
 class NoTextures(CameraError, RuntimeError):
-    """The folder of textures has no pictures."""
+    """The folder of textures has no images."""
 
 
 def _as_folder(value: object) -> Path:

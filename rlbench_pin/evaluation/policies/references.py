@@ -233,12 +233,12 @@ def make_policy(reference: str) -> Any:
 
 
 def make_named(reference: str, kind: str, parts: tuple[str, ...]) -> Any:
-    """Import what a reference names, call it unless it is the thing itself, and return that.
+    """Import what a reference names, call it unless it is an instance already, and return that.
 
     Args:
         reference: `module:factory?key=value&...` or `file.py:factory?...`.
         kind: What it is to be, one word.
-        parts: What such a thing has; two methods first.
+        parts: Attributes of such an object; two methods first.
 
     Raises:
         NoPolicy: There is no such module or factory, or what it returns lacks a part.

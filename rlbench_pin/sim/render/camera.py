@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rlbench_pin.errors import CameraError, InvalidCamera
 from rlbench_pin.spatial import FloatArray, matrix_to_pose, pose_to_matrix
-from rlbench_pin.values import as_number, as_picture_size, as_vector
+from rlbench_pin.values import as_image_size, as_number, as_vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class CameraView:
     def __post_init__(self) -> None:
         for name in ("fov", "near", "far"):
             as_number(getattr(self, name), f"CameraView.{name}", InvalidCamera)
-        as_picture_size(self.size, "CameraView.size", InvalidCamera)
+        as_image_size(self.size, "CameraView.size", InvalidCamera)
         if not (0.0 < self.fov < np.pi and 0.0 < self.near < self.far):
             raise CameraError(f"A camera needs 0 < fov < pi and 0 < near < far, not {self.fov}, {self.near}, {self.far}.")
 

@@ -134,7 +134,7 @@ def test_colours_and_hidden_links_follow_at_once() -> None:
 
 
 def test_what_was_drawn_before_changes_no_byte() -> None:
-    """Things rest, move, rest again, are painted and hidden: pictures are those of a renderer that has drawn nothing yet."""
+    """Things rest, move, rest again, are painted and hidden: images are those of a renderer that has drawn nothing yet."""
     with build(cube_scene(cube("a", 0.3, 0.1, 0.9, fixed=True), cube("b", 0.35, -0.1, 0.9, fixed=True))) as world:
         room = frozenset(body.model.uid for body in world.room.values())
         views = [view_from(eye) for eye in EYES[:2]]
