@@ -164,8 +164,8 @@ class SpawnBoundary:
         placed = ", ".join(name for name, _, _ in self._placed) or "nothing"
         size = np.round(np.ptp(_bounds(element), axis=0), 3).tolist()
         return (
-            f"'{element.name}' of size {size} m found no place in {MAX_SAMPLES} tries in {names}: {too_big} times it did not fit, "
-            f"{MAX_SAMPLES - too_big} times it was within {min_distance} m of or touched what is there ({placed}). "
+            f"'{element.name}' of size {size} m found no place in {MAX_SAMPLES} tries in {names}: {too_big} times it did not fit,"
+            f" {MAX_SAMPLES - too_big} times it was within {min_distance} m of or touched what is there ({placed}). "
             "Enlarge the regions or lower min_distance."
         )
 

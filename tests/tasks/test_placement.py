@@ -87,7 +87,7 @@ def test_regions_are_drawn_in_proportion_to_their_area() -> None:
     assert 270 <= hits <= 330
 
 
-def test_things_of_one_boundary_do_not_touch_and_keep_their_distance() -> None:
+def test_elements_of_one_boundary_do_not_touch_and_keep_their_distance() -> None:
     """Boxes stay apart, origins too; clear forgets them."""
     boundary = SpawnBoundary([FakeFrame("region", size=(0.6, 0.6, 0.0))])
     rng = np.random.default_rng(0)
@@ -218,7 +218,7 @@ class WorldStandIn:
 
 def sample(**arguments: object) -> object:
     """Place a body with some arguments exchanged."""
-    given = {"thing": FakeBody(), "rng": np.random.default_rng(0), **arguments}
+    given = {"element": FakeBody(), "rng": np.random.default_rng(0), **arguments}
     return SpawnBoundary([REGION]).sample(**given)  # type: ignore[arg-type]
 
 
@@ -245,7 +245,7 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
 
 
 @pytest.mark.parametrize(("call", "words"), WRONG.values(), ids=WRONG.keys())
-def test_what_is_no_thing_of_a_world_is_refused(call: Callable[[], object], words: str) -> None:
+def test_objects_that_are_no_elements_are_refused(call: Callable[[], object], words: str) -> None:
     """The error names the argument and says where a task finds the right element."""
     with pytest.raises(InvalidValue, match=words):
         call()
