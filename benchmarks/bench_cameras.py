@@ -73,7 +73,7 @@ def shipped_panda(folder: Path) -> Path:
 
 
 class NaiveCamera:
-    """What a first PyBullet script does: load the shipped robot, a table, blocks, and call getCameraImage with defaults."""
+    """Baseline of a simple PyBullet script: load the shipped robot, a table, blocks, and call getCameraImage with defaults."""
 
     def __init__(self) -> None:
         self._folder = tempfile.TemporaryDirectory()
@@ -136,7 +136,7 @@ def all_cameras(world: World, size: int, products: dict[str, bool], shadows: boo
     robot = robot_description("panda")
 
     def shoot() -> None:
-        # A moving camera is drawn anew each time: the hand turns a little.
+        # A moving camera is drawn anew each time: the gripper turns a little.
         world.robot.reset_configuration(np.array(robot.home) + np.array([0, 0, 0, 0, 0, 0, next(turns)]))
         views = [camera_view(name, CameraConfig(image_size=(size, size)), world, robot) for name in CAMERAS]
         world.renderer.render_all([Request(view, **products, shadows=shadows) for view in views])

@@ -114,7 +114,7 @@ def table(figures: Sequence[Figures]) -> str:
 
 @dataclass(frozen=True)
 class TaskFigures:
-    """What episodes of one task cost, with five cameras of 128 px, rgb, depth and mask, and shadows."""
+    """Cost of the episodes of one task, with five cameras of 128 px, rgb, depth and mask, and shadows."""
 
     task: str
     episodes: int

@@ -36,7 +36,7 @@ TASKS = ("reach_target", "push_button", "beat_the_buzz", "close_microwave", "tak
 
 @dataclass(frozen=True)
 class Sample:
-    """What was seen after one demonstration."""
+    """Memory after one demonstration."""
 
     task: str
     frames: int
@@ -51,7 +51,7 @@ class Sample:
 
 @dataclass(frozen=True)
 class Memory:
-    """What came of it."""
+    """Summary of the samples."""
 
     demos: int
     warm: int

@@ -72,7 +72,7 @@ class TrackingProblem:
     """Physics step [s]."""
 
     def model_with_payload(self) -> RobotModel:
-        """Return a model of the arm that carries what the hand holds at the start."""
+        """Return a model of the arm with the body grasped at the start as payload."""
         model = RobotModel(self.model.description, se3_to_pose(self.model.base))
         model.carry(payload_inertia(self.model, self.world))
         return model
@@ -80,7 +80,7 @@ class TrackingProblem:
 
 @dataclass(frozen=True, eq=False)
 class Command:
-    """What a controller commands for the next tick."""
+    """Command of a controller for the next tick."""
 
     values: FloatArray
     """Joint positions [rad], velocities [rad/s] or torques [N m], shape (n,)."""
@@ -92,7 +92,7 @@ class Command:
 
 @dataclass(frozen=True)
 class Follower:
-    """A controller that knows the trajectory it follows."""
+    """A controller with access to the trajectory that it follows."""
 
     mode: DriveMode
     """Kind of its commands; torques are commanded in every physics step, the others once per control tick."""
@@ -315,7 +315,7 @@ class SegmentTrial:
     controller: str
     """Name of the controller, or `PLAN`."""
     segment: PlannedSegment
-    """What was followed."""
+    """Result of following one trajectory."""
     tip_errors: FloatArray
     """Distance of the tip from the reference [m]."""
     joint_errors: FloatArray

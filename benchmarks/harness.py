@@ -1,4 +1,4 @@
-"""What all benchmarks share: warm up, repeat, median and tails, JSON, comparison of two runs."""
+"""Common parts of all benchmarks: warm up, repeat, median and tails, JSON, comparison of two runs."""
 
 from __future__ import annotations
 

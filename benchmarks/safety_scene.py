@@ -24,14 +24,14 @@ EPISODE = 204
 SLACK = 0.001
 """How much below its margin a distance may be [m]."""
 TREMBLE = 1e-6
-"""Moves of fingers and bodies that the judge does not take over [m], and parts of quaternions."""
+"""Moves of fingers and bodies that the checker ignores [m], and parts of quaternions."""
 KINDS = ("position", "velocity", "acceleration", "contact", "distance")
 State = tuple[FloatArray, FloatArray, FloatArray]
 
 
 @dataclass
 class Figures:
-    """What was measured in one scene."""
+    """Measurements of one scene."""
 
     actions: int = 0
     ticks: int = 0
@@ -58,7 +58,7 @@ class Figures:
     loop_tick_us: dict[str, float] = field(default_factory=dict)
     """And of the filter as it ran, between steps of physics, taking over a world that moved included."""
     events: list[str] = field(default_factory=list)
-    """What was violated, where and when, in words."""
+    """Violations with place and time, in words."""
 
     def violations(self) -> int:
         """Return ticks with a violation, of all kinds."""

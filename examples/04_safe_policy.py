@@ -20,7 +20,7 @@ IMAGE_FILE = "safe_policy.png"
 
 @dataclass
 class Fall:
-    """What became of one run."""
+    """Result of one run."""
 
     touched: set[str]
     deepest: float

@@ -89,7 +89,7 @@ def draw(episodes: Monitor, title: str) -> None:
 
 
 def main(shaped: bool = True, steps: int = STEPS) -> None:
-    """Train, judge before and after, and draw."""
+    """Train, evaluate before and after, and draw."""
     env = make(shaped)
     episodes = Monitor(env)
     policy = PPO("MlpPolicy", episodes, n_steps=1024, batch_size=64, gamma=0.95, learning_rate=1e-3, seed=0, device="cpu")

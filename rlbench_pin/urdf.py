@@ -68,9 +68,9 @@ class UrdfLink:
     name: str
     """Unique in a valid file."""
     visuals: tuple[UrdfShape, ...]
-    """What is seen, in file order."""
+    """Visual shapes, in file order."""
     collisions: tuple[UrdfShape, ...]
-    """What is touched, in file order."""
+    """Collision shapes, in file order."""
     inertial: UrdfInertial | None
     """None where the file has none."""
 
@@ -97,7 +97,7 @@ class UrdfJoint:
 
 @dataclass(frozen=True)
 class Urdf:
-    """What one URDF file says."""
+    """Contents of one URDF file."""
 
     path: Path
     """The file."""
@@ -138,7 +138,7 @@ def read_urdf(path: Path, needed_by: str = "a model") -> Urdf:
 
     Args:
         path: The file.
-        needed_by: Who asks, for the error message.
+        needed_by: Name of the caller, for the error message.
 
     Raises:
         AssetNotFound: The file does not exist.

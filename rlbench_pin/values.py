@@ -27,13 +27,13 @@ LARGEST_SIDE = 8192
 LONGEST_NAME, LONGEST_PATH = 255, 4095
 """Bytes of file names and paths of Linux."""
 _NO_NUMBERS = (bool, np.bool_, np.timedelta64)
-"""What numpy and Python count among their whole numbers, and we do not."""
+"""Types that numpy or Python treat as integers and this package does not."""
 _NUMBERS = (float, int, np.floating, np.integer)
 _MADE_BY = {
     "Generator": "`np.random.default_rng(seed)` makes one.",
     "Demo": "`task.get_demos(1)` and `read_demo(path)` return some.",
 }
-"""Class -> what makes one, where users have to know."""
+"""Class -> function that makes one, for error messages."""
 
 
 def as_number(
@@ -224,7 +224,7 @@ SMALLEST_NORM = 1e-3
 _FLOAT = np.dtype(float)
 _NUMERIC = "biuf"
 _BROKEN = (TypeError, ValueError, OverflowError, AttributeError, RuntimeError, MemoryError)
-"""What objects raise that cannot be made an array."""
+"""Errors of objects that cannot be made an array."""
 
 
 def as_array(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> FloatArray:

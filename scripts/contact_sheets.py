@@ -1,4 +1,4 @@
-"""Draw docs/images/sheets/: every task as all cameras see a demonstration, and docs/images/looks.jpg of the settings.
+"""Draw docs/images/sheets/: every task as all cameras see a demonstration, and docs/images/looks.jpg of appearance settings.
 
 Usage: python scripts/contact_sheets.py [TASK ...] [--variation N] [--seed N]
 """

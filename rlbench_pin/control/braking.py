@@ -3,7 +3,7 @@
 A command is safe when all of the way to standstill keeps the floors of all pairs, that is, their minimum distances: the
 command's own tick, then ticks that change each joint's velocity by at most a dt towards zero. A safe command leaves a
 state from which braking is safe, because it is the rest of the way that was checked. So there always is a safe command,
-as long as the world stands still: brake.
+as long as the world is stationary: brake.
 
 Checking the way takes few distances. Bounds on motion (`robot.distances`) clear most pairs at once. The others are
 measured at its end, and since a distance changes by no more than the motion L between two places,

@@ -14,7 +14,7 @@ the box, and no QP is solved.
 (1) is linear in a short motion and leaves out braking, so the result is checked: the tick of u and the hardest
 braking after it, at true distances and in all pairs (`braking`), and within the motors' torques. If that way
 is not clear, commands between u and braking are tried, and last braking itself, which was checked one tick ago. Therefore,
-in a world that stands still, limits hold and distances stay above the minimum at all times, also when the QP is
+in a stationary world, limits hold and distances stay above the minimum at all times, also when the QP is
 infeasible: braking is the safe stop.
 
 A state that breaks a rule already is led back: joints beyond their limits brake, then return; pairs nearer than the
@@ -93,7 +93,7 @@ class SafetyConfig:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class SafeCommand:
-    """What the filter passes on, and why."""
+    """Command of the filter, and the reasons of a change."""
 
     velocity: FloatArray
     """Joint velocity of the next tick (n,), [rad/s]."""
@@ -102,7 +102,7 @@ class SafeCommand:
     reasons: tuple[Reason, ...]
     """Empty when the wanted velocity passed unchanged."""
     pairs: tuple[tuple[str, str], ...]
-    """What came too near, as names."""
+    """Names of the pairs that came too near."""
     stopped: bool
     """Whether the command is the hardest braking, because nothing better was found."""
 
@@ -119,7 +119,7 @@ class SafeCommand:
 
 @dataclass
 class FilterCounts:
-    """What a filter did so far."""
+    """Counts of the interventions of a filter."""
 
     ticks: int = 0
     """Commands in all."""

@@ -13,7 +13,7 @@ from rlbench_pin.values import as_flag, as_names, as_path, as_whole
 EPISODE_SUFFIX = ".h5"
 MANIFEST = "manifest.json"
 ALL_VARIATIONS = -1
-"""The variation that stands for all of them, or for one drawn for each episode."""
+"""Number that means all variations, or one drawn for each episode."""
 
 _EPISODE = re.compile(r"episode(0|[1-9][0-9]*)\.h5")
 _VARIATION = re.compile(r"variation(0|[1-9][0-9]*)")

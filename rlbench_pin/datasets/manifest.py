@@ -1,7 +1,7 @@
-"""The manifest of a task: what every episode is, and the SHA-256 that says it is still the same.
+"""The manifest of a task: seed, variation, versions and SHA-256 of every episode.
 
 `manifest.json` lists the episodes. While many are being written, each new entry becomes one line of `.manifest.journal` beside
-it, so that the hundred-thousandth episode costs no more than the first; whoever reads the manifest reads the journal too.
+it, so that the hundred-thousandth episode costs no more than the first; readers of the manifest read the journal as well.
 """
 
 from __future__ import annotations
@@ -124,7 +124,7 @@ _FIELDS: dict[str, Callable[[object], bool]] = {
     "versions": is_text_map,
     "failures": is_texts,
 }
-"""What each field of an entry may be."""
+"""Check of each field of an entry."""
 
 
 def digest(data: bytes) -> str:
@@ -259,7 +259,7 @@ def _read_journal(manifest: Path) -> list[EpisodeEntry]:
         return [EpisodeEntry(**line) for line in lines]
     except (OSError, ValueError, TypeError) as error:
         raise EpisodeFileError(
-            path, f"The journal '{path}' cannot be read: {error}. Delete it and go on with `--resume`."
+            path, f"The journal '{path}' cannot be read: {error}. Delete it and continue with `--resume`."
         ) from error
 
 

@@ -117,7 +117,7 @@ def _same_images(before: tuple[dict[str, tuple[int, ...]], Path] | None, path: P
     shapes = stored_images(path)
     if before is not None and before[0] != shapes:
         raise DatasetConflict(
-            f"'{path}' holds the images {shapes}, '{before[1]}' holds {before[0]}. "
+            f"'{path}' has images of {shapes}, '{before[1]}' of {before[0]}. "
             "Make them alike with `rlbench-pin dataset rerender` first."
         )
     return shapes, path

@@ -61,7 +61,9 @@ def read_image(reference: str) -> np.ndarray:
     path, _, inside = as_text(reference, "reference").rpartition("#")
     name, _, frame = inside.partition("/")
     if not path or name not in IMAGE_FIELDS or not frame.isdigit():
-        raise DatasetError(f"{reference!r} stands for no image; expected '<file>#<field>/<frame>', as image_paths=True gives.")
+        raise DatasetError(
+            f"{reference!r} is no reference to an image; expected '<file>#<field>/<frame>', as image_paths=True gives."
+        )
     with Episode(as_path(path, "path")) as episode:
         if name not in episode.fields or int(frame) >= len(episode):
             raise DatasetError(f"'{path}' holds no {name} of frame {frame}; it has {len(episode)} frames of {episode.fields}.")

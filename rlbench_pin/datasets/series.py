@@ -93,7 +93,7 @@ def _shuffled(data: NDArray) -> bytes | NDArray[np.uint8]:
 
 
 Value = Any
-"""What `Observation.misc` may hold: arrays, numbers, texts, and lists and dicts of them."""
+"""Values of `Observation.misc`: arrays, numbers, texts, and lists and dicts of them."""
 
 _ARRAY, _TUPLE, _PAIRS, _SCALAR = "__array__", "__tuple__", "__pairs__", "__scalar__"
 _EXACT = (str, int, bool, type(None))

@@ -28,7 +28,7 @@ class EpisodeRandom:
     variation: np.random.Generator
     """Variation of the task, where none is set."""
     placement: np.random.Generator
-    """Where objects stand, and what else a task draws."""
+    """Poses of objects, and all else that a task draws."""
     planning: np.random.Generator
     """Starts of inverse kinematics and samples of the planner."""
     noise: np.random.Generator
@@ -45,7 +45,7 @@ class EpisodeRandom:
 
 @dataclass(frozen=True)
 class EpisodeOrigin:
-    """Where an episode came from."""
+    """Origin of an episode."""
 
     seed: int
     attempt: int
@@ -53,7 +53,7 @@ class EpisodeOrigin:
     reset_attempts: int
     """Placements that the reset needed."""
     instructions: tuple[str, ...]
-    """What is asked for, in sentences that mean the same."""
+    """Instructions of the episode; all mean the same."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class EnvironmentState:
     runtime: RuntimeState
     episode: EpisodeOrigin
     randomization: RandomizationSample | None = None
-    """What domain randomization has changed in the world."""
+    """Changes of domain randomization in the world."""
 
     def unpickled_variation(self, task: str) -> int | None:
         """Return the variation of a state that was pickled, None of one that was not.

@@ -113,12 +113,12 @@ class RuntimeState:
 
 
 class Runtime:
-    """What action modes and demonstrations work on.
+    """World, task, model and planner, which action modes and demonstrations work on.
 
     Attributes:
         world: The simulated world.
         robot: Arm and fingers of the world.
-        gripper: Hand of the world.
+        gripper: Gripper of the world.
         instructions: Sentences that say what to do in the present episode.
         task: The task that is running.
         model: Analytic model of the arm.
@@ -357,7 +357,7 @@ def build_runtime(
         config: What observations contain.
         planning: Settings of the planner.
         attach_grasped_objects: As in `Runtime`.
-        renderer: Who draws images.
+        renderer: Renderer of images.
         camera_places: Where cameras stand that were put elsewhere; shared with other runtimes.
         kind: `Runtime`, or a subclass of it.
     """
@@ -385,7 +385,7 @@ _GRIPPER_TICKS = 60
 _SETTLE_TICKS_AFTER_OPENING = 10
 """Control ticks for what was let go to come to rest."""
 _STABLE_SECONDS = 1.0
-"""For how long a success has to last to be a lasting one [s]."""
+"""Time after which a stable success still holds [s]."""
 
 
 def follow(
@@ -468,7 +468,7 @@ def hold_or_release(runtime: Runtime, *, release: bool, attach: bool) -> None:
 
 
 def success_is_stable(runtime: Runtime) -> bool:
-    """Whether the goal is reached now and still is 1 s later, the arm stationary, the gripper as it is.
+    """Return whether success holds now and still holds after 1 s with arm and gripper stationary.
 
     Afterwards everything is as it was (measured torques from the next tick on); observers and callbacks notice nothing.
     """

@@ -78,7 +78,7 @@ class TaskEnvironment:
 
     @property
     def action_mode(self) -> ActionMode:
-        """What actions mean."""
+        """The action mode."""
         return self._action_mode
 
     @property
@@ -263,7 +263,7 @@ class TaskEnvironment:
         on_frame: Callable[[Observation], None] | None = None,
         record: bool = True,
     ) -> DemoOutcome:
-        """Reset with (seed, attempt) and play the demonstration once, whatever comes of it.
+        """Reset with (seed, attempt) and play the demonstration once, with or without success.
 
         Args:
             seed: Seed of the episode.

@@ -137,7 +137,7 @@ class Window:
     """Shows one image after the other; opens with the first.
 
     Args:
-        title: Stands above the images.
+        title: Text above the images.
 
     Raises:
         WindowMissing: There is no screen, or no pygame.
@@ -210,7 +210,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         invalid_action: What a refused action does, such as a pose that cannot be reached: `continue` (nothing moves, reward 0),
             `terminate` (likewise, and the episode ends), or `raise`.
         image_size: Width and height of images [px].
-        renderer: Who draws: `cpu`, `egl` or `auto`.
+        renderer: Renderer of images: `cpu`, `egl` or `auto`.
         cameras: Cameras of vision observations.
 
     Raises:

@@ -67,7 +67,7 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
         image_size: Width and height of images [px]; those that the policy was trained on.
         render_mode: `rgb_array` or `human`.
         action_mode: What actions mean; None is as above.
-        renderer: Who draws: `cpu`, `egl` or `auto`.
+        renderer: Renderer of images: `cpu`, `egl` or `auto`.
         like: Observation and action space, when known; then the world is built when it is first used. Otherwise at once.
 
     Attributes:

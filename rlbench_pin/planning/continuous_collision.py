@@ -115,7 +115,7 @@ class _Shape:
 
 
 class ArmShapes:
-    """What is known of an arm's own shapes in any world; the fingers may move.
+    """Shapes of the arm itself, the same in any world; the fingers may move.
 
     Args:
         model: The arm.
@@ -346,7 +346,7 @@ MIN_CLOSING = 3e-4
 """Pairs that close in by less than this, and still are not settled, are in doubt [m]."""
 _PARTS, _MAX_PARTS = 2.0, 16
 DISTANCE_TOLERANCE = 1e-5
-"""What distances have to be larger than asked for, because Coal's are not exact [m]."""
+"""Distances have to exceed the margin by this, because Coal's are not exact [m]."""
 
 
 @dataclass(frozen=True)
@@ -354,7 +354,7 @@ class Certificate:
     """Result of the continuous check of a path."""
 
     doubt: float | None
-    """Where on the path (0..1) the check is in doubt; None when all of it is free."""
+    """First place on the path (0..1) that could not be certified; None when all of it is free."""
     checks: int
     """Configurations in which distances were measured."""
 

@@ -113,7 +113,7 @@ def check_options(rng: object, allowed: Collection[str], free: object) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Descent:
-    """Where one descent ended."""
+    """Result of one descent."""
 
     q: FloatArray
     """Configuration (n,), [rad]."""

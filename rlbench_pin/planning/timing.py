@@ -66,8 +66,8 @@ DENSE = 1e-3
 _SAMPLE_STEP = 0.05
 """Time [s] and joint distance [rad] between the samples of the quick bound, at most."""
 _COARSE_STEP, _COARSE_SHARE = 0.2, 0.88
-"""The same of a first look, which is enough where torques stay below that share of the limits: on 100 motions the largest between
-such samples was 0.5 % of a limit above the largest at them."""
+"""The same of a coarse check, which is enough where torques stay below that share of the limits: on 100 motions the largest
+between such samples was 0.5 % of a limit above the largest at them."""
 _TORQUE_RESERVE = 0.97
 _ROUNDS = 12
 

@@ -324,7 +324,7 @@ def part_volume(part: Part) -> float:
 
 
 def _corners(solid: coal.CollisionGeometry) -> FloatArray:
-    """Return corners (n, 3) whose hull stands for a primitive."""
+    """Return corners (n, 3) whose hull approximates a primitive."""
     if isinstance(solid, coal.Box):
         return np.array(list(product((-1.0, 1.0), repeat=3))) * solid.halfSide
     around = 2.0 * np.pi * np.arange(_SIDES) / _SIDES

@@ -189,7 +189,7 @@ def _update(entry: Any, spec: Spec) -> None:
 
 
 def _parsed(entry: Any, model: type[Any]) -> list[Any]:
-    """Return what one table of the file stands for; nothing when it is new or not valid."""
+    """Return the elements of one table of the file; none when it is new or not valid."""
     try:
         return [model.model_validate(plain) for plain in write_out(_TABLE_OF.get(model, "placement"), entry.unwrap())]
     except (ValidationError, ShortFormError):

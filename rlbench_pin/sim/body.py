@@ -474,7 +474,7 @@ class Body:
             self.model.client.change(bullet.changeVisualShape, self.model.uid, index, shapeIndex=shape, rgbaColor=color)
 
     def repaint(self) -> None:
-        """Show the colours that the body has, whatever was painted over it."""
+        """Restore the colours of the body."""
         for index in self._visuals:
             if index in self._colors:
                 color = self._colors.pop(index)
@@ -546,7 +546,7 @@ class Body:
 
 
 def carried(pose: PoseLike, old: PoseLike, new: PoseLike) -> FloatArray:
-    """Where an object at `pose` goes when its parent moves from `old` to `new`."""
+    """Return the new pose of an object at `pose` when its parent moves from `old` to `new`."""
     return compose(new, relative(pose, old))
 
 

@@ -16,7 +16,7 @@ from rlbench_pin.sim.room import RoomBody
 from rlbench_pin.urdf import read_urdf
 
 _MASSLESS = {"mass": 0.0, "localInertiaDiagonal": [0.0, 0.0, 0.0]}
-"""What keeps a body at its place; PyBullet moves nothing that has no mass and is at rest."""
+"""Dynamics that keep a body in place; PyBullet moves nothing that has no mass and is at rest."""
 
 
 class DynamicsOverrides:

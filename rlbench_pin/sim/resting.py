@@ -1,8 +1,8 @@
-"""Bodies that rest are put to sleep, so that they cost no time until something comes near them or changes the world.
+"""Puts resting bodies to sleep, so that they cost no time until something comes near them or changes the world.
 
 PyBullet's solver leaves out what sleeps as long as every body whose box overlaps theirs sleeps too, and simulates it again in the
-very physics step in which the box of something awake overlaps. When that has gone without moving them they sleep on. Who sleeps
-is decided here, by how many ticks in a row a body was at rest, because the states that PyBullet saves do not say it.
+very physics step in which the box of something awake overlaps. When that has gone without moving them they sleep on. This
+module decides which bodies sleep, by how many ticks in a row they were at rest; the states that PyBullet saves do not contain it.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class _Loose:
 
 
 class Resting:
-    """Knows who sleeps. Every change of the world but that of a colour wakes all bodies.
+    """Sleeping bodies. Every change of the world but that of a colour wakes all bodies.
 
     A body that slept begins to move one physics step late, except where something awake comes near. Bodies that are fixed sleep
     from the end of the first tick on, so that PyBullet does not look for contacts between them and what sleeps.
@@ -70,7 +70,7 @@ class Resting:
         self._client.step()
 
     def end_tick(self) -> None:
-        """Find out who is at rest."""
+        """Find the bodies at rest."""
         if self._thrown:
             self._throw_again()
         if not self._fixed_sleep and self._loose:

@@ -57,7 +57,7 @@ class LogicalState:
     quiet: tuple[tuple[str, int], ...] = ()
     """Bodies that were at rest, and at the end of how many ticks in a row; enough of them and a body sleeps."""
     kept: tuple[object, ...] | None = None
-    """What each of `World.keepers` gave; None leaves them as they are."""
+    """State of each of `World.keepers`; None leaves them as they are."""
 
 
 @dataclass(frozen=True, eq=False)

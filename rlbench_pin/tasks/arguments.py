@@ -26,9 +26,9 @@ class ObjectKind(NamedTuple):
     """A kind of object of a world."""
 
     words: str
-    """What it is, and where a task finds one."""
+    """Its kind, and where a task finds one."""
     attributes: tuple[str, ...]
-    """What is used of it."""
+    """Its used attributes."""
 
 
 BODY_OR_FRAME = ObjectKind("a body or a frame", ("name", "position"))

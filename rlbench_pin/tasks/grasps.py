@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rlbench_pin.sim import Body, World
 
 SIDES = (0.0, -1.0, 1.0)
-"""Where a body may be between the fingers: in the middle, or nearly at one of them."""
+"""Places of a body between the fingers: in the middle, or nearly at one of them."""
 OPEN, FINGER = 0.028, 0.053
 """How far the middle of the gripper may be from a side of a body, and from the middle of an open finger [m]."""
 PAD = np.array([0.014, 0.016])
@@ -155,7 +155,7 @@ def _best_grasp(
     Args:
         body: What is gripped.
         side: One of `SIDES`.
-        angles: Turns of the gripper to judge (n,) [rad].
+        angles: Yaws of the gripper to score (n,) [rad].
         turns: The same as rotations (n, 2, 2).
         boxes: Box around each body in the axes of each turned gripper (n, 2, 2) [m].
         tray: Where they lie.

@@ -73,13 +73,13 @@ class SpawnBoundary:
         bounding box fits. A rectangle leaves the height as it is.
 
         Args:
-            element: What to place.
+            element: Body or frame to place.
             rng: Random generator.
             min_rotation: Lowest roll, pitch, yaw in the axes of the region [rad].
             max_rotation: Highest roll, pitch, yaw [rad].
             min_distance: Least distance between origins of objects placed by this boundary [m].
             apart: Larger distances from some of them, by name [m].
-            ignore_collisions: Do not look at what this boundary has placed already.
+            ignore_collisions: Ignore all that this boundary has placed already.
 
         Raises:
             BoundaryError: No place was found in `MAX_SAMPLES` tries.
@@ -127,7 +127,7 @@ class SpawnBoundary:
         """Forget what was placed and place objects one after another, anew until the layout is accepted.
 
         Args:
-            elements: What to place, each turned by any yaw.
+            elements: Bodies and frames to place, each at any yaw.
             rng: Random generator.
             min_distance: Least distance between their origins [m].
             accept: Asked after each layout whether it will do; None takes the first.

@@ -16,11 +16,11 @@ Stage = tuple[Command, ...]
 """Commands that do not need each other."""
 
 CLONED = ("reach_target", "push_button", "close_microwave", "toilet_seat_down", "close_drawer", "lamp_on")
-"""What is cloned from state and from images."""
+"""Tasks cloned from state and from images."""
 SHAPED = ("slide_block_to_target", "take_lid_off_saucepan")
-"""What is learned by trial with the task's own reward and demonstrations; `reach_target` is, without."""
+"""Tasks of reinforcement learning with the task's own reward and demonstrations; `reach_target` has no demonstrations."""
 SPARSE = ("push_button", "close_drawer")
-"""What is learned by trial for success alone, with demonstrations."""
+"""Tasks of reinforcement learning for success alone, with demonstrations."""
 TRIED = ("reach_target", *SHAPED, *SPARSE)
 """All that is learned by trial."""
 SHOTS = (1, 5, 20)

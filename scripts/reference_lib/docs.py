@@ -1,4 +1,4 @@
-"""What the code says about itself: docstrings, the strings below attributes, defaults."""
+"""Documentation in the code: docstrings, the strings below attributes, defaults."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Doc:
     """A docstring, taken apart."""
 
     text: str
-    """What stands before the first section, one paragraph per line."""
+    """Text before the first section, one paragraph per line."""
     sections: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     """`Args`, `Attributes` -> name -> what it means."""
 

@@ -88,5 +88,5 @@ def test_a_comparison_can_be_forced(files: tuple[str, str], tmp_path: Path, caps
     assert main(["results", files[0], str(other), "--compare", "--common"]) == 1
     assert "--any-limits" in capsys.readouterr().err
     assert main(["results", files[0], str(other), "--compare", "--common", "--any-limits", "--held"]) == 0
-    assert "third compared with first: success that lasts" in (text := capsys.readouterr().out)
+    assert "third compared with first: stable success" in (text := capsys.readouterr().out)
     assert "max_steps is 200 in the first and 1 in the second" in text

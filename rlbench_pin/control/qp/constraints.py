@@ -38,7 +38,8 @@ from rlbench_pin.values import as_choice, as_flag, as_number, as_record
 
 HELD_QUANTITIES = ("velocity", "acceleration", "any")
 HeldQuantity = Literal["velocity", "acceleration", "any"]
-"""What motors keep constant over a control tick: they reach the next velocity at its begin, at its end, or at any time in it."""
+"""Quantity that motors keep constant over a control tick: they reach the next velocity
+at its start, at its end, or at any time in it."""
 SpeedT = TypeVar("SpeedT", float, FloatArray)
 
 

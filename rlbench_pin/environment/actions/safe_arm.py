@@ -24,7 +24,7 @@ The simulator finds the motors' torques by sweeps over the joints, and stops bef
 ones drag along, such as the third, end a tick up to 7 % of a dt beyond the commanded velocity.
 """
 UNSEEN = 2e-5
-"""Where bodies and fingers tremble by less than this, the filter's world stays as it is [m], or of a quaternion."""
+"""Motions of bodies and fingers below this do not update the world of the filter [m], or in parts of a quaternion."""
 
 
 @dataclass

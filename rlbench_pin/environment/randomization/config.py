@@ -76,7 +76,7 @@ class RandomizationConfig(Settings):
     rules: ClassVar[Mapping[str, Rule]] = ruled((_as_patterns, "whitelist blacklist"), (FLAG, "randomize_arm"))
 
     whitelist: Sequence[str] | None = None
-    """Only these change; `*` and `?` stand for other letters. None: all."""
+    """Only these change; `*` and `?` are wildcards. None: all."""
     blacklist: Sequence[str] | None = None
     """These never change, even when they are on the white list."""
     randomize_arm: bool = True

@@ -77,7 +77,7 @@ class MetaSplit:
 
     name: str
     about: str
-    """What it is, one sentence."""
+    """Description, one sentence."""
     train: tuple[str, ...]
     """The meta-training tasks: open, a learner may do with them what it likes."""
     test: tuple[str, ...]
@@ -136,7 +136,7 @@ def _contents() -> Mapping[str, MetaSplit]:
 
 
 def find_learner(reference: str) -> str:
-    """Return `module:factory` or `file.py:factory`, with arguments, of a learner, after a look at whether it exists.
+    """Return `module:factory` or `file.py:factory`, with arguments, of a learner, after checking that it exists.
 
     Raises:
         UnknownName: It is a single word, and no learner of this package is called so.
@@ -157,7 +157,7 @@ def find_learner(reference: str) -> str:
 def read_secret(path: Path | str) -> bytes:
     """Return the secret in a file, all its bytes.
 
-    A host keeps the file until a challenge is over, then publishes it: whoever has it can compute all seeds again.
+    A host keeps the file until a challenge is over, then publishes it, so that everyone can compute all seeds again.
 
     Raises:
         InvalidArgument: There is no such file, or it has fewer than 16 bytes or more than 1 MB.

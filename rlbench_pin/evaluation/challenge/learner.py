@@ -121,5 +121,5 @@ def read_learned(path: Path) -> Mapping[str, Any] | None:
     try:
         learned = unpack(data[4:])["learned"]
     except (WireError, KeyError) as error:
-        raise ChallengeConflict(f"'{path}' is damaged: {error}. Delete it, and go on with `--resume`.") from error
+        raise ChallengeConflict(f"'{path}' is damaged: {error}. Delete it, and continue with `--resume`.") from error
     return learned if isinstance(learned, Mapping) else None

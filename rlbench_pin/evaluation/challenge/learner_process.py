@@ -23,7 +23,7 @@ from rlbench_pin.evaluation.policies.wire import decode_context, decode_observat
 from rlbench_pin.processes.child import connect_to_owner
 
 PARTS = ("adapt", "meta_train", "action_mode", "obs_config")
-"""What a learner has."""
+"""Methods of a learner."""
 Answer = dict[str, Any]
 
 

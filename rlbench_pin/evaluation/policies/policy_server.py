@@ -48,7 +48,7 @@ class WireError(ValueError):
 
 
 class NoPolicy(ValueError):
-    """What was named or made is no policy."""
+    """The object is no policy."""
 
 
 # Messages ---------------------------------------------------------------------------------------------------------------------

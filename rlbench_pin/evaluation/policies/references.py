@@ -47,13 +47,13 @@ class Reference:
     text: str
     """As it was written."""
     place: Literal["in-process", "subprocess", "socket"]
-    """Where the policy runs."""
+    """Transport of the policy."""
     target: str
     """`module:factory` or `file.py:factory` with arguments, or an address."""
 
 
 def find_policy(reference: str) -> Reference:
-    """Return what a reference leads to, after a look at whether it exists. Nothing is imported that the policy brings.
+    """Return the target of a reference, after checking that it exists. Nothing of the policy is imported.
 
     Args:
         reference: A name of `BUILT_IN`, `module:factory`, `file.py:factory`, `sb3:FILE`, `ppo:FOLDER`, `sac:FOLDER`,
@@ -220,7 +220,7 @@ def _value(text: str) -> Any:
 
 
 POLICY = ("reset", "act", "action_mode", "obs_config")
-"""What a policy has."""
+"""Methods of a policy."""
 
 
 def make_policy(reference: str) -> Any:

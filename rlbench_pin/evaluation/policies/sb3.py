@@ -29,7 +29,7 @@ TOLERANCE = 1e-5
 
 
 class Model(Protocol):
-    """What we use of a model of Stable-Baselines3."""
+    """The used part of a model of Stable-Baselines3."""
 
     observation_space: Any
     action_space: Any

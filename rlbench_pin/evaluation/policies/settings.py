@@ -42,7 +42,7 @@ from rlbench_pin.values import as_whole
 
 @dataclass(frozen=True)
 class PolicySettings:
-    """What a policy asks of an evaluation. Everything in it is JSON; action modes and noise are those of this package.
+    """Settings that a policy asks for. All values are JSON; action modes and noise are those of this package.
 
     Raises:
         PolicySettingsError: The data name no action mode or observation, or a wrong value of one (also an InvalidValue).
@@ -51,7 +51,7 @@ class PolicySettings:
     action_mode: dict[str, Any]
     """Classes and parameters of the action mode: `mode`, `arm`, `arm_settings`, `gripper`, `gripper_settings`."""
     observation: dict[str, Any] = field(default_factory=dict)
-    """What is observed: low-dimensional fields, and `cameras` with their products and sizes. What is left out is off."""
+    """Observations: low-dimensional fields, and `cameras` with their products and sizes. Fields left out are off."""
     max_steps: int | None = None
     """Actions of an episode that the policy suggests; None leaves it to the evaluation."""
 
@@ -292,9 +292,9 @@ def _extra_camera(extra: ExtraCamera) -> dict[str, Any]:
 
 def _check_parent(extra: ExtraCamera) -> None:
     if extra.parent not in ("world", HAND):
-        hint = "On a body of the scene it would tell where that is."
+        hint = "A camera on a body of the scene would reveal its pose."
         raise PolicySettingsError(
-            "An extra camera of a policy", extra.parent, f"stands in the world or rides on the {HAND}", hint
+            "An extra camera of a policy", extra.parent, f"has to be fixed in the world or mounted on the {HAND}", hint
         )
 
 

@@ -1,4 +1,4 @@
-"""Plots of results: success with its interval, a bar per task and policy, in colours that colour-blind people can tell apart."""
+"""Plots of results: success with its interval, a bar per task and policy, in colours for colour-blind readers."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def check_plot(path: Path | str, policies: int) -> Path:
     if path.suffix.lower() not in SUFFIXES:
         raise InvalidValue("path of a plot", str(path), f"has to end with {' or '.join(SUFFIXES)}")
     if not 1 <= as_whole(policies, "policies") <= MAX_POLICIES:
-        raise InvalidValue("policies in one plot", policies, f"have to be 1 to {MAX_POLICIES}: more bars are not told apart")
+        raise InvalidValue("policies in one plot", policies, f"have to be 1 to {MAX_POLICIES}: more bars cannot be distinguished")
     return path
 
 

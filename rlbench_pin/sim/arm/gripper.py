@@ -1,4 +1,4 @@
-"""The gripper: fingers that close at a given speed and force, and what they hold."""
+"""The gripper: fingers that close at a given speed and force, and grasped bodies."""
 
 from __future__ import annotations
 
@@ -180,11 +180,11 @@ class SimGripper:
         self._control = control
 
     def attachments(self) -> tuple[Attachment, ...]:
-        """What is fixed to the gripper."""
+        """Bodies fixed to the gripper."""
         return self._attachments.state()
 
     def set_attachments(self, attachments: tuple[Attachment, ...]) -> None:
-        """Make `attachments` the only ones, whatever was held before."""
+        """Replace all attachments by `attachments`."""
         self.release()
         self._attachments.restore_order(self._bodies())
         for attachment in attachments:
@@ -207,7 +207,7 @@ class SimGripper:
         self._control = FingerControl(control.target, np.array(ends), control.speed, control.force, here)
 
     def drive(self, substep: int) -> None:
-        """Command the finger motors for physics step `substep` of this tick; fingers that hold still keep their command."""
+        """Command the finger motors for physics step `substep` of this tick; stationary fingers keep their command."""
         if substep and not any(self._feed):
             return
         bullet.setJointMotorControlArray(

@@ -17,7 +17,7 @@ from rlbench_pin.values import as_image_size, as_number, as_vector
 
 @dataclass(frozen=True, eq=False)
 class CameraView:
-    """Where a camera stands and what it sees. The camera frame has z forward, x to the left, y up."""
+    """Pose and optics of a camera. The camera frame has z forward, x to the left, y up."""
 
     pose: FloatArray
     """Pose (7,) in the world."""
@@ -114,7 +114,7 @@ class _FinerView(CameraView):
 
 @dataclass(frozen=True, eq=False)
 class Images:
-    """What a camera delivered, top row first; None where it was not asked for."""
+    """Images of a camera, top row first; None where not requested."""
 
     rgb: NDArray[np.uint8] | None
     """(h, w, 3)."""

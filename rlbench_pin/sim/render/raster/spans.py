@@ -132,7 +132,7 @@ def _joined(outlines: Sequence[Outlines]) -> Outlines:
 
 
 def _clipped(projection: Projection, camera: NDArray[np.int64], triangle: NDArray[np.int64]) -> list[Outlines]:
-    """What of triangles that cross the near plane lies beyond it: triangles with one corner there, or quadrilaterals as two."""
+    """Parts of triangles beyond the near plane: triangles with one corner there, or quadrilaterals as two."""
     points = projection.corners(camera, triangle)
     inside = np.flatnonzero(_reaches_in(points, np.array([view.size for view in projection.views]).take(camera, axis=0)))
     if not len(inside):

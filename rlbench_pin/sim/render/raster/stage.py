@@ -174,7 +174,7 @@ _KEPT = 12
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """What one camera sees of some links."""
+    """View of some links by one camera."""
 
     nearest: NDArray[np.int64]
     """Key of the nearest triangle of each pixel (h * w,), 0 for none; see `Spans.draw_into`."""
@@ -223,7 +223,7 @@ Visuals = dict[tuple[int, int], tuple[tuple[float, ...], ...]]
 
 @dataclass(frozen=True)
 class Appearance:
-    """What PyBullet does not tell of visuals."""
+    """Appearance of visuals that PyBullet does not report."""
 
     mixed_colors: Callable[[], Visuals] = dict
     """Returns rgba of links whose visuals differ and show it. Once such a link was painted and is no more, PyBullet tells the
@@ -238,7 +238,7 @@ class Stage:
     Args:
         client: The server.
         room: Numbers of the bodies that are left out.
-        appearance: What the server does not tell.
+        appearance: Appearance that the server does not report.
 
     Attributes:
         layers: What was drawn of these shapes and stands still.
