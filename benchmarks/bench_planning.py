@@ -95,10 +95,10 @@ def run_complete(planner: MotionPlanner, problem: PlanningProblem, seed: int, fi
     seconds, model = time.process_time() - began, planner.model
     collisions = 0
     if fine:
-        judge = CollisionModel(model)
-        judge.update(problem.world)
-        judge.allow(problem.allowed)
-        collisions = sum(judge.in_collision(q) for q in _filled(plan.trajectory.q, FINE))
+        checker = CollisionModel(model)
+        checker.update(problem.world)
+        checker.allow(problem.allowed)
+        collisions = sum(checker.in_collision(q) for q in _filled(plan.trajectory.q, FINE))
     return Run(True, seconds, plan.report.length, _clearance(model, problem, plan.path), plan.report.checks, collisions)
 
 
@@ -114,9 +114,9 @@ def _length(path: FloatArray) -> float:
 
 def _clearance(model: RobotModel, problem: PlanningProblem, path: FloatArray) -> float:
     """Return the smallest distance to anything along a path."""
-    judge = CollisionModel(model)
-    judge.update(problem.world)
-    return min(float(d.distance) for q in path for d in judge.distances(q)[:1])
+    checker = CollisionModel(model)
+    checker.update(problem.world)
+    return min(float(d.distance) for q in path for d in checker.distances(q)[:1])
 
 
 # Results ----------------------------------------------------------------------------------------------------------

@@ -212,11 +212,11 @@ def with_safety_filter(inner: Callable[[TrackingProblem], Follower]) -> Callable
     def build(problem: TrackingProblem) -> Follower:
         follower = inner(problem)
         config = SafetyConfig(dt=problem.control_dt, margin=MARGIN, self_margin=MARGIN, limit_margin=LIMIT_MARGIN)
-        guard = SafetyFilter(problem.model, config)
-        guard.distances.update(problem.world, problem.touching)
+        safety = SafetyFilter(problem.model, config)
+        safety.distances.update(problem.world, problem.touching)
 
         def command(k: int, q: FloatArray, v: FloatArray) -> Command:
-            safe = guard.filter(q, v, follower.command(k, q, v).values)
+            safe = safety.filter(q, v, follower.command(k, q, v).values)
             return Command(safe.velocity, safe.stopped, safe.intervened)
 
         return Follower("velocity", command)

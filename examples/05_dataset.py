@@ -38,7 +38,7 @@ def main() -> None:
     with Environment(mode, obs_config=low_dim_config()) as environment:
         task = environment.get_task(TASK)
         task.reset_to_demo(demo)
-        for action in key_frame_actions(demo):  # tip pose, hand, and whether collisions are ignored
+        for action in key_frame_actions(demo):  # tip pose, gripper, and whether collisions are ignored
             _, reward, terminate = task.step(action)
             if terminate:
                 break

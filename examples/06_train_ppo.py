@@ -28,7 +28,7 @@ IMAGE_FILE = "train_ppo.png"
 
 
 class TipVelocity(gymnasium.ActionWrapper):
-    """Three numbers in -1..1 for the linear tip velocity; the hand keeps its orientation and stays open."""
+    """Three numbers in -1..1 for the linear tip velocity; the gripper keeps its orientation and stays open."""
 
     def __init__(self, env: gymnasium.Env) -> None:
         super().__init__(env)
@@ -61,7 +61,7 @@ def make(shaped: bool = True) -> gymnasium.Env:
     return TipVelocity(TipAndBall(env))
 
 
-def judge(policy: BaseAlgorithm, env: gymnasium.Env) -> tuple[float, float]:
+def evaluate(policy: BaseAlgorithm, env: gymnasium.Env) -> tuple[float, float]:
     """Return mean reward per episode and share of successes over the test seeds."""
     rewards, successes = [], []
     for seed in TESTS:
@@ -93,11 +93,11 @@ def main(shaped: bool = True, steps: int = STEPS) -> None:
     env = make(shaped)
     episodes = Monitor(env)
     policy = PPO("MlpPolicy", episodes, n_steps=1024, batch_size=64, gamma=0.95, learning_rate=1e-3, seed=0, device="cpu")
-    before = judge(policy, env)
+    before = evaluate(policy, env)
     began = time.perf_counter()
     policy.learn(steps)
     rate = policy.num_timesteps / (time.perf_counter() - began)
-    after = judge(policy, env)
+    after = evaluate(policy, env)
     draw(episodes, f"PPO on reach_target, {'shaped' if shaped else 'sparse'} reward")
     env.close()
     print(f"{policy.num_timesteps} steps of training, {rate:.0f} a second")

@@ -1,6 +1,6 @@
 """Draw an animated image of every task of the library, each from the beginning of a demonstration to its end.
 
-Usage: python scripts/readme_film.py [TASK ...] [--out FILE.webp]    docs/images/tasks.webp by default
+Usage: python scripts/readme_animation.py [TASK ...] [--out FILE.webp]    docs/images/tasks.webp by default
 All tasks take as long in the image, so that they do not go at the same speed; the last moment stands still for a while.
 """
 
