@@ -41,7 +41,7 @@ def push(observation: Observation) -> Goal:
 
 
 def pick(observation: Observation) -> Goal:
-    """Return the goal of pick_and_lift, whose state is the positions of block and marker. After the grasp the goal is the marker."""
+    """Return the goal of pick_and_lift, whose state is block and marker positions; once grasped, the goal is the marker."""
     block, marker = observation["task_low_dim_state"].reshape(2, 3)
     if np.linalg.norm(block - observation["gripper_pose"][:3]) > NEAR:
         return from_above(observation, block), OPEN
