@@ -340,7 +340,7 @@ def test_cameras_check_what_is_set(name: str, value: object) -> None:
 
 
 def test_sizes_and_switches_are_kept_as_they_are_used() -> None:
-    """One number is a square picture, a list a pair, 1 is True; copies and pickles are the same."""
+    """One number is a square image, a list a pair, 1 is True; copies and pickles are the same."""
     camera = CameraConfig(image_size=[64, 32])  # type: ignore[arg-type]
     camera.rgb = 0  # type: ignore[assignment]
     assert (camera.image_size, camera.rgb) == ((64, 32), False)

@@ -36,7 +36,7 @@ def test_the_torques_are_those_of_braking_to_standstill(model: RobotModel) -> No
 
 
 def test_what_the_arm_carries_counts(model: RobotModel) -> None:
-    """With 8 kg in the hand the stretched arm cannot brake as hard as without."""
+    """With 8 kg in the gripper the stretched arm cannot brake as hard as without."""
     check = MotorCheck(model, JointBounds(model.limits, DT, "any"))
     q, v = np.array([0.0, 1.4, 0.0, -0.3, 0.0, 1.2, 0.0]), np.zeros(model.size)
     assert not check.overloaded(q, v, v)

@@ -78,7 +78,7 @@ def test_many_random_actions_break_nothing(model: RobotModel) -> None:
 
 
 def test_a_policy_that_drives_into_the_table_stops_above_it(model: RobotModel) -> None:
-    """Aimed below the table top, the hand stops at the margin, and the filter says why."""
+    """Aimed below the table top, the gripper stops at the margin, and the filter says why."""
     checker = Checker(model, WorldSnapshot((table(),), model.home, np.full(2, 0.04)))
     policy = DifferentialIK(model)
     for _ in range(150):
@@ -98,7 +98,7 @@ def test_a_policy_that_drives_into_the_table_stops_above_it(model: RobotModel) -
 
 @pytest.mark.simulation
 def test_the_arm_slides_along_what_it_may_not_enter(model: RobotModel) -> None:
-    """Pushed into the table and sideways at once, the hand goes sideways."""
+    """Pushed into the table and sideways at once, the gripper goes sideways."""
     checker, policy = Checker(model, WorldSnapshot((table(),), model.home, np.full(2, 0.04))), DifferentialIK(model)
     for _ in range(100):
         checker.tick(policy.velocity_to_pose(checker.q, checker.v, [0.3, 0.0, TABLE_TOP - 0.1, *TOP_DOWN]))
@@ -120,7 +120,7 @@ def test_harmless_commands_pass_unchanged(model: RobotModel) -> None:
 
 
 def test_what_is_allowed_may_be_touched(model: RobotModel) -> None:
-    """The filter lets the hand near a body whose name is allowed, and to no other."""
+    """The filter lets the gripper near a body whose name is allowed, and to no other."""
     tip = model.tip_pose(model.home)[:3]
     block = box("block", (0.04, 0.04, 0.04), tip + [0.06, 0.0, -0.03])
     world = WorldSnapshot((table(), block), model.home, np.full(2, 0.04))

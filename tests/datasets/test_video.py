@@ -26,7 +26,7 @@ def test_pictures_come_back(tmp_path: Path) -> None:
 
 
 def test_an_error_leaves_no_file(tmp_path: Path) -> None:
-    """A film that was not finished is not there."""
+    """A video that was not finished is not there."""
     with pytest.raises(ZeroDivisionError), VideoWriter(tmp_path / "film.mp4", (64, 48)) as video:
         video.add(np.zeros((48, 64, 3), dtype=np.uint8))
         raise ZeroDivisionError

@@ -54,7 +54,7 @@ def reach(request: pytest.FixtureRequest) -> Iterator[TaskEnvironment]:
 
 
 def aside(task: TaskEnvironment) -> np.ndarray:
-    """Return an action that leads the tip 0.15 m to the side, far from targets that count, and closes the hand."""
+    """Return an action that leads the tip 0.15 m to the side, far from targets that count, and closes the gripper."""
     pose = task.world.robot.tip_pose()
     pose[1] += 0.15
     return np.append(pose, 0.0)
@@ -86,7 +86,7 @@ def test_a_rule_broken_within_an_action_ends_it(reach: TaskEnvironment) -> None:
 
 
 def test_fingers_are_watched_too(reach: TaskEnvironment) -> None:
-    """A goal that is reached while the hand closes ends the motion of the fingers."""
+    """A goal that is reached while the gripper closes ends the motion of the fingers."""
     here = np.append(reach.world.robot.tip_pose(), 0.0)
     start = reach.world.time
     reach.step(here)

@@ -19,7 +19,7 @@ STEPS = 12
 
 
 def actions(start: Observation, count: int = STEPS) -> list[np.ndarray]:
-    """Return joint positions that swing about those of an observation, and a hand that closes."""
+    """Return joint positions that swing about those of an observation, and a gripper that closes."""
     assert start.joint_positions is not None
     swing = 0.15 * np.sin(np.linspace(0.2, 3.0, count))
     joints = start.joint_positions + np.outer(swing, [1.0, 1.0, -1.0, 1.0, 0.5, 1.0, 1.0])

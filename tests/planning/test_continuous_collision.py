@@ -18,7 +18,7 @@ from tests.worlds_for_tests import HOME, Boxes
 
 @pytest.fixture
 def collision(model: RobotModel, boxes: Boxes) -> CollisionModel:
-    """A screen and cubes, a stick in the hand."""
+    """A screen and cubes, a stick in the gripper."""
     collision = CollisionModel(model)
     stick = boxes.box("stick", (0.02, 0.02, 0.3), model.tip_pose(HOME)[:3])
     collision.update(boxes.snapshot(boxes.screen(), *boxes.cubes(4), stick, attached=("stick",)))
@@ -118,7 +118,7 @@ def test_no_point_moves_farther_than_its_bound(model: RobotModel, boxes: Boxes) 
 
 
 def test_a_held_stick_lengthens_the_reach(model: RobotModel, boxes: Boxes) -> None:
-    """What the hand carries swings too."""
+    """What the gripper carries swings too."""
     stick = boxes.box("stick", (0.02, 0.02, 0.6), model.tip_pose(HOME)[:3])
     free, held = collision_model(model, boxes.snapshot(stick)), collision_model(model, boxes.snapshot(stick, attached=("stick",)))
     assert np.all(reach(held) > reach(free) + 0.1)

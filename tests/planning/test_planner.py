@@ -38,7 +38,7 @@ def assert_at(model: RobotModel, q: np.ndarray, pose: np.ndarray) -> None:
 
 
 def touches(model: RobotModel, snapshot: WorldSnapshot, plan: Plan) -> list[tuple[str, str]]:
-    """What a plan touches, judged by a planner of its own."""
+    """What a plan touches, checked by a planner of its own."""
     checker = MotionPlanner(model).collision
     checker.update(snapshot)
     return [pair for q in plan.trajectory.q[::2] for pair in checker.colliding_pairs(q)]

@@ -258,7 +258,7 @@ def test_a_boundary_needs_a_region() -> None:
 
 
 def test_a_wanted_body_is_one_of_the_bodies() -> None:
-    """A body that is not named among those in the tray cannot be judged."""
+    """A body that is not named among those in the tray cannot be scored."""
 
     class Bulky(FakeBody):
         def extent_along(self, directions: object) -> np.ndarray:

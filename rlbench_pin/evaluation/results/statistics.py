@@ -150,7 +150,7 @@ def width_note(episodes: int) -> str:
     for count in counts:
         low, high = wilson(count, episodes)
         parts.append(f"at {count / episodes:.0%} of success the interval goes from {low:.0%} to {high:.0%}")
-    return f"{episodes} episode{'s' if episodes > 1 else ''} of a task tell little: {', '.join(parts)}."
+    return f"{episodes} episode{'s' if episodes > 1 else ''} of a task give wide intervals: {', '.join(parts)}."
 
 
 def added_counts(counts: object) -> dict[str, int]:

@@ -1,4 +1,4 @@
-"""Cameras are moved during an episode, stay where they were put, and go back when told to."""
+"""Cameras are moved during an episode, stay where they were put, and go back when asked to."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_a_moved_camera_draws_as_an_extra_one_there(env):
 
 
 def test_cameras_that_ride_go_on_riding(env):
-    """The wrist camera, moved, keeps its new place in the hand; its matrix in misc follows."""
+    """The wrist camera, moved, keeps its new place in the gripper; its matrix in misc follows."""
     task = env.get_task("reach_target")
     task.reset(seed=1)
     wrist = task.runtime.cameras["wrist"]

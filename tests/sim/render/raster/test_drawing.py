@@ -23,7 +23,7 @@ HOME = ABOVE + [0.4, -0.3, 0.2, 0.1, 0.5, 0.2, 0.3]
 
 
 def view_from(eye: tuple[float, float, float], size: tuple[int, int] = (128, 96), near: float = 0.01) -> CameraView:
-    """A camera that looks at the hand from somewhere."""
+    """A camera that looks at the gripper from somewhere."""
     return CameraView(pose=look_at(eye, (0.2, 0.0, 1.0)), fov=0.7, size=size, near=near, far=4.0)
 
 
