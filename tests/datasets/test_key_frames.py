@@ -16,7 +16,7 @@ FAST, REST = 0.5, 0.0
 
 
 def demo_of(speeds: Sequence[float], openings: str | None = None) -> Demo:
-    """A demo in which one joint moves at given speeds; `o` is an open gripper, `c` a closed one, open throughout when not given."""
+    """A demo in which one joint moves at given speeds; `o` is an open gripper, `c` a closed one; open by default."""
     letters = openings or "o" * len(speeds)
     return Demo(
         [

@@ -48,7 +48,7 @@ def demo(task: TaskEnvironment) -> Demo:
 
 
 def test_every_frame_says_how_its_leg_was_planned(demo: Demo) -> None:
-    """The frames up to the closed gripper belong to segments with checks, those after it to the segment without; so do stored ones."""
+    """Frames up to the closed gripper belong to segments with checks, later ones to the segment without; so do stored ones."""
     flags = [frame.ignore_collisions for frame in demo]
     assert flags == sorted(flags) and flags[0] is False and flags[-1] is True
     closed = [i for i, frame in enumerate(demo) if frame.gripper_open == 0.0]
