@@ -259,7 +259,7 @@ class PlanningError(RlbenchPinError):
 
 
 class InvalidRequest(PlanningError, InvalidValue):
-    """A planner was given something that is no configuration, no pose or no path: NaN, a wrong shape, text."""
+    """The argument of a planner is not a configuration, pose or path: NaN, a wrong shape, text."""
 
     reason = "invalid request"
 
@@ -526,7 +526,7 @@ class ResultsFileError(EvaluationError):
     def __init__(self, path: Path | str, problem: str, advice: str = "") -> None:
         self.path, self.problem = Path(path), problem
         advice = advice or "Take it from where it was made again, or run the evaluation again: `rlbench-pin evaluate` writes it."
-        super().__init__(f"'{path}' is no results file that can be used: {problem}. {advice}")
+        super().__init__(f"'{path}' is not a results file that can be used: {problem}. {advice}")
 
 
 class IncompatibleResults(EvaluationError):

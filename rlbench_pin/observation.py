@@ -172,7 +172,7 @@ class Demo(Sequence[Observation]):
             return
         try:
             if not isinstance(seed, tuple):
-                raise TypeError("it is no tuple")
+                raise TypeError("it is not a tuple")
             np.random.set_state(seed)  # noqa: NPY002
         except (TypeError, ValueError, IndexError) as error:
             raise TaskEnvironmentError(

@@ -117,7 +117,7 @@ class Urdf:
 
     @property
     def base_link(self) -> str:
-        """Name of the first link that is no joint's child.
+        """Name of the first link that is not a joint's child.
 
         Raises:
             AssetInvalid: There is none.
@@ -220,7 +220,7 @@ def _file(path: Path, element: ET.Element) -> Path:
 def _numbers(element: ET.Element, key: str, default: str) -> tuple[float, ...]:
     numbers = tuple(float(word) for word in element.get(key, default).split())
     if not all(math.isfinite(number) for number in numbers):
-        raise ValueError(f"'{key}' of a <{element.tag}> is no finite number: {element.get(key)}")
+        raise ValueError(f"'{key}' of a <{element.tag}> is not a finite number: {element.get(key)}")
     return numbers
 
 

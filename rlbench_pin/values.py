@@ -58,7 +58,7 @@ def as_number(
         finite: Whether infinity is refused. NaN always is.
 
     Raises:
-        InvalidValue: It is no number, or outside the range.
+        InvalidValue: It is not a number, or outside the range.
     """
     good = isinstance(value, _NUMBERS) and not isinstance(value, _NO_NUMBERS)
     try:
@@ -89,7 +89,7 @@ def as_whole(
         most: Largest value allowed.
 
     Raises:
-        InvalidValue: It is no whole number, or outside the range.
+        InvalidValue: It is not a whole number, or outside the range.
     """
     whole = is_whole(value)
     number = int(value) if is_whole(value) else 0
@@ -199,7 +199,7 @@ def as_several(value: object, what: str, error: type[InvalidValue] = InvalidValu
 
 
 def as_record(value: object, kind: type[KindT], what: str, error: type[InvalidValue] = InvalidValue) -> KindT:
-    """Return `value`, or raise InvalidValue when it is no `kind`."""
+    """Return `value`, or raise InvalidValue when it is not a `kind`."""
     if not isinstance(value, kind):
         raise error(what, value, f"has to be {_one(kind)}", _MADE_BY.get(kind.__name__, ""))
     return value
@@ -263,7 +263,7 @@ def as_vector(
     """Return `value` as a finite float64 vector of shape (size,); the caller's array itself when it is one.
 
     Raises:
-        InvalidValue: It is no array of numbers, has another shape, or holds NaN, infinity or a number beyond +-`most`.
+        InvalidValue: It is not an array of numbers, has another shape, or holds NaN, infinity or a number beyond +-`most`.
     """
     if type(value) is np.ndarray and value.dtype is _FLOAT and value.shape == (size,):
         numbers = value.tolist()  # NaN and infinity show in any sum, and in any length
@@ -440,7 +440,7 @@ def whole_ratio(control_dt: float, timestep: float) -> int:
     """Return how many physics steps of length `timestep` [s] a control tick of length `control_dt` [s] has.
 
     Raises:
-        InvalidValue: It is no whole number, or a time is not finite and > 0 (also a ValueError).
+        InvalidValue: It is not a whole number, or a time is not finite and > 0 (also a ValueError).
     """
     control_dt, timestep = (as_number(t, what, above=0.0) for t, what in ((control_dt, "control_dt"), (timestep, "timestep")))
     ratio = round(control_dt / timestep) if control_dt < 1e6 * timestep else 0

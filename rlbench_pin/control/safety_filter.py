@@ -133,7 +133,7 @@ class FilterCounts:
     """Reason -> number of commands that were changed for it."""
 
     def __post_init__(self) -> None:
-        """Raise InvalidValue for a count that is no whole number, or a reason that there is not (also a ValueError)."""
+        """Raise InvalidValue for a count that is not a whole number, or a reason that there is not (also a ValueError)."""
         check_settings(self, _COUNT_RULES)
 
     def add(self, command: SafeCommand) -> None:

@@ -280,7 +280,7 @@ class Episode:
             )
         version = self._file.attrs.get("version", -1)
         if not isinstance(version, int | np.integer):
-            raise ValueError("its version is no number")
+            raise ValueError("its version is not a number")
         if version != VERSION:
             raise EpisodeFileError(
                 self.path,

@@ -72,7 +72,7 @@ def main() -> None:
     """Answer every line until there are no more."""
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)  # what libraries print is no answer
+    os.dup2(2, 1)  # what libraries print is not an answer
     for line in sys.stdin:
         path, seconds = json.loads(line)
         signal.alarm(seconds)  # ends this process also where it hangs and its parent is gone

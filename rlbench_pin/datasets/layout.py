@@ -21,7 +21,7 @@ _TASK = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,127}")
 
 
 def checked_task_name(task: str) -> str:
-    """Return a name that can be a folder of its own, wherever it came from.
+    """Return the name of a task when it can name a folder.
 
     Raises:
         DatasetError: It has a slash, dots or anything else that leads out of the dataset.

@@ -32,7 +32,7 @@ def parse_json(text: str | bytes) -> Any:
     """Return what a JSON text says.
 
     Raises:
-        ValueError: It is no JSON, is nested too deeply, or holds NaN or infinity.
+        ValueError: It is not JSON, is nested too deeply, or holds NaN or infinity.
     """
     try:
         return json.loads(text, parse_constant=_refuse)
@@ -65,7 +65,7 @@ def short(value: object) -> str:
 
 
 def _refuse(constant: str) -> NoReturn:
-    raise ValueError(f"it holds {constant}, which is no number")
+    raise ValueError(f"it holds {constant}, which is not a number")
 
 
 VERSION = 1

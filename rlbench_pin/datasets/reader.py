@@ -62,7 +62,7 @@ def read_image(reference: str) -> np.ndarray:
     name, _, frame = inside.partition("/")
     if not path or name not in IMAGE_FIELDS or not frame.isdigit():
         raise DatasetError(
-            f"{reference!r} is no reference to an image; expected '<file>#<field>/<frame>', as image_paths=True gives."
+            f"{reference!r} is not a reference to an image; expected '<file>#<field>/<frame>', as image_paths=True gives."
         )
     with Episode(as_path(path, "path")) as episode:
         if name not in episode.fields or int(frame) >= len(episode):

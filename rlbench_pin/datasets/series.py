@@ -170,7 +170,7 @@ def from_json(text: str | bytes) -> Value:
     """Read back what `to_json` wrote.
 
     Raises:
-        ValueError: It is no JSON, or is nested too deeply.
+        ValueError: It is not JSON, or is nested too deeply.
     """
     try:
         return json.loads(text, object_hook=_restore)

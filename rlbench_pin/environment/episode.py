@@ -86,7 +86,7 @@ def checked_seed(seed: object) -> int:
     """Return `seed` as an int.
 
     Raises:
-        InvalidArgument: It is no whole number, or not between 0 and 2^63 - 1 (also a TaskEnvironmentError and a ValueError).
+        InvalidArgument: It is not a whole number, or not between 0 and 2^63 - 1 (also a TaskEnvironmentError and a ValueError).
     """
     return as_seed(seed, "A seed", InvalidArgument)
 
@@ -95,7 +95,7 @@ def demo_seeds(amount: int, seed: int | None, rng: np.random.Generator) -> list[
     """Return the seeds of `amount` live demonstrations: counted from `seed`, or drawn when it is None.
 
     Raises:
-        InvalidArgument: `amount` is less than 1, or the seed is no whole number >= 0, or one of the others would be too large.
+        InvalidArgument: `amount` is less than 1, or the seed is not a whole number >= 0, or one of the others would be too large.
     """
     amount = as_whole(amount, "The amount of live demonstrations", InvalidArgument, least=1, most=MAX_DEMOS)
     if seed is None:

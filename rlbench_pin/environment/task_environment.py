@@ -108,7 +108,7 @@ class TaskEnvironment:
         """Choose the variation of the next episodes; -1 draws one for each.
 
         Raises:
-            TaskEnvironmentError: The task has no such variation, or it is no whole number.
+            TaskEnvironmentError: The task has no such variation, or it is not a whole number.
         """
         count = self.variation_count()
         v = as_whole(v, f"A variation of '{self.get_name()}'", InvalidArgument)

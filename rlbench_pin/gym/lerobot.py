@@ -183,7 +183,7 @@ def make_env(
     Raises:
         UnknownName: No task has this name.
         TaskError: A task file cannot be loaded.
-        InvalidArgument: `n_envs` is no whole number, or less than 1 (also a TaskEnvironmentError); another argument is wrong.
+        InvalidArgument: `n_envs` is not a whole number, or less than 1 (also a TaskEnvironmentError); another argument is wrong.
     """
     as_flag(use_async_envs, "use_async_envs", InvalidArgument)
     n_envs = as_whole(n_envs, "n_envs", InvalidArgument, least=1, most=10_000)

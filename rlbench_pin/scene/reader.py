@@ -341,7 +341,7 @@ def raw_scene(text: str, path: Path | str) -> Raw:
     """
     try:
         return tomllib.loads(as_text(text, "text"))
-    except (ValueError, RecursionError) as error:  # what is no TOML, no UTF-8, too deep, or a number of too many digits
+    except (ValueError, RecursionError) as error:  # invalid TOML or UTF-8, too deep, or a number of too many digits
         raise SceneFileError(as_path(path, "path"), "file", f"it is not valid TOML: {error}.") from error
 
 

@@ -47,7 +47,7 @@ _TABLE_OF = {model: table for table, model in TABLES.items()}
 _POSES = frozenset({"pose", "points"})
 _DIGITS = 9
 _HEADING = re.compile(r"^(?!#)(.+)\n(\[{1,2}[a-z_]+\]{1,2} *(?:#.*)?)$", re.MULTILINE)
-"""A line that is no comment, and right below it the heading of a table."""
+"""A line that is not a comment, and right below it the heading of a table."""
 
 
 def write_scene(spec: SceneSpec, path: Path | str) -> None:
@@ -63,7 +63,7 @@ def write_scene(spec: SceneSpec, path: Path | str) -> None:
 
     Raises:
         InvalidValue: `path` names no file.
-        SceneFileError: There is a file that is no TOML; it is left as it is.
+        SceneFileError: There is a file that is not TOML; it is left as it is.
         StorageError: The file cannot be written, or the one that is there cannot be read. Nothing is left behind.
     """
     path, spec = as_path(path, "path"), as_record(spec, SceneSpec, "spec")

@@ -240,7 +240,7 @@ class ObjectJoint:
         """Hold the joint at a value [m] or [rad], or let it move.
 
         Raises:
-            InvalidNumbers: It is no finite number (also a ValueError).
+            InvalidNumbers: It is not a finite number (also a ValueError).
         """
         if position is not None:
             position = as_number(position, f"The value of joint '{self.name}'", InvalidNumbers)
@@ -453,7 +453,7 @@ class Body:
             link: Name of the link; None colours them all.
 
         Raises:
-            InvalidNumbers: It is no colour (also a ValueError).
+            InvalidNumbers: It is not a colour (also a ValueError).
             UnknownName: The body has no such link.
         """
         red, green, blue, alpha = color_values(color)

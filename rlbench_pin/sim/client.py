@@ -166,7 +166,7 @@ def _check_joints(urdf: Urdf, links: tuple[str, ...]) -> None:
         parents[joint.child] = joint.parent
     roots = [link for link in links if link not in parents]
     if len(roots) != 1:
-        raise AssetInvalid(urdf.path, f"it needs one link that is no joint's child, but has {', '.join(roots) or 'none'}")
+        raise AssetInvalid(urdf.path, f"it needs one link that is not a joint's child, but has {', '.join(roots) or 'none'}")
     for link in links:
         if not _reaches(link, roots[0], parents):
             raise AssetInvalid(urdf.path, f"the link '{link}' is not connected to '{roots[0]}'")

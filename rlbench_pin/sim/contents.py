@@ -187,7 +187,7 @@ class Contents:
 
         Raises:
             RlbenchPinError: The name is in use.
-            InvalidValue: The name is no text, or the spec none.
+            InvalidValue: The name is not a text, or the spec is not a spec.
         """
         as_record(name, str, "the name of a new body")
         as_record(spec, BodySpec, "spec")

@@ -71,7 +71,7 @@ class Tray:
     """Half size (2,) of its inside [m]."""
 
     def __post_init__(self) -> None:
-        """Keep arrays, or raise InvalidValue for what is no pose and no size."""
+        """Keep arrays, or raise InvalidValue for an invalid pose or size."""
         as_pose(self.pose, "Tray.pose")
         object.__setattr__(self, "pose", as_vector(self.pose, 7, "Tray.pose"))
         object.__setattr__(self, "half", as_vector(self.half, 2, "Tray.half"))
@@ -89,7 +89,7 @@ def easiest_top_grasp(wanted: Sequence[Body], bodies: Sequence[Body], tray: Tray
 
     Raises:
         BoundaryError: Nothing is wanted.
-        InvalidValue: Something is no body or tray, or a wanted body is not among the bodies.
+        InvalidValue: Something is not a body or tray, or a wanted body is not among the bodies.
     """
     wanted, bodies = as_objects(wanted, BODY_WITH_EXTENT, "wanted"), as_objects(bodies, BODY_WITH_EXTENT, "bodies")
     as_record(tray, Tray, "tray")
@@ -121,7 +121,7 @@ def free_direction(
         The direction [rad], or None when every lane is taken.
 
     Raises:
-        InvalidValue: Something is no place, direction or length.
+        InvalidValue: Something is not a place, direction or length.
     """
     place = as_vector(place, 2, "place", most=FARTHEST)
     half_width, length = as_number(half_width, "half_width", least=0.0), as_number(length, "length", least=0.0)

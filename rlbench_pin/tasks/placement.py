@@ -32,7 +32,7 @@ class SpawnBoundary:
         regions: Rectangles (height 0) or boxes.
 
     Raises:
-        InvalidValue: Something is no region.
+        InvalidValue: Something is not a region.
         TaskError: There is none.
     """
 
@@ -83,7 +83,7 @@ class SpawnBoundary:
 
         Raises:
             BoundaryError: No place was found in `MAX_SAMPLES` tries.
-            InvalidValue: Something is no body, generator, rotation or distance.
+            InvalidValue: Something is not a body, generator, rotation or distance.
         """
         as_object(element, MOVABLE, "element")
         as_record(rng, np.random.Generator, "rng")
@@ -134,7 +134,7 @@ class SpawnBoundary:
 
         Raises:
             BoundaryError: An object found no place, or none of `MAX_LAYOUTS` layouts was accepted.
-            InvalidValue: Something is no body, generator, distance or function.
+            InvalidValue: Something is not a body, generator, distance or function.
         """
         elements = as_objects(elements, MOVABLE, "elements")
         as_record(rng, np.random.Generator, "rng")
@@ -254,7 +254,7 @@ def place_task(world: World, rng: np.random.Generator, bounds: tuple[Rotation, R
 
     Raises:
         BoundaryError: The footprint does not fit at any of `MAX_TURNS` drawn orientations.
-        InvalidValue: Something is no world, generator or pair of rotations.
+        InvalidValue: Something is not a world, generator or pair of rotations.
     """
     as_object(world, ROOTED_WORLD, "world")
     as_record(rng, np.random.Generator, "rng")

@@ -54,7 +54,7 @@ def settle(world: World, bodies: Sequence[Body], rng: np.random.Generator) -> No
 
     Raises:
         BoundaryError: The bodies still move after `MAX_PUSHES` pushes.
-        InvalidValue: Something is no world, body or generator, or no body is named.
+        InvalidValue: Something is not a world, body or generator, or no body is named.
     """
     as_object(world, STEPPED_WORLD, "world")
     bodies = as_objects(bodies, LOOSE_BODY, "bodies")

@@ -101,7 +101,7 @@ def _no_images() -> np.ndarray:
 
 
 def _columns(demo: Demo, index: int, cameras: Sequence[str]) -> dict[str, np.ndarray]:
-    """Return the columns of one demonstration; its last frame has no action, so it is no example."""
+    """Return the columns of one demonstration; its last frame has no action, so it is not an example."""
     frames = list(demo)[:-1]
     commands = [o.misc.get("joint_position_action") for o in list(demo)[1:]]
     if not frames or any(c is None for c in commands):

@@ -152,7 +152,7 @@ def train(
 ) -> bool:
     """Train a network, write it to `model.safetensors`, and return whether it came to its end.
 
-    What was begun goes on from its last checkpoint, and ends with the same bits as if it had never been ended.
+    An interrupted training continues from its last checkpoint and gives byte-identical weights.
 
     Args:
         network: On the device of the settings; a checkpoint's weights replace its own.
@@ -316,7 +316,7 @@ def train_cloning(
     on_step: Callable[[int, float], None] = lambda step, loss: None,
     stop: threading.Event | None = None,
 ) -> bool:
-    """Train behaviour cloning of one task and write it to `folder/task`; what was begun there goes on.
+    """Train behaviour cloning of one task and write it to `folder/task`; an interrupted training there continues.
 
     Args:
         roots: Folders of datasets; the first that holds the task is read.

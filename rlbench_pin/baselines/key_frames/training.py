@@ -253,7 +253,7 @@ def train_key_frames(
     on_step: Callable[[int, float], None] = lambda step, loss: None,
     stop: threading.Event | None = None,
 ) -> bool:
-    """Train key-frame cloning of one task and write it to `folder/task`; what was begun there goes on.
+    """Train key-frame cloning of one task and write it to `folder/task`; an interrupted training there continues.
 
     Args:
         roots: Folders of datasets; the first that holds the task is read.

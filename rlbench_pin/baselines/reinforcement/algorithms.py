@@ -242,7 +242,7 @@ def gather(env: LearningEnv, count: int, on_demo: Callable[[int, int], None] = l
 def follow(env: LearningEnv, demo: Demo, rng: np.random.Generator) -> Experience | None:
     """Follow joints and gripper of a demonstration, with noise; None where that does not succeed within an episode.
 
-    The noise is made good by the decisions after it, and means nothing on average: the mean action is the right one.
+    Later decisions correct the noise, whose mean is zero: the mean action is the right one.
     """
     seen, rows = env.reset_to(demo), []
     for index in range(TICKS, 2 * len(demo), TICKS):

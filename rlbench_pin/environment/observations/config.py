@@ -52,7 +52,7 @@ class Identity:
 
 
 def as_noise(value: object, what: str) -> NoiseModel:
-    """Return `value`, or raise InvalidValue when it is no noise model."""
+    """Return `value`, or raise InvalidValue when it is not a noise model."""
     if isinstance(value, type) or not isinstance(value, NoiseModel):
         hint = "`GaussianNoise(0.01)` is one, `Identity()` is none at all."
         raise InvalidValue(what, value, "has to be a noise model, an object with `apply(value, rng)`", hint)
@@ -245,7 +245,7 @@ class ModelObservationConfig:
     """How many of the nearest pairs of the arm with itself."""
 
     def __post_init__(self) -> None:
-        """Raise InvalidValue for a switch that is none, or a number of pairs that is no whole number >= 0."""
+        """Raise InvalidValue for a switch that is none, or a number of pairs that is not a whole number >= 0."""
         check_settings(self, _MODEL_RULES)
 
     @property

@@ -130,7 +130,7 @@ class Camera:
             pose: Pose (7,) in the world: z forward, x left, y up. `look_at` makes one.
 
         Raises:
-            CameraError: It is no pose.
+            CameraError: It is not a pose.
         """
         self.cameras.move(self.name, _checked(self.name, pose))
 

@@ -119,7 +119,7 @@ class KeyFrame:
     """Whether the motion there may touch objects."""
 
     def __post_init__(self) -> None:
-        """Raise InvalidValue for what is no pose, or no truth value."""
+        """Raise InvalidValue for an invalid pose or truth value."""
         object.__setattr__(self, "pose", as_pose(self.pose, "The pose of a key frame"))
         object.__setattr__(self, "is_open", as_flag(self.is_open, "is_open"))
         object.__setattr__(self, "ignore_collisions", as_flag(self.ignore_collisions, "ignore_collisions"))

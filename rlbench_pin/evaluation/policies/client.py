@@ -60,7 +60,7 @@ class PolicyClient(Protocol):
         """Return the next action, float64 (n,), finite. How many numbers there are is for the caller to check.
 
         Raises:
-            PolicyFault: It crashed, hung, cannot be reached, or what it returned is no action.
+            PolicyFault: It crashed, hung, cannot be reached, or what it returned is not an action.
         """
         ...
 

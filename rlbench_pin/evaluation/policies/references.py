@@ -227,7 +227,7 @@ def make_policy(reference: str) -> Any:
     """Import what a reference names, call it, and return the policy.
 
     Raises:
-        NoPolicy: There is no such module or factory, or what it returns is no policy.
+        NoPolicy: There is no such module or factory, or what it returns is not a policy.
     """
     return make_named(reference, "policy", POLICY)
 

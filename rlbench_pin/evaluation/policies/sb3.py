@@ -72,7 +72,7 @@ def _algorithm_of(file: str) -> str:
             settings = json.loads(archive.read("data"))
         return next(name for sign, name in _SIGNS if sign in settings)
     except (zipfile.BadZipFile, KeyError, ValueError, StopIteration) as error:
-        raise NoPolicy(f"'{file}' is no model of Stable-Baselines3 that is known here; `algorithm=` names another.") from error
+        raise NoPolicy(f"'{file}' is not a model of Stable-Baselines3 that is known here; `algorithm=` names another.") from error
 
 
 class Sb3Policy:

@@ -197,7 +197,7 @@ def _kind_of(described: Mapping[str, Any], key: str, kinds: Mapping[str, type]) 
     if not isinstance(name, str) or name not in kinds:
         near = nearest_name(name, tuple(kinds)) if isinstance(name, str) else None
         hint = f"Did you mean '{near}'?" if near else f"Known: {', '.join(kinds)}."
-        raise PolicySettingsError(f"action_mode: '{key}'", name, "is no mode of this package", hint)
+        raise PolicySettingsError(f"action_mode: '{key}'", name, "is not a mode of this package", hint)
     return kinds[name]
 
 

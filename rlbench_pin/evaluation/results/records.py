@@ -297,7 +297,7 @@ def _results(content: object) -> Results:
         ValueError: A value is missing, unknown or wrong, or the checksum is another.
     """
     if not isinstance(content, dict):
-        raise ValueError("it is no table")
+        raise ValueError("it is not a table")
     if (found := content.get("format")) != FORMAT or type(found) is not int:
         raise ValueError(f"it has format {short(found)}, this package reads format {FORMAT}")
     _check_names(content, ("format", *HEAD, "sha256", "episodes"), "it")

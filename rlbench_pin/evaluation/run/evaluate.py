@@ -208,7 +208,7 @@ class EpisodeJournal:
         head = json.loads(json.dumps({"format": _JOURNAL_FORMAT, **head}))
         lines = self._journal.lines
         if lines and lines[0] is None:
-            raise EvaluationConflict(f"'{path}' is no journal of an evaluation. Delete it, or choose another file.")
+            raise EvaluationConflict(f"'{path}' is not a journal of an evaluation. Delete it, or choose another file.")
         if lines and not resume:
             raise EvaluationConflict(
                 f"'{path}' holds {len(lines) - 1} episodes of an evaluation that did not end. Go on with `--resume`, "

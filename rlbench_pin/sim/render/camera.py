@@ -128,7 +128,7 @@ def look_at(eye: Sequence[float] | FloatArray, target: Sequence[float] | FloatAr
     """Pose (7,) of a camera at `eye` [m] that looks at `target` [m]: z forward, x left, y up.
 
     Raises:
-        CameraError: Both are the same point, or one is no point.
+        CameraError: Both are the same point, or one is not a point.
     """
     eye, target = as_vector(eye, 3, "eye", InvalidCamera), as_vector(target, 3, "target", InvalidCamera)
     forward = np.subtract(target, eye)

@@ -113,7 +113,7 @@ def test_the_arm_can_be_left_alone():
 
 @pytest.mark.simulation
 def test_after_randomization_everything_is_as_before():
-    """Episodes with randomized appearance and dynamics leave nothing behind: images and physics have the same bytes afterwards."""
+    """Randomized appearance and dynamics leave nothing behind: images and physics have the same bytes afterwards."""
 
     def run(task) -> bytes:
         task.reset(seed=7, variation=0)

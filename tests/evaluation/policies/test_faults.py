@@ -115,7 +115,7 @@ def test_an_action_after_a_fault_needs_a_reset() -> None:
 @pytest.mark.parametrize(
     ("factory", "kind", "says"),
     [
-        ("no_policy", PolicyReferenceError, "gives a dict, which is no policy: it has no reset"),
+        ("no_policy", PolicyReferenceError, "gives a dict, which is not a policy: it has no reset"),
         ("broken", PolicyFault, "RuntimeError: the weights are missing"),
         ("foreign", PolicyReferenceError, "has to be one of this package"),
         ("Obedient?speed=3", PolicyReferenceError, "cannot be called so"),

@@ -105,7 +105,7 @@ def test_modes_of_others_are_refused(mode: Any) -> None:
 @pytest.mark.parametrize(
     ("described", "says"),
     [
-        ({}, "is no mode"),
+        ({}, "is not a mode"),
         ({"mode": "MoveArmThenGriper"}, "Did you mean 'MoveArmThenGripper'"),
         ({"mode": "MoveArmThenGripper", "arm": "JointVelocity", "gripper": "Discreet"}, "Did you mean 'Discrete'"),
         ({"mode": "MoveArmThenGripper", "arm": "JointVelocity", "arm_settings": {"speed": 1}, "gripper": "Discrete"}, "speed"),
