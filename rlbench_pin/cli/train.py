@@ -254,9 +254,9 @@ def _train_rl(learning: Any, command: ReinforcementLearning, algorithm: str, tas
     config = learning.ReinforcementConfig(
         algorithm, task, steps=command.steps, shaped=command.shaped, demonstrations=command.demonstrations, seed=command.seed,
         workers=command.workers, device=command.device, episode_steps=command.episode_steps,
-        leg_steps=command.checkpoint_steps,
+        checkpoint_steps=command.checkpoint_steps,
     )  # fmt: skip
-    with tqdm(total=config.legs * config.leg, unit="step", desc=f"{algorithm} {task}", dynamic_ncols=True) as bar:
+    with tqdm(total=config.segments * config.segment, unit="step", desc=f"{algorithm} {task}", dynamic_ncols=True) as bar:
         return bool(learning.train_reinforcement(config, command.out, _show_success(bar), stop))
 
 

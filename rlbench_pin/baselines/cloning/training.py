@@ -152,7 +152,7 @@ def train(
 ) -> bool:
     """Train a network, write it to `model.safetensors`, and return whether it came to its end.
 
-    What was begun goes on from its last checkpoint, and ends with the same bits as if it had never been ended.
+    An interrupted training continues from its last checkpoint and gives byte-identical weights.
 
     Args:
         network: On the device of the settings; a checkpoint's weights replace its own.
@@ -246,8 +246,8 @@ STATE_NOISE = 0.002
 TIME_NOISE = 0.1
 """Spread of what is added to the time [s]."""
 SHIFT = 2
-"""Pixels that pictures are moved by at most, of `PICTURE`."""
-LEAST_SPREAD = 0.02
+"""Pixels that images are moved by at most, of `IMAGE_SIZE`."""
+MIN_SPREAD = 0.02
 """Numbers that vary less are divided by this, so that what is constant in the demonstrations stays near 0."""
 
 
@@ -265,23 +265,23 @@ class ChunkLearner:
         numbers = np.concatenate([examples.joints, examples.opening, examples.time, examples.task_state], axis=1)
         steps = examples.targets - examples.joints[:, None]
         self._fill(self.network.mean, numbers.mean(axis=0))
-        self._fill(self.network.spread, np.maximum(numbers.std(axis=0), LEAST_SPREAD))
-        self._fill(self.network.reach, np.maximum(steps.std(axis=0), LEAST_SPREAD))
+        self._fill(self.network.spread, np.maximum(numbers.std(axis=0), MIN_SPREAD))
+        self._fill(self.network.reach, np.maximum(steps.std(axis=0), MIN_SPREAD))
         self._numbers, width = numbers, examples.joints.shape[1]
         self._noise = np.r_[np.full(width, JOINT_NOISE), 0.0, TIME_NOISE, np.full(state, STATE_NOISE)]
 
     def losses(self, rng: np.random.Generator, batch: int) -> Losses:
-        """Draw a batch and return the mean errors of commands, in units of their spread, and of the hand."""
+        """Draw a batch and return the mean errors of commands, in units of their spread, and of the gripper."""
         data = self._examples
         rows = rng.integers(len(self._numbers), size=batch)
         numbers = self._numbers[rows] + rng.normal(size=(batch, len(self._noise))) * self._noise
         steps = data.targets[rows] - numbers[:, None, : data.joints.shape[1]]
-        said = [data.sentences[e] for e in data.episode[rows]]
-        sentence = np.stack([each[rng.integers(len(each))] for each in said])
-        seen = as_pictures(shifted(data.pictures[rows], rng), self._device)
-        found, hand = self.network(self._tensor(numbers), self._tensor(sentence), seen)
+        sentences = [data.sentences[e] for e in data.episode[rows]]
+        sentence = np.stack([each[rng.integers(len(each))] for each in sentences])
+        seen = as_images(shifted(data.images[rows], rng), self._device)
+        found, gripper = self.network(self._tensor(numbers), self._tensor(sentence), seen)
         arm = torch.nn.functional.smooth_l1_loss(found / self.network.reach, self._tensor(steps) / self.network.reach, beta=0.1)
-        grip = torch.nn.functional.binary_cross_entropy_with_logits(hand, self._tensor(data.hand[rows]).clamp(0.0, 1.0))
+        grip = torch.nn.functional.binary_cross_entropy_with_logits(gripper, self._tensor(data.gripper[rows]).clamp(0.0, 1.0))
         return {"total": arm + 0.1 * grip, "arm": arm, "hand": grip}
 
     def _tensor(self, values: FloatArray) -> torch.Tensor:
@@ -291,18 +291,18 @@ class ChunkLearner:
         buffer.copy_(self._tensor(values))
 
 
-def shifted(pictures: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Return pictures (b, cameras, h, w, 3), each moved by up to `SHIFT` pixels either way; borders are repeated."""
-    batch, cameras, height, width = pictures.shape[:4]
+def shifted(images: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return images (b, cameras, h, w, 3), each moved by up to `SHIFT` pixels either way; borders are repeated."""
+    batch, cameras, height, width = images.shape[:4]
     down, right = rng.integers(-SHIFT, SHIFT + 1, size=(2, batch, cameras, 1))
     rows = np.clip(np.arange(height) + down, 0, height - 1)[..., None]
     columns = np.clip(np.arange(width) + right, 0, width - 1)[:, :, None]
-    return pictures[np.arange(batch)[:, None, None, None], np.arange(cameras)[:, None, None], rows, columns]
+    return images[np.arange(batch)[:, None, None, None], np.arange(cameras)[:, None, None], rows, columns]
 
 
-def as_pictures(pictures: np.ndarray, device: torch.device) -> torch.Tensor:
-    """Return uint8 pictures (b, cameras, h, w, 3) as a network sees them: (b, cameras, 3, h, w), 0..1."""
-    return torch.as_tensor(pictures, device=device).movedim(-1, 2).float() / 255.0
+def as_images(images: np.ndarray, device: torch.device) -> torch.Tensor:
+    """Return uint8 images (b, cameras, h, w, 3) as a network sees them: (b, cameras, 3, h, w), 0..1."""
+    return torch.as_tensor(images, device=device).movedim(-1, 2).float() / 255.0
 
 
 def train_cloning(
@@ -316,7 +316,7 @@ def train_cloning(
     on_step: Callable[[int, float], None] = lambda step, loss: None,
     stop: threading.Event | None = None,
 ) -> bool:
-    """Train behaviour cloning of one task and write it to `folder/task`; what was begun there goes on.
+    """Train behaviour cloning of one task and write it to `folder/task`; an interrupted training there continues.
 
     Args:
         roots: Folders of datasets; the first that holds the task is read.

@@ -33,7 +33,7 @@ def _box(middle: tuple[float, float, float], side: float, rng: np.random.Generat
 
 
 def test_a_pixel_goes_back_to_the_point_it_came_from() -> None:
-    """Points that a camera projects to the middles of pixels come out of its depth picture again."""
+    """Points that a camera projects to the middles of pixels come out of its depth image again."""
     intrinsics = np.array([[-60.0, 0.0, 16.0], [0.0, -60.0, 12.0], [0.0, 0.0, 1.0]])
     extrinsics = np.array(pin.SE3(pin.rpy.rpyToMatrix(2.8, 0.3, -0.5), np.array([0.4, -0.2, 1.5])).homogeneous)
     depth = np.random.default_rng(0).uniform(0.5, 2.0, (24, 32))
@@ -56,7 +56,7 @@ def test_things_that_stand_apart_are_told_apart() -> None:
 
 
 def test_nothing_has_no_clusters() -> None:
-    """An empty cloud is no thing."""
+    """An empty cloud is no object."""
     assert clusters(_cloud(np.zeros((0, 3)))) == []
 
 
