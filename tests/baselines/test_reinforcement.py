@@ -213,7 +213,7 @@ def test_wrong_folders_and_damaged_files_are_named(trained: tuple[str, Path], tm
     algorithm, out = trained
     with pytest.raises(PolicyReferenceError, match=f"rlbench-pin train {algorithm}"):
         find_policy(f"{algorithm}:{tmp_path}")
-    assert find_policy(f"{algorithm}:{out}").place == "process"
+    assert find_policy(f"{algorithm}:{out}").place == "subprocess"
     with pytest.raises(ModelFileError, match="kind"):
         policy(str(out), "sac" if algorithm == "ppo" else "ppo")
     with pytest.raises(NoPolicy, match="ppo or sac"):
