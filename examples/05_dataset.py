@@ -22,7 +22,7 @@ TASK = "pick_and_lift"
 def main() -> None:
     """Record four demonstrations, look into the files, play the key frames of the first."""
     front = ImageConfig(cameras=("front",), products=("rgb",), image_size=(64, 64))
-    config = RecordConfig(tasks=(TASK,), episodes=4, pictures=front)
+    config = RecordConfig(tasks=(TASK,), episodes=4, images=front)
     report = record(config, ROOT, engine=ProcessEngine(2), resume=True)
     print(f"{report.found} episodes found, {report.recorded} recorded, {len(report.failed)} failed")
 

@@ -23,8 +23,8 @@ def main() -> None:
     """Record, check, read, export."""
     options = _options()
     root = options.out / "dataset"
-    pictures = ImageConfig(cameras=("front", "wrist"), products=("rgb", "depth"), image_size=(options.image_size,) * 2)
-    config = RecordConfig(tasks=tuple(options.tasks), episodes=options.episodes, seed=options.seed, pictures=pictures)
+    images = ImageConfig(cameras=("front", "wrist"), products=("rgb", "depth"), image_size=(options.image_size,) * 2)
+    config = RecordConfig(tasks=tuple(options.tasks), episodes=options.episodes, seed=options.seed, images=images)
     report = record(config, root, engine=ProcessEngine(options.workers), resume=True, on_progress=_show_progress)
     print(f"{report.recorded} recorded now, {report.found} found, {report.missing} missing")
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import KDTree
 
+from rlbench_pin.baselines.perception import camera_points, first_of_cells
 from rlbench_pin.datasets import key_frames
 from rlbench_pin.environment.observations import ObservationConfig
 from rlbench_pin.environment.presets import key_frame_mode
@@ -35,15 +36,11 @@ def scene_points(observation: Observation) -> np.ndarray:
     Args:
         observation: With `rgb` and `point_cloud` of the cameras, and `joint_poses` in `misc`.
     """
-    parts = []
-    for camera in CAMERAS:
-        places, colours = getattr(observation, f"{camera}_point_cloud"), getattr(observation, f"{camera}_rgb")
-        parts.append(np.column_stack([places.reshape(-1, 3), colours.reshape(-1, 3) * (COLOUR / 255.0)]).astype(float))
-    points = np.concatenate(parts)
+    places, colours = camera_points(observation, CAMERAS)
+    points = np.column_stack([places, colours * (COLOUR / 255.0)])
     points = points[((points[:, :3] > LOW) & (points[:, :3] < HIGH)).all(axis=1)]
     points = points[_arm_distances(points[:, :3], observation) > 0.0]
-    _, kept = np.unique(np.floor(points[:, :3] / GRAIN).astype(int), axis=0, return_index=True)
-    return points[kept]
+    return points[first_of_cells(points[:, :3], GRAIN)]
 
 
 def _arm_distances(points: np.ndarray, observation: Observation) -> np.ndarray:

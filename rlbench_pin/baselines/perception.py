@@ -10,13 +10,13 @@ from types import MappingProxyType
 
 import numpy as np
 import pinocchio as pin
-import small_gicp
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from rlbench_pin.assets import asset_path
+from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import Observation
 from rlbench_pin.robot import RobotModel
 from rlbench_pin.robot.geometry import shape_surface
@@ -241,11 +241,34 @@ def look(observation: Observation, arm: RobotModel) -> View:
     return View(merged.where(apart & (height > FLAT)), merged.where(apart & (height <= FLAT)))
 
 
+def first_of_cells(points: FloatArray, side: float) -> NDArray[np.int64]:
+    """Return the rows of the points (n, 3) that are the first in their cell of a grid, in the order of the cells.
+
+    Args:
+        points: [m].
+        side: Edge of the cubic cells [m].
+    """
+    cells = np.floor(points / side).astype(np.int64)
+    cells -= cells.min(axis=0, initial=0)
+    return np.unique(np.ravel_multi_index(tuple(cells.T), cells.max(axis=0, initial=0) + 1), return_index=True)[1]
+
+
 def thinned(cloud: Cloud, voxel: float = VOXEL) -> Cloud:
     """Keep one point of each cube of side `voxel` [m]."""
-    cells = np.floor(cloud.points / voxel).astype(np.int64)
-    _, first = np.unique(cells, axis=0, return_index=True)
-    return cloud.where(np.sort(first))
+    return cloud.where(np.sort(first_of_cells(cloud.points, voxel)))
+
+
+def camera_points(observation: Observation, cameras: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the point clouds of cameras, merged: points, float32 (n, 3) [m], and colours, uint8 (n, 3).
+
+    Raises:
+        DatasetError: A camera lacks colours or points.
+    """
+    pairs = [(getattr(observation, f"{c}_point_cloud", None), getattr(observation, f"{c}_rgb", None)) for c in cameras]
+    if any(p is None or c is None for p, c in pairs):
+        raise DatasetError(f"An observation lacks colours or point clouds of one of {list(cameras)}.")
+    points = np.concatenate([np.asarray(p, dtype=np.float32).reshape(-1, 3) for p, _ in pairs])
+    return points, np.concatenate([np.asarray(c, dtype=np.uint8).reshape(-1, 3) for _, c in pairs])
 
 
 def _seen_by(observation: Observation, name: str) -> Cloud | None:
@@ -352,6 +375,8 @@ def locate(
 
 def _best(model: KnownModel, joints: Mapping[str, float], scene: FloatArray, yaws: int) -> Located:
     """Return the best fit of one state of the model."""
+    import small_gicp  # of the extra `classical`; other baselines need points alone
+
     surface = outside(model.points_at(joints))
     surface = surface[:: max(1, len(surface) // SURFACE)]
     target, tree = small_gicp.PointCloud(surface), cKDTree(surface)

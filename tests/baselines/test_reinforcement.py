@@ -53,7 +53,8 @@ Capture = pytest.CaptureFixture[str]
 
 def tiny(algorithm: str, shaped: bool = True, **changes: int) -> ReinforcementConfig:
     """Return a training of three segments that takes a second."""
-    settings = {"steps": 48, "segment_steps": 16, "episode_steps": 4, "validation_episodes": 2, "imitation_steps": 20, **changes}
+    counts = {"steps": 48, "episode_steps": 4, "validation_episodes": 2, "imitation_steps": 20}
+    settings = {**counts, "checkpoint_steps": 16, **changes}
     return ReinforcementConfig(algorithm, TASK, shaped=shaped, **settings)  # type: ignore[arg-type]
 
 
@@ -117,7 +118,7 @@ def test_demonstrations_succeed_with_the_actions_of_the_learner(env: LearningEnv
         ({"steps": 2.5}, InvalidArgument, "steps"),
         ({"demonstrations": -1}, InvalidArgument, "demonstrations"),
         ({"shaped": "yes"}, InvalidArgument, "shaped"),
-        ({"workers": 300}, InvalidArgument, "segment_steps"),
+        ({"workers": 300}, InvalidArgument, "checkpoint_steps"),
         ({"episode_steps": 0}, InvalidArgument, "episode_steps"),
         ({"seed": -1}, InvalidArgument, "seed"),
     ],
@@ -156,7 +157,7 @@ def test_training_that_was_ended_goes_on_to_the_same_files(algorithm: str, demon
 @pytest.mark.slow
 def test_a_killed_training_goes_on_to_the_same_files(tmp_path: Path, capsys: Capture) -> None:
     """`kill -9` in the middle of the second segment, then `--resume`."""
-    words = ("train", "ppo", TASK, "--steps", "48", "--leg", "16", "--episode-steps", "4", "--out")
+    words = ("train", "ppo", TASK, "--steps", "48", "--checkpoint-steps", "16", "--episode-steps", "4", "--out")
     assert exit_code(*words, str(tmp_path / "a")) == 0
     assert f"ppo:{tmp_path / 'a'}" in capsys.readouterr().out
     process = subprocess.Popen(
@@ -212,7 +213,7 @@ def test_wrong_folders_and_damaged_files_are_named(trained: tuple[str, Path], tm
     algorithm, out = trained
     with pytest.raises(PolicyReferenceError, match=f"rlbench-pin train {algorithm}"):
         find_policy(f"{algorithm}:{tmp_path}")
-    assert find_policy(f"{algorithm}:{out}").place == "process"
+    assert find_policy(f"{algorithm}:{out}").place == "subprocess"
     with pytest.raises(ModelFileError, match="kind"):
         policy(str(out), "sac" if algorithm == "ppo" else "ppo")
     with pytest.raises(NoPolicy, match="ppo or sac"):
@@ -259,7 +260,7 @@ def test_curves_hold_intervals_and_are_drawn_alike(trained: tuple[str, Path], tm
         (("sac", "reach_targt"), "reach_target"),
         (("sac", TASK, "--steps", "0"), "--steps"),
         (("sac", TASK, "--workers", "0"), "--workers"),
-        (("sac", TASK, "--leg", "9", "--workers", "2"), "segment_steps"),
+        (("sac", TASK, "--checkpoint-steps", "9", "--workers", "2"), "checkpoint_steps"),
         (("ppo", TASK, "--demonstrations", "-1"), "--demonstrations"),
         (("ppo", "push_button", "--shaped"), "no shaped reward"),
         (("ppo", TASK, "--plot", "curve.pdf"), ".png or .svg"),
@@ -275,7 +276,7 @@ def test_misuse_is_named(words: tuple[str, ...], hint: str, tmp_path: Path, caps
 @pytest.mark.slow
 def test_sac_learns_and_is_evaluated(tmp_path: Path) -> None:
     """Two hundred decisions after twenty demonstrations; the evaluation of what comes of them is better than chance."""
-    words = ("--steps", "256", "--leg", "128", "--demonstrations", "20", "--out", str(tmp_path / "m"))
+    words = ("--steps", "256", "--checkpoint-steps", "128", "--demonstrations", "20", "--out", str(tmp_path / "m"))
     assert exit_code("train", "sac", TASK, *words) == 0
     out = tmp_path / "results.json"
     assert exit_code("evaluate", f"sac:{tmp_path / 'm'}", "--tasks", TASK, "--episodes", "10", "--out", str(out)) == 0

@@ -127,7 +127,7 @@ def test_a_list_of_seeds_that_leads_elsewhere_is_refused(tmp_path: Path, change:
 def test_a_list_of_seeds_with_a_hostile_task_is_refused(tmp_path: Path, task: object) -> None:
     """The name of a task leads neither out of the folder nor to a file with code."""
     write_seed(tmp_path / "seeds.json", task=task)
-    with pytest.raises(EpisodeFileError, match=r"seeds\.json.*holds no list of seeds"):
+    with pytest.raises(EpisodeFileError, match=r"seeds\.json.*is not a list of seeds"):
         read_seeds(tmp_path / "seeds.json")
 
 

@@ -25,8 +25,8 @@ SIZE = (24, 16)
 def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Real demonstrations: three of each of two variations, two cameras."""
     folder = tmp_path_factory.mktemp("stored")
-    pictures = ImageConfig(cameras=("front", "wrist"), image_size=SIZE, products=("rgb", "depth", "mask", "point_cloud"))
-    record(RecordConfig(tasks=(TASK,), episodes=4, variations=2, pictures=pictures), folder, engine=SerialEngine())
+    images = ImageConfig(cameras=("front", "wrist"), image_size=SIZE, products=("rgb", "depth", "mask", "point_cloud"))
+    record(RecordConfig(tasks=(TASK,), episodes=4, variations=2, images=images), folder, engine=SerialEngine())
     return folder
 
 

@@ -12,7 +12,7 @@ import torch
 from scipy.spatial import cKDTree
 
 from rlbench_pin.baselines.cloning.model import SENTENCE_SIZE, encode_sentence
-from rlbench_pin.baselines.perception import PALETTE, arm_surface, distances
+from rlbench_pin.baselines.perception import PALETTE, arm_surface, camera_points, distances, first_of_cells
 from rlbench_pin.datasets import key_frames, stored_demos
 from rlbench_pin.environment import (
     Discrete,
@@ -143,11 +143,7 @@ def make_cloud(observation: Observation, arm: RobotModel, cameras: Sequence[str]
     Raises:
         DatasetError: A camera lacks colours or points, or nothing is seen in the box.
     """
-    pairs = [(getattr(observation, f"{c}_point_cloud", None), getattr(observation, f"{c}_rgb", None)) for c in cameras]
-    if any(p is None or c is None for p, c in pairs):
-        raise DatasetError(f"An observation lacks colours or point clouds of one of {list(cameras)}. See `cloud_config`.")
-    points = np.concatenate([np.asarray(p, dtype=np.float32).reshape(-1, 3) for p, _ in pairs])
-    colors = np.concatenate([np.asarray(c, dtype=np.uint8).reshape(-1, 3) for _, c in pairs])
+    points, colors = camera_points(observation, cameras)
     inside = np.flatnonzero(((points > LOW) & (points < HIGH)).all(axis=1))
     rows = inside[thinned(points[inside], CELL)]
     own = arm_surface(arm, np.asarray(observation.joint_positions), np.asarray(observation.gripper_joint_positions))
@@ -160,9 +156,8 @@ def make_cloud(observation: Observation, arm: RobotModel, cameras: Sequence[str]
 
 
 def thinned(points: FloatArray, cell: float) -> np.ndarray:
-    """Return the numbers of the points of which each is the first in its cell of a grid [m]."""
-    cells = np.floor((points - LOW) / cell).astype(np.int64) @ np.array([1, 10_000, 100_000_000])
-    return np.unique(cells, return_index=True)[1]
+    """Return the rows of the points that are the first in their cell of a grid [m], cells ordered by z, y, x."""
+    return first_of_cells((points - LOW)[:, ::-1], cell)
 
 
 def near(points: FloatArray, middle: FloatArray, radius: float, count: int, rng: np.random.Generator) -> np.ndarray:

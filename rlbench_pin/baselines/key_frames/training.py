@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +20,7 @@ from rlbench_pin.baselines.cloning.training import (
     fill_network,
     read_settings,
     seeded,
-    train,
-    write_settings,
+    train_task,
 )
 from rlbench_pin.baselines.key_frames.examples import (
     CONTEXT,
@@ -202,9 +201,7 @@ class KeyFrameLearner:
         if not examples:
             raise DatasetError("There are no demonstrations to learn from. `rlbench-pin record` makes some.")
         self._examples, self._device = examples, torch.device(device)
-        network = seeded(make_networks, seed)
-        assert isinstance(network, torch.nn.ModuleDict)
-        self.network = network.to(self._device)
+        self.network = seeded(make_networks, seed).to(self._device)
 
     def losses(self, rng: np.random.Generator, batch: int) -> Losses:
         """Draw a batch and return the negative logarithms of the densities at the key frames, and the error of the gripper."""
@@ -225,6 +222,14 @@ class KeyFrameLearner:
             losses[name] = -votes.log_density(self._tensor(position), self._tensor(axes)).mean()
             losses[f"{name} hand"] = torch.nn.functional.binary_cross_entropy_with_logits(votes.gripper, gripper)
         return {"total": torch.stack(list(losses.values())).sum(), **losses}
+
+    def settings(self) -> dict[str, Any]:
+        """Return what the networks were trained on: most key frames by instruction, and how many demonstrations."""
+        lengths: dict[str, int] = {}
+        for example in self._examples:
+            for sentence in example.sentences:
+                lengths[sentence] = max(lengths.get(sentence, 0), example.step + 1)
+        return {"key_frames": lengths, "demonstrations": sum(e.step == 0 for e in self._examples)}
 
     def _tensor(self, rows: Sequence[FloatArray]) -> torch.Tensor:
         return torch.as_tensor(np.stack(rows), dtype=torch.float32, device=self._device)
@@ -253,10 +258,10 @@ def train_key_frames(
     on_step: Callable[[int, float], None] = lambda step, loss: None,
     stop: threading.Event | None = None,
 ) -> bool:
-    """Train key-frame cloning of one task and write it to `folder/task`; an interrupted training there continues.
+    """Train key-frame cloning of one task and write it to `folder/task`, see `train_task`.
 
     Args:
-        roots: Folders of datasets; the first that holds the task is read.
+        roots: Folders of datasets; the first that contains the task is read.
         task: Its name.
         folder: Where the folder of its model is made.
         config: How long, how fast.
@@ -268,29 +273,11 @@ def train_key_frames(
     Returns:
         Whether it is finished.
     """
-    place = Path(folder) / task
-    if (place / MODEL).exists() and (place / SETTINGS).exists():
-        return True
-    root = next((r for r in roots if (Path(r) / task).is_dir()), roots[0])
-    examples = read_key_frames(Path(root), task, demos, on_demo)
-    learner = KeyFrameLearner(examples, config.device, config.seed)
-    finished = train(learner.network, lambda rng: learner.losses(rng, config.batch), config, place, on_step, stop)
-    if finished:
-        write_settings(place / SETTINGS, KIND, _settings(task, examples, config))
-    return finished
 
+    def make_learner(root: Path) -> KeyFrameLearner:
+        return KeyFrameLearner(read_key_frames(root, task, demos, on_demo), config.device, config.seed)
 
-def _settings(task: str, examples: Sequence[Example], config: TrainConfig) -> dict[str, Any]:
-    lengths: dict[str, int] = {}
-    for example in examples:
-        for sentence in example.sentences:
-            lengths[sentence] = max(lengths.get(sentence, 0), example.step + 1)
-    return {
-        "task": task,
-        "key_frames": lengths,
-        "demonstrations": sum(e.step == 0 for e in examples),
-        "train": asdict(replace(config, device="cpu")),
-    }
+    return train_task(KIND, make_learner, roots, task, folder, config, on_step, stop)
 
 
 def load_key_frames(folder: Path, device: str = "cpu") -> torch.nn.ModuleDict:

@@ -19,7 +19,7 @@ from stable_baselines3.sac.policies import ContinuousCritic, SACPolicy
 from torch import Tensor, nn
 
 from rlbench_pin.baselines.reinforcement.environment import (
-    MIN_SEGMENT_STEPS,
+    MIN_CHECKPOINT_STEPS,
     TICKS,
     LearningEnv,
     ReinforcementConfig,
@@ -268,7 +268,7 @@ PPO_SETTINGS: Mapping[str, Any] = {"batch_size": 128, "n_epochs": 10, "learning_
 SAC_SETTINGS: Mapping[str, Any] = {
     "batch_size": 256,
     "buffer_size": 100_000,
-    "train_freq": MIN_SEGMENT_STEPS,
+    "train_freq": MIN_CHECKPOINT_STEPS,
     "gradient_steps": 16,
 }
 SAC_FROM_SCRATCH: Mapping[str, Any] = {"learning_rate": 1e-3, "learning_starts": 1000, "ent_coef": "auto_0.1"}

@@ -15,7 +15,7 @@ from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_flag, as_seed, as_whole
 
-MIN_SEGMENT_STEPS = 8
+MIN_CHECKPOINT_STEPS = 8
 """Decisions of a segment in one environment at least: SAC learns after so many."""
 Algorithm = Literal["ppo", "sac"]
 ALGORITHMS = ("ppo", "sac")
@@ -23,7 +23,7 @@ EPISODE_STEPS: Mapping[str, int] = {"reach_target": 30}
 """Decisions of a training episode for tasks that need fewer than others."""
 LONG_EPISODE = 50
 """Decisions of a training episode for all other tasks: 7.5 s."""
-SEGMENT_STEPS = 2048
+CHECKPOINT_STEPS = 2048
 """Decisions between two checkpoints. Each segment begins with new episodes and generators of its own."""
 
 
@@ -56,7 +56,7 @@ class ReinforcementConfig:
     """Where torch computes: `cpu`, `cuda`, `cuda:1`."""
     episode_steps: int | None = None
     """Decisions of a training episode at most; None is 30 for `reach_target` and 50 for others."""
-    segment_steps: int = SEGMENT_STEPS
+    checkpoint_steps: int = CHECKPOINT_STEPS
     """Decisions between two checkpoints; PPO learns once in each segment. Rounded down to a multiple of the environments."""
     validate_every: int = 2
     """Segments between two validations of the most likely action."""
@@ -67,14 +67,14 @@ class ReinforcementConfig:
         """Check every number."""
         if self.algorithm not in ALGORITHMS:
             raise UnknownName("algorithm", str(self.algorithm), ALGORITHMS)
-        for name in ("steps", "workers", "segment_steps", "imitation_steps", "validate_every", "validation_episodes"):
+        for name in ("steps", "workers", "checkpoint_steps", "imitation_steps", "validate_every", "validation_episodes"):
             as_whole(getattr(self, name), name, InvalidArgument, least=1)
         as_whole(self.demonstrations, "demonstrations", InvalidArgument, least=0)
         as_flag(self.shaped, "shaped", InvalidArgument)
         as_seed(self.seed, "seed", InvalidArgument)
-        if self.segment_steps < MIN_SEGMENT_STEPS * self.workers:
-            hint = f"has to be at least {MIN_SEGMENT_STEPS} for each of the {self.workers} environments"
-            raise InvalidArgument("segment_steps", self.segment_steps, hint)
+        if self.checkpoint_steps < MIN_CHECKPOINT_STEPS * self.workers:
+            hint = f"has to be at least {MIN_CHECKPOINT_STEPS} for each of the {self.workers} environments"
+            raise InvalidArgument("checkpoint_steps", self.checkpoint_steps, hint)
         if self.episode_steps is None:
             object.__setattr__(self, "episode_steps", EPISODE_STEPS.get(self.task, LONG_EPISODE))
         as_whole(self.episode_steps, "episode_steps", InvalidArgument, least=1)
@@ -88,7 +88,7 @@ class ReinforcementConfig:
     @property
     def segment(self) -> int:
         """Steps between two checkpoints, a multiple of the environments."""
-        return self.segment_steps // self.workers * self.workers
+        return self.checkpoint_steps // self.workers * self.workers
 
     @property
     def segments(self) -> int:
@@ -107,7 +107,7 @@ class ReinforcementConfig:
             "workers",
             "episode_steps",
         )
-        return {**{name: getattr(self, name) for name in names}, "leg_steps": self.segment_steps}
+        return {**{name: getattr(self, name) for name in names}, "leg_steps": self.checkpoint_steps}
 
 
 REACH = 0.05
