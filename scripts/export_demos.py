@@ -35,7 +35,7 @@ def main() -> None:
             middle = episode[len(episode) // 2]
         print(f"{task}: {len(faults)} faults; {episode.path.name} shows {entry.instructions[0]!r} in {entry.frames} frames,")
         print(
-            f"    in the middle the tip is at {middle.gripper_pose[:3].round(3)} m, the front picture is {middle.front_rgb.shape}"
+            f"    in the middle the tip is at {middle.gripper_pose[:3].round(3)} m, the front image is {middle.front_rgb.shape}"
         )
 
     for task in stored_tasks(root):

@@ -194,7 +194,7 @@ def demo_trial(
 def _solved(task: TaskEnvironment, outcome: DemoOutcome, cost: Cost, replay: bool) -> SolvedDemo:
     demo = outcome.demo
     assert demo is not None
-    stable = task.success_lasts()
+    stable = task.success_is_stable()
     remains = left_over(task, demo)
     return SolvedDemo(
         frames=len(demo),

@@ -252,7 +252,7 @@ def _table(infos: list[TaskInfo]) -> str:
 
 
 def _row(info: TaskInfo) -> tuple[str, ...]:
-    sizes = sorted({"x".join(map(str, shape[1::-1])) for shape in info.pictures.values()})
+    sizes = sorted({"x".join(map(str, shape[1::-1])) for shape in info.images.values()})
     return (
         info.task,
         str(info.episodes),
@@ -262,7 +262,7 @@ def _row(info: TaskInfo) -> tuple[str, ...]:
         f"{info.num_bytes / 1e6:.1f}",
         f"{info.num_bytes / info.frames / 1e3:.1f}",
         str(info.retried),
-        f"{len(info.pictures)} of {' '.join(sizes)} px" if info.pictures else "none",
+        f"{len(info.images)} of {' '.join(sizes)} px" if info.images else "none",
     )
 
 

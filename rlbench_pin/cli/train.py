@@ -88,27 +88,33 @@ class Sac(ReinforcementLearning):
 
 
 @dataclass(frozen=True)
-class Cloning:
-    """Learn joint commands from recorded demonstrations, from state or images."""
+class FromDemonstrations:
+    """Arguments of the baselines that learn from recorded demonstrations."""
 
     data: tyro.conf.Positional[SomeFolders] = ()
-    """Folders of datasets."""
+    """Folders of datasets; key frames need no stored images: the demonstrations are replayed."""
     out: Path = Path("out/model")
     """Folder of the models, one for each task."""
     tasks: OnlyTasks = ()
     """Tasks to train; default: all tasks of the datasets."""
     demos: int = -1
     """Demonstrations of each task, spread over its variations; -1 is all."""
-    cameras: OnlyCameras = ()
-    """Cameras to learn from in place of the state of the task."""
     steps: MaybeInt = None
-    """Batches of 128 ticks for each task; default 3000."""
+    """Batches for each task; when not given, 3000 of 128 ticks (cloning) or 1500 of 8 clouds (key-frames)."""
     seed: int = 0
     """Seed of first weights, batches and augmentation. On the CPU the same seed gives the same files."""
     device: Device = "cpu"
     """Device of torch: `cpu`, `cuda`, `cuda:1`."""
     resume: bool = False
     """Continue the training in the folder."""
+
+
+@dataclass(frozen=True)
+class Cloning(FromDemonstrations):
+    """Learn joint commands from recorded demonstrations, from state or images."""
+
+    cameras: OnlyCameras = ()
+    """Cameras to learn from in place of the state of the task."""
 
     def run(self) -> int:
         """Train."""
@@ -116,25 +122,8 @@ class Cloning:
 
 
 @dataclass(frozen=True)
-class KeyFrames:
+class KeyFrames(FromDemonstrations):
     """Learn tip poses from recorded demonstrations, from point clouds of five cameras."""
-
-    data: tyro.conf.Positional[SomeFolders] = ()
-    """Folders of datasets; stored images are not needed: the demonstrations are played again."""
-    out: Path = Path("out/model")
-    """Folder of the models, one for each task."""
-    tasks: OnlyTasks = ()
-    """Tasks to train; default: all tasks of the datasets."""
-    demos: int = -1
-    """Demonstrations of each task, spread over its variations; -1 is all."""
-    steps: MaybeInt = None
-    """Batches of 8 clouds for each task; default 1500."""
-    seed: int = 0
-    """Seed of first weights, batches and augmentation. On the CPU the same seed gives the same files."""
-    device: Device = "cpu"
-    """Device of torch: `cpu`, `cuda`, `cuda:1`."""
-    resume: bool = False
-    """Continue the training in the folder."""
 
     def run(self) -> int:
         """Train."""
@@ -158,7 +147,7 @@ class Train:
         return self.action.run()
 
 
-def train_on_demonstrations(command: Cloning | KeyFrames, baseline: str, **options: Any) -> int:
+def train_on_demonstrations(command: FromDemonstrations, baseline: str, **options: Any) -> int:
     """Train one model after the other; 130 when it was interrupted.
 
     Args:
@@ -189,7 +178,7 @@ def train_on_demonstrations(command: Cloning | KeyFrames, baseline: str, **optio
 
 
 def _train_on_demonstrations(
-    command: Cloning | KeyFrames, baseline: str, task: str, stop: threading.Event, options: dict[str, Any]
+    command: FromDemonstrations, baseline: str, task: str, stop: threading.Event, options: dict[str, Any]
 ) -> bool:
     """Train one task and return whether it is finished."""
     from tqdm import tqdm
@@ -254,9 +243,9 @@ def _train_rl(learning: Any, command: ReinforcementLearning, algorithm: str, tas
     config = learning.ReinforcementConfig(
         algorithm, task, steps=command.steps, shaped=command.shaped, demonstrations=command.demonstrations, seed=command.seed,
         workers=command.workers, device=command.device, episode_steps=command.episode_steps,
-        leg_steps=command.checkpoint_steps,
+        checkpoint_steps=command.checkpoint_steps,
     )  # fmt: skip
-    with tqdm(total=config.legs * config.leg, unit="step", desc=f"{algorithm} {task}", dynamic_ncols=True) as bar:
+    with tqdm(total=config.segments * config.segment, unit="step", desc=f"{algorithm} {task}", dynamic_ncols=True) as bar:
         return bool(learning.train_reinforcement(config, command.out, _show_success(bar), stop))
 
 

@@ -21,7 +21,7 @@ from rlbench_pin.errors import EpisodeFileError, InvalidArgument, InvalidCamera,
 from rlbench_pin.observation import CAMERAS, PRODUCTS
 from rlbench_pin.sim import RENDERERS, RendererName
 from rlbench_pin.tasks import Task, find_task, task_digest
-from rlbench_pin.values import as_choice, as_flag, as_names, as_number, as_path, as_picture_size, as_record, as_seed, as_whole
+from rlbench_pin.values import as_choice, as_flag, as_image_size, as_names, as_number, as_path, as_record, as_seed, as_whole
 
 MOST = 10_000_000
 """Maximum number of episodes, attempts and variations of one recording."""
@@ -32,7 +32,7 @@ VERSION = 1
 
 @dataclass(frozen=True, kw_only=True)
 class ImageConfig:
-    """Images of an episode, and their compression."""
+    """The images of recorded episodes: cameras, products, size, renderer and compression."""
 
     cameras: tuple[str, ...] = CAMERAS
     """Cameras whose images are stored."""
@@ -49,7 +49,7 @@ class ImageConfig:
 
     def __post_init__(self) -> None:
         """Raise UnknownName or InvalidCamera for images that cannot be stored."""
-        object.__setattr__(self, "image_size", as_picture_size(self.image_size, "ImageConfig.image_size", InvalidCamera))
+        object.__setattr__(self, "image_size", as_image_size(self.image_size, "ImageConfig.image_size", InvalidCamera))
         _check_names("camera", self.cameras, CAMERAS)
         _check_names("product", self.products, PRODUCTS)
         as_choice(self.renderer, "renderer", RENDERERS)

@@ -29,7 +29,7 @@ from rlbench_pin.datasets import (
     stored_tasks,
 )
 from rlbench_pin.datasets.layout import episode_path
-from rlbench_pin.datasets.reader import stored_pictures
+from rlbench_pin.datasets.reader import stored_images
 from rlbench_pin.datasets.storage import hold, remove_leftovers
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.task_environment import TaskEnvironment
@@ -336,7 +336,7 @@ def _check_images(root: Path, items: Sequence[WorkItem], pending: set[tuple[str,
     stored = {item.name: episode_path(root, *item.key) for item in items if item.key not in pending}
     for path in stored.values():
         with suppress(EpisodeFileError):  # damaged: `verify` finds it
-            if (found := stored_pictures(path)) != images.fields():
+            if (found := stored_images(path)) != images.fields():
                 asked = images.fields()
                 raise DatasetConflict(
                     f"'{path}' contains the images {found}, asked for are {asked}. Choose the same, or another folder."

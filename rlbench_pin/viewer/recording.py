@@ -166,10 +166,10 @@ def _combined(words: str) -> Callable[[AllOf | AnyOf | InOrder], str]:
 
 
 _TEXTS: tuple[tuple[type[Condition], Callable[..., str]], ...] = (
-    (Detected, lambda c: f"{c.thing.name} {'outside' if c.negated else 'inside'} {c.sensor.name}"),
+    (Detected, lambda c: f"{c.element.name} {'outside' if c.negated else 'inside'} {c.sensor.name}"),
     (
         DetectedSeveral,
-        lambda c: f"at least {c.count} of {', '.join(thing.name for thing in c.things)} inside {c.sensor.name}",
+        lambda c: f"at least {c.count} of {', '.join(element.name for element in c.elements)} inside {c.sensor.name}",
     ),
     (TipInside, lambda c: f"tip inside {c.sensor.name}"),
     (FollowPath, lambda c: f"{c.body.name} visits {len(c.points)} points in order"),

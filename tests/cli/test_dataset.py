@@ -29,7 +29,7 @@ def test_info_counts(made_up: Path, capsys: Capture) -> None:
     assert exit_code("dataset", "info", str(made_up), "--json") == 0
     (info,) = json.loads(capsys.readouterr().out)
     assert (info["task"], info["episodes"], info["frames"], info["longest"]) == (TASK, 3, 9, 4)
-    assert info["pictures"]["front_rgb"] == [12, 16, 3]
+    assert info["images"]["front_rgb"] == [12, 16, 3]
 
 
 def test_verify_names_every_bad_file(made_up: Path, capsys: Capture) -> None:

@@ -15,7 +15,7 @@ from rlbench_pin.recording.config import ImageConfig
 
 
 def small_config(**settings: object) -> ObservationConfig:
-    """No pictures but a small front camera's."""
+    """No images but a small front camera's."""
     config = ObservationConfig(**settings)  # type: ignore[arg-type]
     config.set_all_high_dim(False)
     config.front_camera = CameraConfig(image_size=(16, 12), point_cloud=False)

@@ -1,7 +1,7 @@
-"""Draw an animated picture of every task of the library, each from the beginning of a demonstration to its end.
+"""Draw an animated image of every task of the library, each from the beginning of a demonstration to its end.
 
-Usage: python scripts/readme_film.py [TASK ...] [--out FILE.webp]    docs/images/tasks.webp by default
-All tasks take as long in the picture, so that they do not go at the same speed; the last moment stands still for a while.
+Usage: python scripts/readme_animation.py [TASK ...] [--out FILE.webp]    docs/images/tasks.webp by default
+All tasks take as long in the image, so that they do not go at the same speed; the last moment stands still for a while.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from rlbench_pin.tasks import library_names
 
 OUT = Path(__file__).resolve().parents[1] / "docs" / "images" / "tasks.webp"
 CELL, PICTURES, STILL, PAUSE, SEED, QUALITY = (150, 140), 44, 8, 110, 0, 40
-"""Size of a task [px], pictures of a demonstration, of its end, time of each [ms], seed, quality of WebP."""
+"""Size of a task [px], images of a demonstration, of its end, time of each [ms], seed, quality of WebP."""
 LIMIT = 3_000_000
 """Bytes that the file may have."""
 EYE = (0.75, 1.45, 1.95)
@@ -26,7 +26,7 @@ EYE = (0.75, 1.45, 1.95)
 
 
 def clip_of(name: str) -> Clip:
-    """Play a demonstration of a task and keep pictures at equal intervals, first and last among them."""
+    """Play a demonstration of a task and keep images at equal intervals, first and last among them."""
     clip = Clip()
     with make_environment(low_dim_config()) as environment:
         task = environment.get_task(name)
@@ -59,8 +59,8 @@ def main() -> None:
     clips = {}
     for name in options.tasks or library_names():
         clips[name] = clip_of(name)
-        print(f"{name}: {len(clips[name])} pictures", flush=True)
-    first, *rest = (Image.fromarray(picture) for picture in grid_frames(clips, CELL))
+        print(f"{name}: {len(clips[name])} images", flush=True)
+    first, *rest = (Image.fromarray(image) for image in grid_frames(clips, CELL))
     options.out.parent.mkdir(parents=True, exist_ok=True)
     first.save(options.out, save_all=True, append_images=rest, duration=PAUSE, loop=0, quality=QUALITY, method=4)
     size = options.out.stat().st_size
