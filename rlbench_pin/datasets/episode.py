@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,9 +13,9 @@ import h5py
 import numpy as np
 
 from rlbench_pin.datasets.inspection_child import is_oversized
-from rlbench_pin.datasets.manifest import LARGEST, MAX_FRAMES, digest, is_text_map, is_texts, is_whole, short
+from rlbench_pin.datasets.manifest import LARGEST, MAX_FRAMES, is_text_map, is_texts, is_whole, short
 from rlbench_pin.datasets.series import from_json, read_series
-from rlbench_pin.datasets.trust import Inspector, altered, check_file
+from rlbench_pin.datasets.trust import Inspector, check_file, file_stamp
 from rlbench_pin.datasets.writer import DESCRIPTIONS, FORMAT, VERSION
 from rlbench_pin.errors import DatasetError, EpisodeFileError, InvalidValue
 from rlbench_pin.observation import Demo, Observation, RandomState
@@ -102,12 +101,12 @@ _JSON = ("instructions", "versions", "random_state")
 class Episode:
     """An open episode file. Use it in a `with` block; `len(episode)` frames, `episode[i]` is one observation.
 
-    A file is opened when its SHA-256 is the one that its manifest lists, or when another process has survived reading it.
+    A file is opened when its SHA-256 is the one that its manifest lists, or when another process has survived reading it. Either
+    is done once in a process, for as long as size and modification time of the file stay the same. Only what is used is read.
 
     Args:
         path: The file.
-        sha256: What its bytes must add up to. With None it is looked up in the manifest of the dataset that the file lies in;
-            only what is used is kept in memory then.
+        sha256: What its bytes must add up to. With None it is looked up in the manifest of the dataset that the file lies in.
         inspector: Reads the file first when no manifest lists it; a process of its own does when None.
 
     Raises:
@@ -121,12 +120,13 @@ class Episode:
         if not self.path.is_file():
             raise EpisodeFileError(self.path, f"The episode '{self.path}' does not exist.")
         with self._named():
-            if sha256 is None:
-                check_file(self.path, inspector)
-            source = self.path if sha256 is None else io.BytesIO(_checked_bytes(self.path, sha256))
-            self._file = h5py.File(source, "r")
+            stamp = file_stamp(self.path)
+            check_file(self.path, sha256, inspector)
+            self._file = h5py.File(self.path, "r")
         try:
             with self._named():
+                if file_stamp(self.path) != stamp:
+                    raise EpisodeFileError(self.path, f"'{self.path}' was changed while it was opened. Open it again.")
                 self._check_version()
                 self._check_contents()
                 self._head = self._read_head()
@@ -326,13 +326,6 @@ class Episode:
             raise EpisodeFileError(
                 self.path, f"The episode '{self.path}' is truncated or damaged ({error}). Delete it and record it again."
             ) from error
-
-
-def _checked_bytes(path: Path, sha256: str) -> bytes:
-    data = path.read_bytes()
-    if digest(data) != sha256:
-        raise altered(path)
-    return data
 
 
 def _observation(columns: dict[str, list[Any]], extras: dict[str, list[Any]], index: int) -> Observation:
