@@ -128,7 +128,7 @@ class Episode:
                 if file_stamp(self.path) != stamp:
                     raise EpisodeFileError(self.path, f"'{self.path}' was changed while it was opened. Open it again.")
                 self._check_version()
-                self._check_contents()
+                self._check_groups()
                 self._head = self._read_head()
                 self._length = self._head.frames
         except DatasetError:
@@ -178,7 +178,7 @@ class Episode:
         """Return the shape that a field of arrays has in one frame; DatasetError when it is not stored."""
         self._check_held(field)
         with self._named():
-            return tuple(self._file["observations"][field].shape[1:])
+            return tuple(self._dataset(self._file["observations"], field).shape[1:])
 
     # Reading ----------------------------------------------------------------------------------------------------
 
@@ -201,7 +201,7 @@ class Episode:
         self._check_held(field)
         frames = self._checked_frames(frames)
         with self._named():
-            return read_series(self._file["observations"], field, self._length, frames)
+            return self._read(self._file["observations"], field, frames)
 
     def array(self, field: str) -> np.ndarray:
         """Read one field of all frames, stacked along the first axis.
@@ -221,7 +221,7 @@ class Episode:
             if key == DESCRIPTIONS and self._head.describes:
                 return [list(self.instructions) for _ in range(self._length)]
             group = self._file["misc"]
-            return read_series(group, key, self._length) if key in group else [None] * self._length
+            return self._read(group, key) if key in group else [None] * self._length
 
     def observations(self, frames: range | None = None, fields: Collection[str] | None = None) -> list[Observation]:
         """Read frames, all when None, with some fields, all when None; `misc` always comes along."""
@@ -230,8 +230,8 @@ class Episode:
         with self._named():
             group, misc = self._file["observations"], self._file["misc"]
             wanted = [name for name in self.fields if fields is None or name in fields]
-            columns = {name: read_series(group, name, self._length, frames) for name in wanted}
-            extras = {key: read_series(misc, key, self._length, frames) for key in misc if "@" not in key}
+            columns = {name: self._read(group, name, frames) for name in wanted}
+            extras = {key: self._read(misc, key, frames) for key in misc if "@" not in key}
             if self._head.describes:
                 extras[DESCRIPTIONS] = [list(self.instructions) for _ in frames]
         return [_observation(columns, extras, i) for i in range(len(frames))]
@@ -246,17 +246,27 @@ class Episode:
                 num_reset_attempts=head.num_reset_attempts,
                 variation_number=head.variation,
                 instructions=head.instructions,
-                state=_read_state(self._file),
+                state=self._read_state(),
                 versions=head.versions,
                 attempt=head.attempt,
                 task_name=head.task,
             )
 
+    def _read_state(self) -> dict[str, np.ndarray] | None:
+        if "state" not in self._file:
+            return None
+        group = self._file["state"]
+        names = sorted((name for name in group if "@" not in name), key=lambda n: int(n.removeprefix("array")))
+        return {str(group[name].attrs["name"]): self._read(group, name, length=1)[0] for name in names}
+
     # What is asked for ------------------------------------------------------------------------------------------
 
     def _check_held(self, field: str) -> None:
         """Refuse a field that is not stored, which is no damage of the file."""
-        if as_text(field, "field") not in self.fields:
+        as_text(field, "field")
+        with self._named():
+            is_held = "@" not in field and field in self._file["observations"]
+        if not is_held:
             raise self._not_held(field)
 
     def _not_held(self, field: str, where: str = "") -> DatasetError:
@@ -292,24 +302,37 @@ class Episode:
         attrs = self._file.attrs
         return read_head({name: from_json(attrs[name]) if name in _JSON else attrs[name] for name in attrs})
 
-    def _check_contents(self) -> None:
-        """Refuse what would read other files, or more than is there: links, external storage, virtual datasets, false sizes."""
-        groups = [self._file[name] for name in (*_GROUPS, *(["state"] if "state" in self._file else []))]
-        if not all(isinstance(group, h5py.Group) for group in groups):
-            raise ValueError("an array lies where a group belongs")
-        for group in (self._file, *groups):
-            for name in group:
-                if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-                    raise EpisodeFileError(
-                        self.path, f"'{self.path}' has a link at '{name}' that leads elsewhere. Do not trust it."
-                    )
-                thing = group[name]
-                if isinstance(thing, h5py.Dataset) and (thing.external or thing.is_virtual):
-                    raise EpisodeFileError(self.path, f"'{self.path}' keeps '{name}' in another file. Do not trust it.")
-                if isinstance(thing, h5py.Dataset) and is_oversized(thing):
-                    raise ValueError(f"'{name}' claims more values than are stored")
-                if isinstance(thing, h5py.Dataset) == (group is self._file):
-                    raise ValueError(f"'{name}' is not what belongs there")
+    def _check_groups(self) -> None:
+        """Refuse what is not made of groups."""
+        for name in self._file:
+            self._check_link(self._file, name)
+            if not isinstance(self._file[name], h5py.Group):
+                raise ValueError(f"'{name}' is not what belongs there")
+        if missing := [name for name in _GROUPS if name not in self._file]:
+            raise ValueError(f"it has no {missing[0]}")
+
+    def _dataset(self, group: h5py.Group, name: str) -> h5py.Dataset:
+        """Return a dataset, unless it would read other files, or more than is there: links, external storage, false sizes."""
+        self._check_link(group, name)
+        dataset = group[name]
+        if not isinstance(dataset, h5py.Dataset):
+            raise ValueError(f"'{name}' is not what belongs there")
+        if dataset.external or dataset.is_virtual:
+            raise EpisodeFileError(self.path, f"'{self.path}' keeps '{name}' in another file. Do not trust it.")
+        if is_oversized(dataset):
+            raise ValueError(f"'{name}' claims more values than are stored")
+        return dataset
+
+    def _read(self, group: h5py.Group, name: str, frames: range | None = None, length: int | None = None) -> list[Any]:
+        """Read a series whose datasets have been checked."""
+        for stored in (name, f"{name}@frames"):
+            if stored in group:
+                self._dataset(group, stored)
+        return read_series(group, name, self._length if length is None else length, frames)
+
+    def _check_link(self, group: h5py.Group, name: str) -> None:
+        if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+            raise EpisodeFileError(self.path, f"'{self.path}' has a link at '{name}' that leads elsewhere. Do not trust it.")
 
     @contextmanager
     def _named(self) -> Iterator[None]:
@@ -334,11 +357,3 @@ def _observation(columns: dict[str, list[Any]], extras: dict[str, list[Any]], in
     for name in columns.keys() - known.keys():
         setattr(observation, name, columns[name][index])
     return observation
-
-
-def _read_state(file: h5py.File) -> dict[str, np.ndarray] | None:
-    if "state" not in file:
-        return None
-    group = file["state"]
-    names = sorted((name for name in group if "@" not in name), key=lambda n: int(n.removeprefix("array")))
-    return {str(group[name].attrs["name"]): read_series(group, name, 1)[0] for name in names}
