@@ -263,10 +263,7 @@ class Episode:
 
     def _check_held(self, field: str) -> None:
         """Refuse a field that is not stored, which is no damage of the file."""
-        as_text(field, "field")
-        with self._named():
-            is_held = "@" not in field and field in self._file["observations"]
-        if not is_held:
+        if as_text(field, "field") not in self.fields:
             raise self._not_held(field)
 
     def _not_held(self, field: str, where: str = "") -> DatasetError:
