@@ -127,9 +127,11 @@ class Episode:
             with self._named():
                 if file_stamp(self.path) != stamp:
                     raise EpisodeFileError(self.path, f"'{self.path}' was changed while it was opened. Open it again.")
-                self._check_version()
-                self._check_groups()
-                self._head = self._read_head()
+                attributes = dict(self._file.attrs)
+                self._check_version(attributes)
+                self._groups, self._sound = self._checked_groups(), set[tuple[str, str]]()
+                self._fields = tuple(sorted(name for name in self._groups["observations"] if "@" not in name))
+                self._head = read_head({name: from_json(v) if name in _JSON else v for name, v in attributes.items()})
                 self._length = self._head.frames
         except DatasetError:
             self._file.close()
@@ -172,13 +174,13 @@ class Episode:
     def fields(self) -> tuple[str, ...]:
         """Names of the fields of observations that are stored."""
         with self._named():
-            return tuple(sorted(name for name in self._file["observations"] if "@" not in name))
+            return self._fields
 
     def shape(self, field: str) -> tuple[int, ...]:
         """Return the shape that a field of arrays has in one frame; DatasetError when it is not stored."""
         self._check_held(field)
         with self._named():
-            return tuple(self._dataset(self._file["observations"], field).shape[1:])
+            return tuple(self._dataset("observations", field).shape[1:])
 
     # Reading ----------------------------------------------------------------------------------------------------
 
@@ -201,7 +203,7 @@ class Episode:
         self._check_held(field)
         frames = self._checked_frames(frames)
         with self._named():
-            return self._read(self._file["observations"], field, frames)
+            return self._read("observations", field, frames)
 
     def array(self, field: str) -> np.ndarray:
         """Read one field of all frames, stacked along the first axis.
@@ -220,18 +222,16 @@ class Episode:
         with self._named():
             if key == DESCRIPTIONS and self._head.describes:
                 return [list(self.instructions) for _ in range(self._length)]
-            group = self._file["misc"]
-            return self._read(group, key) if key in group else [None] * self._length
+            return self._read("misc", key) if key in self._groups["misc"] else [None] * self._length
 
     def observations(self, frames: range | None = None, fields: Collection[str] | None = None) -> list[Observation]:
         """Read frames, all when None, with some fields, all when None; `misc` always comes along."""
         frames = self._checked_frames(frames)
         fields = None if fields is None else as_names(fields, "fields")
         with self._named():
-            group, misc = self._file["observations"], self._file["misc"]
             wanted = [name for name in self.fields if fields is None or name in fields]
-            columns = {name: self._read(group, name, frames) for name in wanted}
-            extras = {key: self._read(misc, key, frames) for key in misc if "@" not in key}
+            columns = {name: self._read("observations", name, frames) for name in wanted}
+            extras = {key: self._read("misc", key, frames) for key in self._groups["misc"] if "@" not in key}
             if self._head.describes:
                 extras[DESCRIPTIONS] = [list(self.instructions) for _ in frames]
         return [_observation(columns, extras, i) for i in range(len(frames))]
@@ -253,11 +253,11 @@ class Episode:
             )
 
     def _read_state(self) -> dict[str, np.ndarray] | None:
-        if "state" not in self._file:
+        if "state" not in self._groups:
             return None
-        group = self._file["state"]
+        group = self._groups["state"]
         names = sorted((name for name in group if "@" not in name), key=lambda n: int(n.removeprefix("array")))
-        return {str(group[name].attrs["name"]): self._read(group, name, length=1)[0] for name in names}
+        return {str(group[name].attrs["name"]): self._read("state", name, length=1)[0] for name in names}
 
     # What is asked for ------------------------------------------------------------------------------------------
 
@@ -280,12 +280,12 @@ class Episode:
 
     # Trust ------------------------------------------------------------------------------------------------------
 
-    def _check_version(self) -> None:
-        if self._file.attrs.get("format") != FORMAT:
+    def _check_version(self, attributes: dict[str, Any]) -> None:
+        if attributes.get("format") != FORMAT:
             raise EpisodeFileError(
                 self.path, f"'{self.path}' is an HDF5 file, but not an episode. `rlbench-pin record` makes some."
             )
-        version = self._file.attrs.get("version", -1)
+        version = attributes.get("version", -1)
         if not isinstance(version, int | np.integer):
             raise ValueError("its version is no number")
         if version != VERSION:
@@ -295,21 +295,21 @@ class Episode:
                 "Read it with the release of rlbench_pin that wrote it, or record it again.",
             )
 
-    def _read_head(self) -> Head:
-        attrs = self._file.attrs
-        return read_head({name: from_json(attrs[name]) if name in _JSON else attrs[name] for name in attrs})
-
-    def _check_groups(self) -> None:
-        """Refuse what is not made of groups."""
+    def _checked_groups(self) -> dict[str, h5py.Group]:
+        """Return the groups of the file, which is made of groups alone."""
         for name in self._file:
             self._check_link(self._file, name)
-            if not isinstance(self._file[name], h5py.Group):
-                raise ValueError(f"'{name}' is not what belongs there")
-        if missing := [name for name in _GROUPS if name not in self._file]:
-            raise ValueError(f"it has no {missing[0]}")
+        groups = {name: self._file[name] for name in self._file}
+        for name in {*groups, *_GROUPS}:
+            if not isinstance(groups.get(name), h5py.Group):
+                raise ValueError(f"'{name}' is missing, or no group")
+        return groups
 
-    def _dataset(self, group: h5py.Group, name: str) -> h5py.Dataset:
+    def _dataset(self, place: str, name: str) -> h5py.Dataset:
         """Return a dataset, unless it would read other files, or more than is there: links, external storage, false sizes."""
+        group = self._groups[place]
+        if (place, name) in self._sound:
+            return group[name]
         self._check_link(group, name)
         dataset = group[name]
         if not isinstance(dataset, h5py.Dataset):
@@ -318,14 +318,14 @@ class Episode:
             raise EpisodeFileError(self.path, f"'{self.path}' keeps '{name}' in another file. Do not trust it.")
         if is_oversized(dataset):
             raise ValueError(f"'{name}' claims more values than are stored")
+        self._sound.add((place, name))
         return dataset
 
-    def _read(self, group: h5py.Group, name: str, frames: range | None = None, length: int | None = None) -> list[Any]:
-        """Read a series whose datasets have been checked."""
-        for stored in (name, f"{name}@frames"):
-            if stored in group:
-                self._dataset(group, stored)
-        return read_series(group, name, self._length if length is None else length, frames)
+    def _read(self, place: str, name: str, frames: range | None = None, length: int | None = None) -> list[Any]:
+        """Read a series of a group whose datasets are checked first."""
+        group, beside = self._groups[place], f"{name}@frames"
+        rows = self._dataset(place, beside) if beside in group else None
+        return read_series(self._dataset(place, name), rows, self._length if length is None else length, frames)
 
     def _check_link(self, group: h5py.Group, name: str) -> None:
         if not isinstance(group.get(name, getlink=True), h5py.HardLink):

@@ -139,27 +139,27 @@ def write_series(group: h5py.Group, name: str, values: Sequence[Value], compress
         group.create_dataset(f"{name}@frames", data=np.array(frames, dtype=np.int64))
 
 
-def read_series(group: h5py.Group, name: str, length: int, wanted: range | None = None) -> list[Value]:
+def read_series(stored: h5py.Dataset, beside: h5py.Dataset | None, length: int, wanted: range | None = None) -> list[Value]:
     """Read back what `write_series` stored, None where a frame has none.
 
     Args:
-        group: Where it is stored.
-        name: Under which name.
+        stored: The dataset.
+        beside: Its neighbour `<name>@frames`, None where there is none.
         length: How many frames the episode has.
         wanted: The frames to read, consecutive ones; all when None. Only they are read from the file.
     """
-    dataset = group[name]
-    frames = _frames(group[f"{name}@frames"][()], length) if f"{name}@frames" in group else range(length)
-    constant = bool(dataset.attrs.get("constant", False))
-    if len(dataset) != (1 if constant else len(frames)):
-        raise ValueError(f"'{name}' has {len(dataset)} values for {len(frames)} frames")
+    attributes = dict(stored.attrs)
+    frames = range(length) if beside is None else _frames(beside[()], length)
+    constant = bool(attributes.get("constant", False))
+    if len(stored) != (1 if constant else len(frames)):
+        raise ValueError(f"'{stored.name}' has {len(stored)} values for {len(frames)} frames")
     wanted = range(length) if wanted is None else wanted
-    rows = [row for row, frame in enumerate(frames) if frame in wanted]
+    rows = wanted if beside is None else [row for row, frame in enumerate(frames) if frame in wanted]
     result: list[Value] = [None] * len(wanted)
     if not rows:
         return result
-    data = np.repeat(dataset[()], len(rows), axis=0) if constant else dataset[rows[0] : rows[-1] + 1]
-    for row, value in zip(rows, _unpack(dataset.attrs["kind"], data), strict=True):
+    data = np.repeat(stored[()], len(rows), axis=0) if constant else stored[rows[0] : rows[-1] + 1]
+    for row, value in zip(rows, _unpack(attributes["kind"], data), strict=True):
         result[frames[row] - wanted.start] = value
     return result
 
