@@ -1,7 +1,7 @@
-"""Training data from stored demonstrations: frames and chunks of actions, and key frames (`pip install -e '.[learn]'` in a clone).
+"""Training data: frames of demonstrations with chunks of actions, and key frames (`pip install -e '.[learn]'` in a clone).
 
-A small network learns by imitation which joint positions the next half second of a reach commands: it sees the joints and the place of
-the ball. `FrameDataset` needs no PyTorch; `DataLoader` takes it as it is, here with two worker processes.
+A small network learns by imitation which joint positions the next half second of a reach commands: it sees the joints and the
+place of the ball. `FrameDataset` needs no PyTorch; `DataLoader` takes it as it is, here with two worker processes.
 
 What to look for: the error of the predicted joint positions on an episode that training does not meet falls to a fraction.
 """
