@@ -41,9 +41,8 @@ def main() -> None:
 
     frames = FrameDataset(ROOT, fields=("joint_positions", "task_low_dim_state"), horizon=HORIZON)
     keys = FrameDataset(ROOT, fields=("gripper_pose",), key_frames_only=True)
-    print(
-        f"{len(frames)} frames, actions {frames[0]['action'].shape}; {len(keys)} steps to a key frame: {keys[0]['action'].round(2)}"
-    )
+    print(f"{len(frames)} frames, each with actions {frames[0]['action'].shape}")
+    print(f"{len(keys)} steps to a key frame, the first to {keys[0]['action'].round(2)}")
 
     last = len(frames.episodes) - 1
     held_out = len(frames) - (frames.episodes[last].entry.frames - 1)
