@@ -21,7 +21,7 @@ from rlbench_pin.errors import DatasetError, EpisodeFileError, InvalidValue
 from rlbench_pin.observation import Demo, Observation, RandomState
 from rlbench_pin.values import as_names, as_path, as_record, as_text
 
-_MOST_VARIATIONS = 2**31 - 1
+_MAX_VARIATIONS = 2**31 - 1
 _LONGEST_NAME = 1000
 
 
@@ -59,7 +59,7 @@ def read_head(attributes: dict[str, Any]) -> Head:
     return Head(
         frames=_whole(attributes, "frames", 1, MAX_FRAMES),
         task=task,
-        variation=_whole(attributes, "variation", 0, _MOST_VARIATIONS),
+        variation=_whole(attributes, "variation", 0, _MAX_VARIATIONS),
         attempt=_whole(attributes, "attempt"),
         instructions=tuple(instructions),
         versions=versions,
@@ -287,7 +287,7 @@ class Episode:
             )
         version = attributes.get("version", -1)
         if not isinstance(version, int | np.integer):
-            raise ValueError("its version is no number")
+            raise ValueError("its version is not a number")
         if version != VERSION:
             raise EpisodeFileError(
                 self.path,

@@ -177,7 +177,7 @@ def connect_to_owner() -> tuple[socket.socket, list[str]]:
     """Return the socket to the owner and the arguments of the module, and let this process end with the owner.
 
     The owner holds the other end of a pipe. When that is closed, by the system if need be, the system sends SIGIO to the group
-    of this process, which ends all in it, whatever they do at that moment.
+    of this process, which ends all in it.
     """
     connection, pipe = int(sys.argv[1]), int(sys.argv[2])
     os.set_inheritable(connection, False)

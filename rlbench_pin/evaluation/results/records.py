@@ -41,7 +41,7 @@ DEEPEST = 20
 
 @dataclass(frozen=True)
 class EpisodeRecord:
-    """What came of one episode: all of it follows from policy, task, seed and limits; times of computation do not belong here."""
+    """Result of one episode. All of it follows from policy, task, seed and limits; it contains no computation times."""
 
     task: str
     variation: int
@@ -49,7 +49,7 @@ class EpisodeRecord:
     success: bool
     """Whether the goal was reached."""
     lasts: bool
-    """Whether success was still there after the scene had come to rest with the arm standing still."""
+    """Whether success still held after 1 s with the arm stationary."""
     steps: int
     """Actions, refused ones among them."""
     seconds: float
@@ -66,7 +66,7 @@ class EpisodeRecord:
     fault: str = ""
     """Kind of the fault of the policy that ended the episode; empty without one."""
     fault_detail: str = ""
-    """What was said of it."""
+    """Detail of the fault."""
 
     def __post_init__(self) -> None:
         """Check every value, and keep it as plain Python has it."""
@@ -98,18 +98,18 @@ class EpisodeRecord:
 
     @property
     def key(self) -> tuple[str, int, int]:
-        """What names the episode: task, variation, seed."""
+        """Key of the episode: task, variation, seed."""
         return self.task, self.variation, self.seed
 
 
 @dataclass(frozen=True)
 class Results:
-    """What an evaluation has found, with everything that it was made with; equal content is equal to the byte."""
+    """Results of an evaluation with their provenance. Equal content is byte-identical."""
 
     policy: str
     """The policy, as it was asked for."""
     settings: Mapping[str, Any]
-    """What the policy asked for: action mode, observations, steps; plain data."""
+    """Settings of the policy: action mode, observations, steps; plain data."""
     task_set: str
     """The tasks as they were asked for: names, or sets of tasks."""
     tasks: tuple[str, ...]
@@ -117,7 +117,7 @@ class Results:
     seeds: tuple[int, ...]
     """Seeds of the episodes, the same for each task, in order."""
     limits: Mapping[str, float | int | str | bool | None]
-    """What ended episodes, and what else an episode depends on: steps, seconds, how variations were chosen."""
+    """Limits of episodes, and all else that they depend on: steps, seconds, choice of variations."""
     versions: Mapping[str, str]
     """Version of this package and of the libraries that shape an episode."""
     commit: str
@@ -297,7 +297,7 @@ def _results(content: object) -> Results:
         ValueError: A value is missing, unknown or wrong, or the checksum is another.
     """
     if not isinstance(content, dict):
-        raise ValueError("it is no table")
+        raise ValueError("it is not a table")
     if (found := content.get("format")) != FORMAT or type(found) is not int:
         raise ValueError(f"it has format {short(found)}, this package reads format {FORMAT}")
     _check_names(content, ("format", *HEAD, "sha256", "episodes"), "it")
@@ -321,4 +321,4 @@ def _check_names(content: dict[str, Any], names: tuple[str, ...], what: str) -> 
     if missing := [name for name in names if name not in content]:
         raise ValueError(f"{what} lacks {', '.join(missing)}")
     if unknown := [name for name in content if name not in names]:
-        raise ValueError(f"{what} has {short(unknown[0])}, which this format does not know")
+        raise ValueError(f"{what} has {short(unknown[0])}, which is not part of this format")
