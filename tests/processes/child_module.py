@@ -8,7 +8,6 @@ import sys
 
 from rlbench_pin.processes.child import connect_to_owner, limit_memory
 
-
 _DAEMONS = "for i in $(seq 20); do setsid sleep 600 > /dev/null 2>&1 & echo $!; done"
 """Processes in sessions of their own, whose parent ends at once."""
 
