@@ -7,7 +7,7 @@ import shlex
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -19,6 +19,7 @@ from rlbench_pin.cli.list_tasks import split_names
 from rlbench_pin.cli.options import (
     EngineName,
     MaybeInt,
+    MaybeText,
     RobotName,
     TaskNames,
     check_at_least,
@@ -51,8 +52,8 @@ EPISODES = 25
 class Evaluate:
     """Evaluate a policy on tasks: success with its interval, collisions, limits. `--resume` continues after an interruption.
 
-    The results file is the same to the byte, however many workers there are; `rlbench-pin results FILE...` shows and compares
-    what is in it.
+    Given the key of the run, the results file is byte-identical for any number of workers; `rlbench-pin results FILE...` shows
+    and compares what is in it.
     """
 
     policy: tyro.conf.Positional[MaybePolicy] = ""
@@ -82,6 +83,8 @@ class Evaluate:
     """Name of the arm."""
     tell_task: bool = True
     """Tell the policy the name of the task, beside the instruction."""
+    policy_seed_key: MaybeText = None
+    """Key of the seeds that the policy is told, as a results file publishes it, to repeat that run; drawn when not given."""
     workers: int = 1
     """Worker processes, each with a policy of its own; with 0 this process does the work."""
     engine: EngineName = "processes"
@@ -119,7 +122,8 @@ class Evaluate:
         print(f"Results in {self.out}; `rlbench-pin results {shlex.quote(str(self.out))}` shows all of them.")
         if self.videos:
             folder = self.out.with_name(f"{self.out.stem}_videos")
-            for video in record_failures(config, results, self.videos, folder):
+            repeated = replace(config, policy_seed_key=results.policy_seed_key)
+            for video in record_failures(repeated, results, self.videos, folder):
                 print(f"  video  {video}")
         return 0
 
@@ -156,6 +160,7 @@ class Evaluate:
             start_limit=self.start_limit,
             robot=self.robot,
             tell_task=self.tell_task,
+            policy_seed_key=self.policy_seed_key,
         )
 
     def go_on(self) -> str:
@@ -167,14 +172,19 @@ class Evaluate:
 
 
 def summary(results: Results) -> str:
-    """Return a line for each task: rate of success with its interval, held successes, faults; and the mean of the tasks."""
+    """Return a line for each task with its rate of success and its faults, the mean of the tasks, and the first faults."""
+    import numpy as np
+
+    from rlbench_pin.evaluation.results.statistics import summarise
+    from rlbench_pin.evaluation.results.tables import fault_notes
     from rlbench_pin.rates import Rate
 
     width = max(len(task) for task in (*results.tasks, "mean"))
     lines = [f"{'task':<{width}}  success        95 %         held  refused  collisions  faults"]
     lines += [_line(task, width, results.of_task(task)) for task in results.tasks]
     means = [Rate(sum(e.success for e in some), len(some)).value for some in map(results.of_task, results.tasks)]
-    return "\n".join([*lines, f"{'mean':<{width}}  {100.0 * math.fsum(means) / len(means):5.1f} %"])
+    mean = f"{'mean':<{width}}  {100.0 * math.fsum(means) / len(means):5.1f} %"
+    return "\n".join([*lines, mean, *fault_notes(summarise(results, np.random.default_rng(0)))])
 
 
 def _line(task: str, width: int, episodes: tuple[EpisodeRecord, ...]) -> str:

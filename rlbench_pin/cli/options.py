@@ -39,6 +39,8 @@ MaybePath = Annotated[Path | None, tyro.conf.arg(metavar="PATH")]
 """A file or folder that may be left out."""
 MaybeInt = Annotated[int | None, tyro.conf.arg(metavar="INT")]
 """A number that may be left out."""
+MaybeText = Annotated[str | None, tyro.conf.arg(metavar="TEXT")]
+"""A text that may be left out."""
 MaybeBool = Annotated[bool | None, tyro.conf.arg(metavar="{True,False}")]
 """A choice that may be left out."""
 Files = Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE...", help_behavior_hint="")]

@@ -409,6 +409,16 @@ class Journal:
         self.lines = [_json_object(line) for line in data[:size].splitlines()]
         """The objects that the file contained; None for a damaged line."""
 
+    def clear(self) -> None:
+        """Remove all lines.
+
+        Raises:
+            StorageError: The disk cannot be written.
+        """
+        with _storing(self.path):
+            os.truncate(self.path, 0)
+        self.lines = []
+
     def append(self, content: Mapping[str, Any]) -> None:
         """Append an object, and wait until it is on the disk.
 
@@ -421,6 +431,19 @@ class Journal:
                 file.write((json.dumps(content) + "\n").encode())
                 file.flush()
                 os.fsync(file.fileno())
+
+
+def first_line(path: Path) -> dict[str, Any] | None:
+    """Return the first object of a journal that another process may be writing; None where there is none.
+
+    Raises:
+        StorageError: It cannot be read.
+    """
+    with _storing(path):
+        if not path.is_file():
+            return None
+        with path.open("rb") as file:
+            return _json_object(file.readline())
 
 
 def _json_object(line: bytes) -> dict[str, Any] | None:
