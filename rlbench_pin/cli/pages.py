@@ -49,7 +49,8 @@ def check_port(page: Any) -> None:
 
 
 def announce(address: str, browser: bool) -> None:
-    """Print where a page is, and open it where somebody wants that and there is a screen."""
+    """Print where a page is, and open it where somebody wants that and there is a screen; from now on signals end the command."""
+    answer_signals()
     print(f"{address}  (Ctrl-C ends it)", flush=True)
     if browser and has_screen():
         webbrowser.open(address)
