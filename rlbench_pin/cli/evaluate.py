@@ -103,10 +103,13 @@ class Evaluate:
         if not self.policy:
             raise TaskEnvironmentError("No policy was named. Use `rlbench-pin evaluate POLICY`, for example `expert`.")
         from rlbench_pin.cli.progress import EvaluationBar, stopping_gently
+        from rlbench_pin.evaluation.policies.references import EXPERT, find_policy
         from rlbench_pin.evaluation.run import EvaluationStopped, evaluate
 
         check_at_least(self, workers=0, videos=0)
         config = self.config()
+        if self.policy != EXPERT:
+            find_policy(self.policy)
         check_file(self.out)
         engine, page = self._engine(), watched(self.page, self.policy)
         with page as make, stopping_gently() as stop, closing(EvaluationBar(self.policy)) as bar:

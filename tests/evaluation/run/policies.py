@@ -67,6 +67,14 @@ class EndsWorker(Still):
         return super().act(observation)
 
 
+class WrongShape(Still):
+    """Returns actions with too few numbers."""
+
+    def act(self, observation: Observation) -> object:
+        """Return five numbers."""
+        return np.zeros(5)
+
+
 class Poses:
     """Asks for the same tip pose again and again, one that the workspace does not have."""
 
