@@ -20,7 +20,7 @@ import bench_control_loops
 import bench_controllers
 import bench_demo
 import bench_planning
-import bench_planning_leg
+import bench_planning_segments
 import bench_reset
 import bench_safety
 import bench_step
@@ -29,7 +29,7 @@ from harness import Result, fingerprint, report
 BENCHMARKS: dict[str, Callable[[bool], Sequence[Result]]] = {
     "step": lambda quick: bench_step.benchmark(),
     "reset": lambda quick: bench_reset.benchmark(repeats=3 if quick else 20),
-    "planning": lambda quick: bench_planning_leg.benchmark(seeds=1 if quick else 5),
+    "planning": lambda quick: bench_planning_segments.benchmark(seeds=1 if quick else 5),
     "problems": lambda quick: bench_planning.benchmark(2 if quick else 25),
     "demo": lambda quick: bench_demo.benchmark(seeds=1 if quick else 5),
     "cameras": lambda quick: bench_cameras.benchmark(),

@@ -1,4 +1,4 @@
-"""Progress bars on stderr, and Ctrl-C that loses nothing."""
+"""Progress bars on stderr, and Ctrl-C that keeps finished work."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class RecordBar:
 
 
 class CheckBar:
-    """Trials done, their rate, and the task and part that were finished last, on stderr."""
+    """Trials done, their rate, and the last finished task and part, on stderr."""
 
     def __init__(self) -> None:
         self._bar: tqdm | None = None
@@ -61,14 +61,14 @@ class CheckBar:
 
 @contextmanager
 def stopping_gently() -> Iterator[threading.Event]:
-    """Yield an event that the first Ctrl-C sets; a second one interrupts at once."""
+    """Yield an event that the first Ctrl-C sets; the second Ctrl-C interrupts at once."""
     stop = threading.Event()
 
     def on_interrupt(_: int, __: FrameType | None) -> None:
         if stop.is_set():
             raise KeyboardInterrupt
         stop.set()
-        say("\nFinishing what is under way; Ctrl-C again to abandon it.")
+        say("\nFinishing the running episodes; Ctrl-C again to abandon them.")
 
     before = signal.signal(signal.SIGINT, on_interrupt)
     try:
@@ -81,7 +81,7 @@ class EvaluationBar:
     """Episodes done, their rate, and how many of them succeeded so far.
 
     Args:
-        what: What is evaluated.
+        what: Name of the policy.
     """
 
     def __init__(self, what: str) -> None:

@@ -1,4 +1,4 @@
-"""Demonstrations on disk: one HDF5 file per episode, a manifest per task, films of what happened."""
+"""Demonstrations on disk: one HDF5 file per episode, a manifest per task, videos."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from rlbench_pin.datasets.reader import (
     counted_demo,
     counted_files,
     read_demo,
-    read_picture,
+    read_image,
     stored_demos,
-    stored_pictures,
+    stored_images,
     task_info,
 )
 from rlbench_pin.datasets.storage import hold, remove_leftovers, write_whole
@@ -62,11 +62,11 @@ __all__ = [
     "merge_datasets",
     "plan_merge",
     "read_demo",
+    "read_image",
     "read_manifest",
-    "read_picture",
     "remove_leftovers",
     "stored_demos",
-    "stored_pictures",
+    "stored_images",
     "stored_tasks",
     "stored_variations",
     "task_faults",

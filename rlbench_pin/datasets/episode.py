@@ -22,7 +22,7 @@ from rlbench_pin.errors import DatasetError, EpisodeFileError, InvalidValue
 from rlbench_pin.observation import Demo, Observation, RandomState
 from rlbench_pin.values import as_names, as_path, as_record, as_text
 
-_MOST_VARIATIONS = 2**31 - 1
+_MAX_VARIATIONS = 2**31 - 1
 _LONGEST_NAME = 1000
 
 
@@ -60,7 +60,7 @@ def read_head(attributes: dict[str, Any]) -> Head:
     return Head(
         frames=_whole(attributes, "frames", 1, MAX_FRAMES),
         task=task,
-        variation=_whole(attributes, "variation", 0, _MOST_VARIATIONS),
+        variation=_whole(attributes, "variation", 0, _MAX_VARIATIONS),
         attempt=_whole(attributes, "attempt"),
         instructions=tuple(instructions),
         versions=versions,
@@ -280,7 +280,7 @@ class Episode:
             )
         version = self._file.attrs.get("version", -1)
         if not isinstance(version, int | np.integer):
-            raise ValueError("its version is no number")
+            raise ValueError("its version is not a number")
         if version != VERSION:
             raise EpisodeFileError(
                 self.path,
@@ -303,12 +303,12 @@ class Episode:
                     raise EpisodeFileError(
                         self.path, f"'{self.path}' has a link at '{name}' that leads elsewhere. Do not trust it."
                     )
-                thing = group[name]
-                if isinstance(thing, h5py.Dataset) and (thing.external or thing.is_virtual):
+                item = group[name]
+                if isinstance(item, h5py.Dataset) and (item.external or item.is_virtual):
                     raise EpisodeFileError(self.path, f"'{self.path}' keeps '{name}' in another file. Do not trust it.")
-                if isinstance(thing, h5py.Dataset) and is_oversized(thing):
+                if isinstance(item, h5py.Dataset) and is_oversized(item):
                     raise ValueError(f"'{name}' claims more values than are stored")
-                if isinstance(thing, h5py.Dataset) == (group is self._file):
+                if isinstance(item, h5py.Dataset) == (group is self._file):
                     raise ValueError(f"'{name}' is not what belongs there")
 
     @contextmanager

@@ -31,17 +31,17 @@ FRAMES = 4
 _REACH = 24576
 """Bytes of one frame in one plane of a chunk, well within deflate's window."""
 _LEVEL = 2
-_LEAST = 4096
+_MIN_BYTES = 4096
 """Smaller frames are no images [bytes]."""
 
 
-def are_pictures(values: Sequence[object]) -> bool:
+def are_images(values: Sequence[object]) -> bool:
     """Whether these are large arrays of two or more dimensions, one per frame, all of one kind that can be stacked."""
     first = values[0]
-    return isinstance(first, np.ndarray) and first.ndim >= 2 and first.nbytes >= _LEAST
+    return isinstance(first, np.ndarray) and first.ndim >= 2 and first.nbytes >= _MIN_BYTES
 
 
-def write_pictures(group: h5py.Group, name: str, frames: Sequence[NDArray]) -> h5py.Dataset:
+def write_images(group: h5py.Group, name: str, frames: Sequence[NDArray]) -> h5py.Dataset:
     """Store images of one shape and type, stacked along the first axis."""
     first = frames[0]
     chunk = _chunk(first.shape, len(frames))
@@ -93,7 +93,7 @@ def _shuffled(data: NDArray) -> bytes | NDArray[np.uint8]:
 
 
 Value = Any
-"""What `Observation.misc` may hold: arrays, numbers, texts, and lists and dicts of them."""
+"""Values of `Observation.misc`: arrays, numbers, texts, and lists and dicts of them."""
 
 _ARRAY, _TUPLE, _PAIRS, _SCALAR = "__array__", "__tuple__", "__pairs__", "__scalar__"
 _EXACT = (str, int, bool, type(None))
@@ -109,9 +109,9 @@ def write_series(group: h5py.Group, name: str, values: Sequence[Value], compress
         return
     present = [values[i] for i in frames]
     kind = _kind(present)
-    if kind == "array" and len(present) > 1 and are_pictures(present):
+    if kind == "array" and len(present) > 1 and are_images(present):
         constant = _are_equal(present)
-        dataset = _create_pictures(group, name, present[:1] if constant else present, compression)
+        dataset = _create_images(group, name, present[:1] if constant else present, compression)
     else:
         data = _pack(kind, present)
         constant = kind != "float" and len(present) > 1 and _are_equal(data)
@@ -170,7 +170,7 @@ def from_json(text: str | bytes) -> Value:
     """Read back what `to_json` wrote.
 
     Raises:
-        ValueError: It is no JSON, or is nested too deeply.
+        ValueError: It is not JSON, or is nested too deeply.
     """
     try:
         return json.loads(text, object_hook=_restore)
@@ -254,10 +254,10 @@ def _create(group: h5py.Group, name: str, data: np.ndarray, compression: str) ->
     return group.create_dataset(name, data=data, chunks=data.shape, compression=compression, shuffle=True)
 
 
-def _create_pictures(group: h5py.Group, name: str, frames: Sequence[np.ndarray], compression: str) -> h5py.Dataset:
+def _create_images(group: h5py.Group, name: str, frames: Sequence[np.ndarray], compression: str) -> h5py.Dataset:
     """Make a dataset of images in chunks of some frames."""
     if compression == "gzip":
-        return write_pictures(group, name, frames)
+        return write_images(group, name, frames)
     data = np.stack(frames)
     return group.create_dataset(name, data=data, chunks=(1, *data.shape[1:]), compression=compression, shuffle=True)
 

@@ -1,4 +1,4 @@
-"""Is a dataset still what was written? Every file against its SHA-256, its entry, and its own structure."""
+"""Verifies a dataset: every file against its SHA-256, its manifest entry and its structure."""
 
 from __future__ import annotations
 

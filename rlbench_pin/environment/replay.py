@@ -1,4 +1,4 @@
-"""Recorded actions played again through `step`, every tick or the key frames alone: do they still reach the goal?"""
+"""Replays recorded actions through `step`, every tick or the key frames alone, and reports success."""
 
 from __future__ import annotations
 

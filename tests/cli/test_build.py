@@ -65,7 +65,7 @@ def test_the_page_is_served_until_it_is_interrupted(tmp_path: Path) -> None:
 def test_what_was_not_saved_is_offered_again(tmp_path: Path, first: signal.Signals) -> None:
     """However the first builder is ended, with a line that says where; a server that is killed afterwards has saved it."""
     command = [sys.executable, "-m", "rlbench_pin.cli.main", "build", "fresh", "--out", str(tmp_path), "--no-browser"]
-    for label, ending in (("Add frame", first), ("Take up the draft", signal.SIGKILL)):
+    for label, ending in (("Add frame", first), ("Apply the draft", signal.SIGKILL)):
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
             assert process.stdout is not None
             process.stdout.readline()

@@ -16,16 +16,16 @@ FILE = Path(policies.__file__)
 
 @pytest.mark.simulation
 def test_evaluate_a_policy(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A row for the task, the results file, films of failures that have their seeds in their names."""
+    """A row for the task, the results file, videos of failures that have their seeds in their names."""
     out = tmp_path / "noop.json"
     assert main((*POLICY, str(out), "--videos", "1")) == 0
     printed = capsys.readouterr().out
     assert "reach_target    0.0 %" in printed
     episodes = json.loads(out.read_text())["episodes"]
     assert [episode["end"] for episode in episodes] == ["seconds", "seconds"]
-    films = [path.name for path in (tmp_path / "noop_videos").iterdir()]
-    assert films == [f"reach_target_{episodes[0]['seed']}_seconds.mp4"]
-    assert films[0] in printed
+    videos = [path.name for path in (tmp_path / "noop_videos").iterdir()]
+    assert videos == [f"reach_target_{episodes[0]['seed']}_seconds.mp4"]
+    assert videos[0] in printed
     assert main((*POLICY, str(out))) == 1
     assert "is there already" in capsys.readouterr().err
     assert main((*POLICY, str(out), "--resume")) == 0

@@ -127,7 +127,7 @@ def test_of_five_demonstrations_the_key_frames_of_four_reach_the_goal(task_env: 
 
 
 def key_replays(task_env: TaskEnvironment, demo: Demo) -> bool:
-    """Whether the key frames of a demonstration, planned again with the flags of their legs, reach the goal."""
+    """Whether the key frames of a demonstration, planned again with the flags of their segments, reach the goal."""
     task_env.reset_to_demo(demo)
     mode = key_frame_mode()
     for action in key_frame_actions(demo):

@@ -22,10 +22,10 @@ from rlbench_pin.datasets import (
     episode_files,
     merge_datasets,
     read_demo,
+    read_image,
     read_manifest,
-    read_picture,
     stored_demos,
-    stored_pictures,
+    stored_images,
     stored_tasks,
     task_faults,
     task_info,
@@ -127,7 +127,7 @@ def test_a_list_of_seeds_that_leads_elsewhere_is_refused(tmp_path: Path, change:
 def test_a_list_of_seeds_with_a_hostile_task_is_refused(tmp_path: Path, task: object) -> None:
     """The name of a task leads neither out of the folder nor to a file with code."""
     write_seed(tmp_path / "seeds.json", task=task)
-    with pytest.raises(EpisodeFileError, match=r"seeds\.json.*holds no list of seeds"):
+    with pytest.raises(EpisodeFileError, match=r"seeds\.json.*is not a list of seeds"):
         read_seeds(tmp_path / "seeds.json")
 
 
@@ -332,8 +332,8 @@ def test_damage_of_any_kind_is_read_or_refused(tmp_path: Path) -> None:
 READERS: dict[str, Callable[[Path, Path], object]] = {
     "Episode": lambda root, file: Episode(file),
     "read_demo": lambda root, file: read_demo(file),
-    "read_picture": lambda root, file: read_picture(f"{file}#front_rgb/0"),
-    "stored_pictures": lambda root, file: stored_pictures(file),
+    "read_image": lambda root, file: read_image(f"{file}#front_rgb/0"),
+    "stored_images": lambda root, file: stored_images(file),
     "stored_demos": lambda root, file: stored_demos(root, OTHER_TASK, -1, 0, random_selection=False),
     "image paths": lambda root, file: stored_demos(root, OTHER_TASK, -1, 0, random_selection=False, image_paths=True),
     "descriptions": lambda root, file: read_stored_descriptions(str(root), OTHER_TASK, 0),
@@ -348,7 +348,7 @@ READERS: dict[str, Callable[[Path, Path], object]] = {
 def test_a_listed_file_is_opened_only_with_its_checksum(root: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A byte that changed is found before the HDF5 library sees the file."""
     path = episode_files(root, OTHER_TASK)[0]
-    stored_pictures(path)  # what is remembered of the file must not outlive the change
+    stored_images(path)  # what is remembered of the file must not outlive the change
     data = bytearray(path.read_bytes())
     data[len(data) // 2] ^= 1
     path.write_bytes(bytes(data))

@@ -36,7 +36,7 @@ VERSION = 1
 """Of the protocol."""
 LARGEST_MESSAGE = 256 * 2**20
 """Bytes of a message at most; five cameras of 512 x 512 px with all their products take 30 MB."""
-MOST_CONNECTIONS = 32
+MAX_CONNECTIONS = 32
 """So many are served at once; each has a policy of its own."""
 _ARRAY = 1
 _KINDS = "biuf"
@@ -48,7 +48,7 @@ class WireError(ValueError):
 
 
 class NoPolicy(ValueError):
-    """What was named or made is no policy."""
+    """The object is not a policy."""
 
 
 # Messages ---------------------------------------------------------------------------------------------------------------------
@@ -109,7 +109,7 @@ class Channel:
         Raises:
             TimeoutError: It was not there after `timeout` [s].
             EOFError: The other side has closed the connection; another OSError: it is gone.
-            WireError: What came is no message.
+            WireError: What came is not a message.
         """
         end = None if timeout is None else time.monotonic() + timeout
         (length,) = struct.unpack(">I", self._exactly(4, end))
@@ -234,7 +234,7 @@ def plain_settings(policy: Any) -> dict[str, Any]:
 
 
 def converse(channel: Channel, answers: Answers) -> None:
-    """Answer questions until the other side closes the connection, or sends what is no message."""
+    """Answer questions until the other side closes the connection, or sends what is not a message."""
     with contextlib.closing(channel), contextlib.suppress(EOFError, OSError):
         while True:
             try:
@@ -252,7 +252,7 @@ def split_tcp(address: str) -> tuple[str, int]:
     """Return host and port of `tcp://HOST:PORT`, or raise ValueError; an IPv6 address stands in brackets."""
     host, _, port = address.removeprefix("tcp://").rpartition(":")
     if not address.startswith("tcp://") or not host or not port.isascii() or not port.isdigit() or int(port) > 65535:
-        raise ValueError(f"'{address}' is no address. Use unix:PATH or tcp://HOST:PORT, such as tcp://127.0.0.1:5555.")
+        raise ValueError(f"'{address}' is not an address. Use unix:PATH or tcp://HOST:PORT, such as tcp://127.0.0.1:5555.")
     return host.strip("[]"), int(port)
 
 
@@ -261,7 +261,7 @@ def listen(address: str, anywhere: bool = False) -> socket.socket:
 
     Args:
         address: Where; ValueError when it is of neither form, or of no interface of this machine alone.
-        anywhere: Whether other machines may connect. Nothing is encrypted, and nobody is asked for a password.
+        anywhere: Whether other machines may connect. The connection has neither encryption nor authentication.
     """
     if address.startswith("unix:"):
         return _listen_unix(address.removeprefix("unix:"))
@@ -295,7 +295,7 @@ def serve(make: Callable[[], Any], address: str, *, anywhere: bool = False) -> N
 
 def serve_answers(answers: Callable[[], Answers], listener: socket.socket) -> None:
     """Serve on a listening socket until Ctrl-C; see `serve`."""
-    places = threading.Semaphore(MOST_CONNECTIONS)
+    places = threading.Semaphore(MAX_CONNECTIONS)
 
     def one(connection: socket.socket) -> None:
         try:

@@ -47,13 +47,13 @@ class Reference:
     text: str
     """As it was written."""
     place: Literal["in-process", "subprocess", "socket"]
-    """Where the policy runs."""
+    """Transport of the policy."""
     target: str
     """`module:factory` or `file.py:factory` with arguments, or an address."""
 
 
 def find_policy(reference: str) -> Reference:
-    """Return what a reference leads to, after a look at whether it exists. Nothing is imported that the policy brings.
+    """Return the target of a reference, after checking that it exists. Nothing of the policy is imported.
 
     Args:
         reference: A name of `BUILT_IN`, `module:factory`, `file.py:factory`, `sb3:FILE`, `ppo:FOLDER`, `sac:FOLDER`,
@@ -209,11 +209,8 @@ def _check_name(reference: str, file: Path, name: str) -> None:
     names |= {alias.asname or alias.name.split(".")[0] for alias in imported}
     if name not in names and not names & {"*", "__getattr__"}:
         near = nearest_name(name, names)
-        hint = (
-            f"Did you mean '{near}'?"
-            if near
-            else f"Its public classes and functions{_listed(_defined(reference, file)) or ': none'}."
-        )
+        found = _listed(_defined(reference, file)) or ": none"
+        hint = f"Did you mean '{near}'?" if near else f"Its public classes and functions{found}."
         raise PolicyReferenceError(reference, f"needs '{name}', which is not in '{file}'", hint)
 
 
@@ -241,25 +238,25 @@ def _value(text: str) -> Any:
 
 
 POLICY = ("reset", "act", "action_mode", "obs_config")
-"""What a policy has."""
+"""Methods of a policy."""
 
 
 def make_policy(reference: str) -> Any:
     """Import what a reference names, call it, and return the policy.
 
     Raises:
-        NoPolicy: There is no such module or factory, or what it returns is no policy.
+        NoPolicy: There is no such module or factory, or what it returns is not a policy.
     """
     return make_named(reference, "policy", POLICY)
 
 
 def make_named(reference: str, kind: str, parts: tuple[str, ...]) -> Any:
-    """Import what a reference names, call it unless it is the thing itself, and return that.
+    """Import what a reference names, call it unless it is an instance already, and return that.
 
     Args:
         reference: `module:factory?key=value&...` or `file.py:factory?...`.
         kind: What it is to be, one word.
-        parts: What such a thing has; two methods first.
+        parts: Attributes of such an object; two methods first.
 
     Raises:
         NoPolicy: There is no such module or factory, or what it returns lacks a part.
@@ -269,8 +266,8 @@ def make_named(reference: str, kind: str, parts: tuple[str, ...]) -> Any:
     if name not in vars(module) and not hasattr(module, name):
         raise NoPolicy(f"'{where}' has no '{name}'.")
     made = getattr(module, name)
-    is_thing = any(callable(getattr(made, part, None)) for part in parts[:2])
-    if callable(made) and not is_thing or isinstance(made, type):
+    is_instance = any(callable(getattr(made, part, None)) for part in parts[:2])
+    if callable(made) and not is_instance or isinstance(made, type):
         try:
             inspect.signature(made).bind(**arguments)
         except TypeError as error:

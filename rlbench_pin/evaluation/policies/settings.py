@@ -47,7 +47,7 @@ LARGEST_OBSERVATION = 64_000_000
 
 @dataclass(frozen=True)
 class PolicySettings:
-    """What a policy asks of an evaluation. Everything in it is JSON; action modes and noise are those of this package.
+    """Settings that a policy asks for. All values are JSON; action modes and noise are those of this package.
 
     Raises:
         PolicySettingsError: The data name no action mode or observation, or a wrong value of one (also an InvalidValue); or
@@ -57,7 +57,7 @@ class PolicySettings:
     action_mode: dict[str, Any]
     """Classes and parameters of the action mode: `mode`, `arm`, `arm_settings`, `gripper`, `gripper_settings`."""
     observation: dict[str, Any] = field(default_factory=dict)
-    """What is observed: low-dimensional fields, and `cameras` with their products and sizes. What is left out is off."""
+    """Observations: low-dimensional fields, and `cameras` with their products and sizes. Fields left out are off."""
     max_steps: int | None = None
     """Actions of an episode that the policy suggests; None leaves it to the evaluation."""
 
@@ -107,7 +107,7 @@ ARM_MODES: Mapping[str, type] = {
 """Name -> arm mode that a policy may have."""
 GRIPPER_MODES: Mapping[str, type] = {kind.__name__: kind for kind in (Discrete, GripperJointPosition)}
 """Name -> gripper mode that a policy may have."""
-WHOLE_MODES: Mapping[str, type] = {kind.__name__: kind for kind in (MoveArmThenGripper, JointPositionActionMode)}
+ACTION_MODES: Mapping[str, type] = {kind.__name__: kind for kind in (MoveArmThenGripper, JointPositionActionMode)}
 """Name -> action mode that a policy may have."""
 DEEPEST = 4
 """So many safety filters may be around an arm mode."""
@@ -119,7 +119,7 @@ def describe_action_mode(mode: ActionMode) -> dict[str, Any]:
     Raises:
         PolicySettingsError: A part is a class of the policy's own. It would run beside the simulation, not with the policy.
     """
-    described: dict[str, Any] = {"mode": _name_of(mode, WHOLE_MODES, "action mode")}
+    described: dict[str, Any] = {"mode": _name_of(mode, ACTION_MODES, "action mode")}
     if isinstance(mode, MoveArmThenGripper):
         for part, kinds, value in (
             ("arm", ARM_MODES, mode.arm_action_mode),
@@ -136,7 +136,7 @@ def make_action_mode(described: Mapping[str, Any]) -> ActionMode:
     Raises:
         PolicySettingsError: The data name no mode, or a parameter that it has not, or one with a wrong value.
     """
-    kind = _kind_of(_table(described, "action_mode"), "mode", WHOLE_MODES)
+    kind = _kind_of(_table(described, "action_mode"), "mode", ACTION_MODES)
     if kind is JointPositionActionMode:
         _entries(described, ["mode"], "action_mode")
         return JointPositionActionMode()
@@ -204,7 +204,7 @@ def _kind_of(described: Mapping[str, Any], key: str, kinds: Mapping[str, type]) 
     if not isinstance(name, str) or name not in kinds:
         near = nearest_name(name, tuple(kinds)) if isinstance(name, str) else None
         hint = f"Did you mean '{near}'?" if near else f"Known: {', '.join(kinds)}."
-        raise PolicySettingsError(f"action_mode: '{key}'", name, "is no mode of this package", hint)
+        raise PolicySettingsError(f"action_mode: '{key}'", name, "is not a mode of this package", hint)
     return kinds[name]
 
 
@@ -318,9 +318,9 @@ def _extra_camera(extra: ExtraCamera) -> dict[str, Any]:
 
 def _check_parent(extra: ExtraCamera) -> None:
     if extra.parent not in ("world", HAND):
-        hint = "On a body of the scene it would tell where that is."
+        hint = "A camera on a body of the scene would reveal its pose."
         raise PolicySettingsError(
-            "An extra camera of a policy", extra.parent, f"stands in the world or rides on the {HAND}", hint
+            "An extra camera of a policy", extra.parent, f"has to be fixed in the world or mounted on the {HAND}", hint
         )
 
 

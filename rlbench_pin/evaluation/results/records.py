@@ -43,7 +43,7 @@ DEEPEST = 20
 
 @dataclass(frozen=True)
 class EpisodeRecord:
-    """What came of one episode: all of it follows from policy, task, seed and limits; times of computation do not belong here."""
+    """Result of one episode. All of it follows from policy, task, seed and limits; it contains no computation times."""
 
     task: str
     variation: int
@@ -51,7 +51,7 @@ class EpisodeRecord:
     success: bool
     """Whether the goal was reached."""
     lasts: bool
-    """Whether success was still there after the scene had come to rest with the arm standing still."""
+    """Whether success still held after 1 s with the arm stationary."""
     steps: int
     """Actions, refused ones among them."""
     seconds: float
@@ -68,7 +68,7 @@ class EpisodeRecord:
     fault: str = ""
     """Kind of the fault of the policy that ended the episode; empty without one."""
     fault_detail: str = ""
-    """What was said of it."""
+    """Detail of the fault."""
     worker_deaths: int = 0
     """Workers that died while they played it; it was begun again after each, but for the last one of a lost episode."""
 
@@ -103,18 +103,18 @@ class EpisodeRecord:
 
     @property
     def key(self) -> tuple[str, int, int]:
-        """What names the episode: task, variation, seed."""
+        """Key of the episode: task, variation, seed."""
         return self.task, self.variation, self.seed
 
 
 @dataclass(frozen=True)
 class Results:
-    """What an evaluation has found, with everything that it was made with; equal content is equal to the byte."""
+    """Results of an evaluation with their provenance. Equal content is byte-identical."""
 
     policy: str
     """The policy, as it was asked for."""
     settings: Mapping[str, Any]
-    """What the policy asked for: action mode, observations, steps; plain data."""
+    """Settings of the policy: action mode, observations, steps; plain data."""
     task_set: str
     """The tasks as they were asked for: names, or sets of tasks."""
     tasks: tuple[str, ...]
@@ -122,7 +122,7 @@ class Results:
     seeds: tuple[int, ...]
     """Seeds of the episodes, the same for each task, in order."""
     limits: Mapping[str, float | int | str | bool | None]
-    """What ended episodes, and what else an episode depends on: steps, seconds, how variations were chosen."""
+    """Limits of episodes, and all else that they depend on: steps, seconds, choice of variations."""
     versions: Mapping[str, str]
     """Version of this package and of the libraries that shape an episode."""
     commit: str
@@ -310,7 +310,7 @@ def _results(content: object) -> Results:
         ValueError: A value is missing, unknown or wrong, or the checksum is another.
     """
     if not isinstance(content, dict):
-        raise ValueError("it is no table")
+        raise ValueError("it is not a table")
     if type(found := content.get("format")) is not int or found not in HEAD:
         raise ValueError(f"it has format {short(found)}, this package reads formats 1 to {FORMAT}")
     _check_names(content, ("format", *HEAD[found], "sha256", "episodes"), "it")
@@ -335,4 +335,4 @@ def _check_names(content: dict[str, Any], names: tuple[str, ...], what: str) -> 
     if missing := [name for name in names if name not in content]:
         raise ValueError(f"{what} lacks {', '.join(missing)}")
     if unknown := [name for name in content if name not in names]:
-        raise ValueError(f"{what} has {short(unknown[0])}, which this format does not know")
+        raise ValueError(f"{what} has {short(unknown[0])}, which is not part of this format")

@@ -38,12 +38,12 @@ class Estimate:
 
 @dataclass(frozen=True)
 class TaskSummary:
-    """What came of the episodes of one task."""
+    """Statistics of the episodes of one task."""
 
     task: str
     success: Rate
     held: Rate
-    """Successes that were still there after the scene had come to rest."""
+    """Stable successes."""
     steps: float | None
     """Median of the actions of successful episodes; None without any."""
     seconds: float | None
@@ -66,14 +66,14 @@ class TaskSummary:
 
 @dataclass(frozen=True)
 class Summary:
-    """What came of an evaluation."""
+    """Statistics of an evaluation."""
 
     policy: str
     tasks: tuple[TaskSummary, ...]
     success: Estimate
     """Mean over tasks, each with the same weight."""
     held: Estimate
-    """Likewise, of success that lasts."""
+    """The same of stable success."""
     episodes: int
     """Of all tasks together."""
     first_faults: tuple[EpisodeRecord, ...] = ()
@@ -149,7 +149,7 @@ def mean_rate(rates: Sequence[Rate], rng: np.random.Generator, draws: int = DRAW
 
 
 def width_note(episodes: int) -> str:
-    """Return a sentence that says how much so many episodes of a task tell; empty where they are many.
+    """Return a warning when the episodes of a task are few; empty otherwise.
 
     Args:
         episodes: Of each task.
@@ -162,7 +162,7 @@ def width_note(episodes: int) -> str:
     for count in counts:
         low, high = wilson(count, episodes)
         parts.append(f"at {count / episodes:.0%} of success the interval goes from {low:.0%} to {high:.0%}")
-    return f"{episodes} episode{'s' if episodes > 1 else ''} of a task tell little: {', '.join(parts)}."
+    return f"{episodes} episode{'s' if episodes > 1 else ''} of a task give wide intervals: {', '.join(parts)}."
 
 
 def added_counts(counts: object) -> dict[str, int]:
@@ -178,7 +178,7 @@ def added_counts(counts: object) -> dict[str, int]:
 
 SIGNIFICANT = 0.05
 """A difference whose p-value is below this is called significant."""
-_MOST = 10**6
+_MAX_COUNT = 10**6
 
 
 @dataclass(frozen=True)
@@ -202,7 +202,8 @@ def mcnemar(only_first: int, only_second: int) -> PValues:
         only_second: Pairs in which the second alone succeeded.
     """
     first, second = (
-        as_whole(value, what, least=0, most=_MOST) for value, what in ((only_first, "only_first"), (only_second, "only_second"))
+        as_whole(value, what, least=0, most=_MAX_COUNT)
+        for value, what in ((only_first, "only_first"), (only_second, "only_second"))
     )
     probabilities = _binomial(first + second, 0.5)
     low = min(first, second)
@@ -274,7 +275,7 @@ def paired_power(first: float, second: float, shared: float, episodes: int, leve
 
 
 def episodes_needed(first: float, second: float, shared: float, power: float = 0.8) -> int:
-    """Return about how many episodes tell two rates apart with a probability of `power`, to about 2 %.
+    """Return the number of episodes that separates two rates with a probability of `power`, to about 2 %.
 
     Args:
         first: Success rate of the first policy.

@@ -97,7 +97,7 @@ def comparison_table(comparison: Comparison) -> Table:
         f"By task, corrected for {len(comparison.tasks)} tests: {', '.join(told) or 'none'} differ{'s' * (len(told) < 2)}.",
         *comparison.remarks,
     )
-    what = "success" if comparison.measure == "success" else "success that lasts"
+    what = "success" if comparison.measure == "success" else "stable success"
     return Table(f"{comparison.second} compared with {comparison.first}: {what}", head, tuple(rows), notes)
 
 
@@ -138,7 +138,7 @@ def fault_notes(summary: Summary) -> list[str]:
 
 
 _LEGEND = (
-    "Held: success that lasts. Steps: median of successes. Refused actions and collisions: per episode. Force: the largest. "
+    "Held: stable success. Steps: median of successes. Refused actions and collisions: per episode. Force: the largest. "
     "Violations: control ticks in all."
 )
 _COUNTED = (("Refused actions", "refused"), ("Ticks beyond limits", "violations"), ("Episodes that ended with a fault", "faults"))

@@ -1,4 +1,4 @@
-"""What to evaluate, and the episodes it is divided into. Their seeds are published, and nothing else draws them."""
+"""Settings of an evaluation, and its episodes. Their seeds are published and occur nowhere else."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rlbench_pin.values import as_flag, as_names, as_number, as_record, as_text,
 
 EXPERT = "expert"
 """The policy that is the planner of demonstrations. It is not asked for actions: the runner plays its demonstration."""
-MOST_EPISODES = 100_000
+MAX_EPISODES = 100_000
 """Episodes of one task at most."""
 LARGEST_START = 2**48
 """Largest seed of an evaluation."""
@@ -32,7 +32,7 @@ SECONDS = 120.0
 
 @dataclass(frozen=True, kw_only=True)
 class EvaluationConfig:
-    """Which policy, on which episodes, within which limits. The same settings give the same results, whoever does the work.
+    """Policy, episodes and limits of an evaluation. The same settings give the same results with any number of workers.
 
     Raises:
         InvalidArgument: A number, a text or a switch cannot be used (also an InvalidValue).
@@ -61,9 +61,9 @@ class EvaluationConfig:
     robot: str = DEFAULT_ROBOT
     """Name of the arm."""
     tell_task: bool = True
-    """Whether policies are told the name of the task beside the instruction."""
+    """Whether policies get the name of the task in addition to the instruction."""
     policy_seed_key: str | None = None
-    """Key of the hash that makes the seeds that policies are told, a text of 64 bytes at most. None draws one for each run;
+    """Key of the hash that makes the seeds for policies, a text of 64 bytes at most. None draws one for each run;
     the results file publishes it, and with it the run can be repeated."""
 
     def __post_init__(self) -> None:
@@ -71,7 +71,7 @@ class EvaluationConfig:
             "policy": as_text(self.policy, "policy", InvalidArgument),
             "tasks": tuple(as_names(self.tasks, "tasks", InvalidArgument)),
             "task_set": as_text(self.task_set, "task_set", InvalidArgument),
-            "episodes": as_whole(self.episodes, "episodes", InvalidArgument, least=1, most=MOST_EPISODES),
+            "episodes": as_whole(self.episodes, "episodes", InvalidArgument, least=1, most=MAX_EPISODES),
             "seed": as_whole(self.seed, "seed", InvalidArgument, least=0, most=LARGEST_START),
             "variations": as_whole(self.variations, "variations", InvalidArgument, least=ALL_VARIATIONS),
             "robot": robot_description(self.robot).name,
@@ -116,9 +116,9 @@ class EpisodeItem:
     seed: int
     """Seed of the episode."""
     policy_seed: int
-    """Seed that the policy is told."""
+    """Seed for the policy."""
     task_digest: str = ""
-    """What the files of the task must add up to; not compared when empty."""
+    """SHA-256 of the task's files; not compared when empty."""
 
 
 class TaskFilesChanged(RlbenchPinError):
@@ -136,11 +136,11 @@ def evaluation_seed(seed: int, index: int) -> int:
     an evaluation does. Even numbers up to 2^54 are numbers that JSON readers of every language keep.
     """
     seed = as_whole(seed, "seed", InvalidArgument, least=0, most=LARGEST_START)
-    return EVALUATION_SEEDS + 2 * (seed + as_whole(index, "index", InvalidArgument, least=0, most=MOST_EPISODES))
+    return EVALUATION_SEEDS + 2 * (seed + as_whole(index, "index", InvalidArgument, least=0, most=MAX_EPISODES))
 
 
 def policy_seed(key: str, seed: int, name: str, index: int) -> int:
-    """Return what a policy is told to draw from, 0 <= seed < 2^53.
+    """Return the seed for a policy, 0 <= seed < 2^53.
 
     It is a keyed hash: without the key, which is published after the run, no guess at the episode can be checked against it.
 

@@ -1,7 +1,7 @@
-"""Evaluating a policy: plan the episodes, give them to an engine, keep what comes back, write it when all is there.
+"""Evaluation of a policy: plan the episodes, run them by an engine, keep records in a journal, and write the results file.
 
-Workers write nothing. The one process that calls `evaluate` keeps every finished episode in a journal, so whatever is killed, and
-whenever, `resume` goes on where it ended; the results file is the same to the byte whoever plays, in whatever order.
+Workers write nothing. The process that calls `evaluate` writes every finished episode to a journal, so that `resume` continues
+after any interruption. Results files are byte-identical for any number of workers.
 """
 
 from __future__ import annotations
@@ -90,8 +90,8 @@ def evaluate(
 
     Args:
         config: What to evaluate.
-        out: The results file. Until all is played, a journal lies beside it.
-        engine: Who does the work; one process when None.
+        out: The results file. Until all episodes are played, a journal is next to it.
+        engine: Runs the episodes; one process when None.
         resume: Go on with an evaluation that did not end; one that did is read. Otherwise there must be neither.
         on_progress: Called with how far it is, first before anything was played.
         stop: When set, nothing more is begun; what is under way is finished and kept.
@@ -234,7 +234,7 @@ class EpisodeJournal:
         head = json.loads(json.dumps({"format": _JOURNAL_FORMAT, **head}))
         lines = self._journal.lines
         if lines and lines[0] is None:
-            raise EvaluationConflict(f"'{path}' is no journal of an evaluation. Delete it, or choose another file.")
+            raise EvaluationConflict(f"'{path}' is not a journal of an evaluation. Delete it, or choose another file.")
         if len(lines) == 1 and not resume:  # nothing was played: begin anew
             self._journal.clear()
             lines = self._journal.lines

@@ -43,14 +43,14 @@ class PutCubeOnSquare(Task):
     """
 
     def init_task(self) -> None:
-        """Look things up, and say what success is."""
+        """Look up the elements of the scene, and define success."""
         self.cube = self.world.body("cube")
         self.patch = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(["cube"])
         self.register_success_conditions([Detected(self.cube, self.world.sensor("on_square")), NothingGrasped(self.gripper)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Lay out the episode, and return the sentences."""
+        """Set up the episode, and return the instructions."""
         self.patch.clear()
         self.patch.sample(self.world.body("square"), rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION)
         self.patch.sample(self.cube, rng, min_distance=0.12)

@@ -223,12 +223,12 @@ def _wait_for(client: Any) -> None:
 
 
 def test_addresses() -> None:
-    """Other machines are kept out unless asked for, and what is no address is refused."""
+    """Other machines are kept out unless asked for, and what is not an address is refused."""
     for address in ("tcp://0.0.0.0:5555", "tcp://192.168.0.1:80", "tcp://127.evil.example:80"):
         with pytest.raises(ValueError, match="other machines"):
             listen(address)
     for address in ("tcp://127.0.0.1", "tcp://:80", "tcp://a:b", "tcp://a:99999", "udp://a:1", "", "tcp://a:-1"):
-        with pytest.raises(ValueError, match="is no address"):
+        with pytest.raises(ValueError, match="is not an address"):
             split_tcp(address)
     assert split_tcp("tcp://[::1]:80") == ("::1", 80)
     listen("tcp://0.0.0.0:0", anywhere=True).close()

@@ -32,9 +32,9 @@ from rlbench_pin.environment import (
 )
 from rlbench_pin.evaluation.policies import PolicySettings, PolicySettingsError
 from rlbench_pin.evaluation.policies.settings import (
+    ACTION_MODES,
     ARM_MODES,
     GRIPPER_MODES,
-    WHOLE_MODES,
     describe_observations,
     make_observations,
 )
@@ -87,7 +87,7 @@ def test_the_modes_are_all_that_there_are() -> None:
         JointVelocity, JointPosition, JointTorque, EndEffectorVelocity, EndEffectorPoseViaPlanning, EndEffectorPoseViaIK,
         ERJointViaIK, SafeArm, Discrete, GripperJointPosition,
     }  # fmt: skip
-    assert set(WHOLE_MODES.values()) == {MoveArmThenGripper, JointPositionActionMode}
+    assert set(ACTION_MODES.values()) == {MoveArmThenGripper, JointPositionActionMode}
     again = through_json(JointPositionActionMode(), ObservationConfig(), 12)
     assert type(again.make_action_mode()) is JointPositionActionMode and again.max_steps == 12
 
@@ -106,7 +106,7 @@ def test_modes_of_others_are_refused(mode: Any) -> None:
 @pytest.mark.parametrize(
     ("described", "says"),
     [
-        ({}, "is no mode"),
+        ({}, "is not a mode"),
         ({"mode": "MoveArmThenGriper"}, "Did you mean 'MoveArmThenGripper'"),
         ({"mode": "MoveArmThenGripper", "arm": "JointVelocity", "gripper": "Discreet"}, "Did you mean 'Discrete'"),
         ({"mode": "MoveArmThenGripper", "arm": "JointVelocity", "arm_settings": {"speed": 1}, "gripper": "Discrete"}, "speed"),

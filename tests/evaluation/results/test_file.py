@@ -55,7 +55,7 @@ def test_equal_content_is_equal_to_the_byte() -> None:
         ('"success": true', '"success": false', "contradicts its end"),
         ('"task": "reach_target"', '"task": "another"', "has to be of its tasks"),
         ('"steps": 10', '"stops": 10', "lacks steps"),
-        ('"steps": 10', '"steps": 10, "more": 1', "has 'more', which this format does not know"),
+        ('"steps": 10', '"steps": 10, "more": 1', "has 'more', which is not part of this format"),
         ('"policy": "noop"', '"policy": ["noop"]', "has to be a text"),
         ('"sha256"', '"sha255"', "lacks sha256"),
         ('"settings": {', '"settings": [], "x": {', "does not know"),

@@ -10,7 +10,7 @@ import pytest
 from rlbench_pin.environment.episode import EpisodeRandom, checked_seed
 from rlbench_pin.errors import InvalidArgument, InvalidValue, RlbenchPinError, UnknownName
 from rlbench_pin.evaluation.run import EVALUATION_SEEDS, EvaluationConfig, evaluation_seed, plan_episodes
-from rlbench_pin.evaluation.run.config import LARGEST_START, MOST_EPISODES, policy_seed
+from rlbench_pin.evaluation.run.config import LARGEST_START, MAX_EPISODES, policy_seed
 from rlbench_pin.recording.config import item_seed
 
 CONFIG = EvaluationConfig(policy="noop", tasks=("reach_target",))
@@ -26,7 +26,7 @@ def test_no_recording_and_no_reset_has_a_seed_of_an_evaluation() -> None:
 
 def test_seeds_are_kept_by_readers_of_every_language_and_start_episodes() -> None:
     """The first and the last that there can be are equal as floating point numbers, and seeds of different episodes."""
-    last = evaluation_seed(LARGEST_START, MOST_EPISODES)
+    last = evaluation_seed(LARGEST_START, MAX_EPISODES)
     for seed in (evaluation_seed(0, 1), evaluation_seed(0, 24), last):
         assert int(float(seed)) == seed
         assert checked_seed(seed) == seed

@@ -196,8 +196,8 @@ def test_ctrl_c_stops_gently_and_says_how_to_go_on(serial: Path, tmp_path: Path)
     os.killpg(process.pid, signal.SIGINT)
     _, err = process.communicate(timeout=60)
     assert process.returncode == 130, err
-    assert "Go on with:  rlbench-pin evaluate random --tasks reach_target push_button" in err
-    assert "'" in err.split("Go on with:")[1]
+    assert "Continue with:  rlbench-pin evaluate random --tasks reach_target push_button" in err
+    assert "'" in err.split("Continue with:")[1]
     assert "--resume" in err
     again = subprocess.run([*words, "--resume"], capture_output=True, text=True, check=True)
     assert "reach_target" in again.stdout
