@@ -150,7 +150,7 @@ def test_a_dead_worker_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(run, "ProcessEngine", Dying)
     items = [Item("reach_target", "demos", (seed,), 1) for seed in (0, 1)]
-    with pytest.raises(RlbenchPinError, match="'demos' of 'reach_target'.* died.*goes on from here"):
+    with pytest.raises(RlbenchPinError, match="'demos' of 'reach_target'.* died.*continues from here"):
         run.run_trials(items, 2, TrialJournal(None, ["reach_target"]))
 
 

@@ -275,7 +275,7 @@ def make_named(reference: str, kind: str, parts: tuple[str, ...]) -> Any:
         made = made(**arguments)
     lacking = [part for part in parts if not hasattr(made, part)]
     if lacking:
-        raise NoPolicy(f"'{where}:{name}' gives a {type(made).__name__}, which is no {kind}: it has no {lacking[0]}.")
+        raise NoPolicy(f"'{where}:{name}' gives a {type(made).__name__}, which is not a {kind}: it has no {lacking[0]}.")
     return made
 
 
