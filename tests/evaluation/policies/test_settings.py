@@ -208,7 +208,7 @@ def test_observations_of_others_are_refused() -> None:
         ({"joint_positions_noise": {"variance": -1.0}}, "variance"),
         ({"joint_positions_noise": {"min_max_clip": [1]}}, "joint_positions_noise"),
         ({"extra_cameras": {"a": {}}}, "pose"),
-        ({"extra_cameras": {"a": {"pose": [0, 0, 0, 0, 0, 0, 1], "parent": "drawer"}}}, "where that is"),
+        ({"extra_cameras": {"a": {"pose": [0, 0, 0, 0, 0, 0, 1], "parent": "drawer"}}}, "reveal its pose"),
         ({1: 2}, "names as keys"),
     ],
 )

@@ -58,7 +58,7 @@ def test_equal_content_is_equal_to_the_byte() -> None:
         ('"steps": 10', '"steps": 10, "more": 1', "has 'more', which is not part of this format"),
         ('"policy": "noop"', '"policy": ["noop"]', "has to be a text"),
         ('"sha256"', '"sha255"', "lacks sha256"),
-        ('"settings": {', '"settings": [], "x": {', "does not know"),
+        ('"settings": {', '"settings": [], "x": {', "is not part of this format"),
         ('"commit": ""', '"commit": "1"', "it was altered"),
         ('"episodes": [', '"episodes": [1, ', "an episode is 1, no table"),
         ('{"task"', '[' * 3000 + '{"task"', "nested too deeply|Expecting"),
