@@ -211,8 +211,7 @@ def record_failures(config: EvaluationConfig, results: Results, count: int, fold
         count: Failures of each task.
         folder: Where videos go: `<task>_<seed>_<how it ended>.mp4`.
     """
-    from tqdm import tqdm
-
+    from rlbench_pin.cli.bars import progress_bar
     from rlbench_pin.evaluation.run import EpisodeRunner, plan_episodes
 
     check_folder(folder)
@@ -222,7 +221,7 @@ def record_failures(config: EvaluationConfig, results: Results, count: int, fold
     for task in results.tasks:
         of_task = [(item, records[item.name, item.variation, item.seed]) for item in items if item.name == task]
         chosen += [(item, record) for item, record in of_task if not record.success][:count]
-    with EpisodeRunner(config) as runner, tqdm(total=len(chosen), unit="video", desc="videos") as bar:
+    with EpisodeRunner(config) as runner, progress_bar(total=len(chosen), unit="video", desc="videos") as bar:
         for item, record in chosen:
             path = folder / f"{item.name}_{item.seed}_{record.end}.mp4"
             runner.play(item, lambda task, path=path: _recorded(task, path))  # type: ignore[misc]
