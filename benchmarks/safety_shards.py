@@ -28,7 +28,7 @@ SETTINGS = {
     "shares": [SHARE, ACCELERATION_SHARE],
     **asdict(CONFIG),
 }
-"""What has to be the same for pieces of one run."""
+"""Settings that all shards of one run share."""
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,13 @@ import math
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 
 from rlbench_pin.control.differential_ik import DifferentialIK, DifferentialIKConfig
 from rlbench_pin.environment.runtime import RefusedOpening, Runtime, hold_or_release, move_gripper
-from rlbench_pin.errors import InvalidActionError, InvalidValue, shown
+from rlbench_pin.errors import InvalidActionError, InvalidArgument, InvalidValue, shown
 from rlbench_pin.spatial import FloatArray, compose
 from rlbench_pin.values import as_array, as_flag, as_vector
 
@@ -136,7 +136,7 @@ class ArmActionMode(Mode):
         """Return why the fingers may not open to `fingers` (2,) [m]; None when they may, as always here."""
         return None
 
-    def guarding(self, runtime: Runtime) -> AbstractContextManager[None]:
+    def protected(self, runtime: Runtime) -> AbstractContextManager[None]:
         """Return a block in which the arm is kept safe while the gripper moves; here it does nothing."""
         return nullcontext()
 
@@ -160,7 +160,10 @@ class ActionMode(Mode):
     """
 
     def __init__(self, arm_action_mode: ArmActionMode, gripper_action_mode: GripperActionMode) -> None:
-        self.arm_action_mode, self.gripper_action_mode = arm_action_mode, gripper_action_mode
+        arm, gripper = example_call(arm_action_mode, ArmActionMode), example_call(gripper_action_mode, GripperActionMode)
+        hint = f"Write `{type(self).__name__}({arm}, {gripper})`."
+        self.arm_action_mode = checked_mode(arm_action_mode, "arm_action_mode", ArmActionMode, hint)
+        self.gripper_action_mode = checked_mode(gripper_action_mode, "gripper_action_mode", GripperActionMode, hint)
 
     @property
     def optional_values(self) -> int:
@@ -203,13 +206,40 @@ class MoveArmThenGripper(ActionMode):
             return
         opening = self.gripper_action_mode.opening(runtime, gripper)
         refused = None if opening is None else self.arm_action_mode.refused_opening(runtime, opening)
-        with self.arm_action_mode.guarding(runtime):
+        with self.arm_action_mode.protected(runtime):
             if refused is None:
                 self.gripper_action_mode.run(runtime, gripper)
                 return
             runtime.refuse_opening(refused)
             for _ in range(self.gripper_action_mode.ticks or 0):
                 runtime.step()
+
+
+KindOfMode = TypeVar("KindOfMode", bound=Mode)
+_KINDS = {ArmActionMode: "an arm mode", GripperActionMode: "a gripper mode", ActionMode: "a whole action mode"}
+
+
+def checked_mode(mode: object, what: str, kind: type[KindOfMode], hint: str) -> KindOfMode:
+    """Return a mode of one kind.
+
+    Raises:
+        InvalidArgument: It is a class, a mode of another kind, or no mode; `hint` shows the right call.
+    """
+    if isinstance(mode, kind):
+        return mode
+    if isinstance(mode, type):
+        found = f", not the class {mode.__name__}"
+    else:
+        found = next((f", not {words}" for other, words in _KINDS.items() if isinstance(mode, other)), "")
+    raise InvalidArgument(what, mode, f"has to be {_KINDS[kind]}{found}", hint)
+
+
+def example_call(mode: object, kind: type[Mode]) -> str:
+    """Return a call that makes a mode of one kind: of the class that was given, where that is of the kind."""
+    given = mode if isinstance(mode, type) else type(mode)
+    if not issubclass(given, kind):
+        given = JointVelocity if kind is ArmActionMode else Discrete
+    return f"{given.__name__}()"
 
 
 def as_action(action: object, size: int, what: str, more: int = 0) -> FloatArray:
