@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rlbench_pin.control.safety_filter import FilterCounts, SafeCommand, SafetyConfig, SafetyFilter
-from rlbench_pin.environment.actions.modes import ActionSpec, ArmActionMode
+from rlbench_pin.environment.actions.modes import ActionSpec, ArmActionMode, checked_mode, example_call
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray
@@ -58,7 +58,7 @@ class SafeArm(ArmActionMode):
     """
 
     def __init__(self, mode: ArmActionMode, config: SafetyConfig | None = None) -> None:
-        self.mode = mode
+        self.mode = checked_mode(mode, "mode", ArmActionMode, f"Write `SafeArm({example_call(mode, ArmActionMode)})`.")
         self.config = SafetyConfig(limit_margin=LIMIT_MARGIN) if config is None else as_record(config, SafetyConfig, "config")
         self.counts = FilterCounts()
         self.last: SafeCommand | None = None
