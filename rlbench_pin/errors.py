@@ -58,6 +58,7 @@ __all__ = [
     "StorageError",
     "TaskEnvironmentError",
     "TaskError",
+    "UnknownArgument",
     "UnknownName",
     "UnknownSetting",
     "UntrustedTaskFile",
@@ -137,6 +138,10 @@ class UnknownSetting(UnknownName, AttributeError):  # type: ignore[misc]  # both
     def __reduce__(self) -> tuple[Any, ...]:
         """Say how the error is made again: `name` is kept by AttributeError, beside the other attributes."""
         return type(self), (self.record, self.name, self.known)
+
+
+class UnknownArgument(RlbenchPinError, TypeError):
+    """A function has no argument of that name; made from a text alone, because gymnasium raises TypeErrors again."""
 
 
 class InvalidValue(RlbenchPinError, ValueError):

@@ -20,7 +20,7 @@ from rlbench_pin.errors import InvalidArgument, NotReset, TaskEnvironmentError
 from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.sim import World
 from rlbench_pin.tasks import Task
-from rlbench_pin.values import LARGEST_SEED, as_flag, as_function, as_record, as_whole
+from rlbench_pin.values import LARGEST_SEED, as_flag, as_function, as_record, as_whole, names_arguments
 
 MAX_DEMO_ATTEMPTS = 10
 """Tries per live demonstration."""
@@ -216,6 +216,7 @@ class TaskEnvironment:
 
     # Demonstrations ---------------------------------------------------------------------------------------------
 
+    @names_arguments
     def get_demos(
         self,
         amount: int,
