@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -9,7 +12,15 @@ from rlbench_pin import Demo, Observation
 from rlbench_pin.environment import Discrete, Environment, JointPosition, MoveArmThenGripper, TaskEnvironment
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.environment.replay import replay_succeeds
-from rlbench_pin.errors import DatasetError, NoShapedReward, NotReset, TaskEnvironmentError, UnknownArgument, UnknownName
+from rlbench_pin.errors import (
+    DatasetError,
+    NoShapedReward,
+    NotReset,
+    TaskEnvironmentError,
+    UnknownArgument,
+    UnknownName,
+    UsedByTwoThreads,
+)
 
 
 def environment(**settings: object) -> Environment:
@@ -213,6 +224,31 @@ def test_unknown_arguments_name_the_near_one() -> None:
         for get_demos in (env.get_demos, env.get_task("reach_target").get_demos):
             with pytest.raises(TypeError, match=r"get_demos is called 'amont'. Did you mean 'amount'"):
                 get_demos(amont=1)  # type: ignore[call-arg, operator]
+
+
+def test_two_threads_in_one_environment_are_refused() -> None:
+    """While one thread steps, each call of another is a typed error; the first goes on. One after the other they may."""
+    with environment() as env:
+        task = env.get_task("reach_target")
+        task.reset(seed=1)
+        action = np.append(task.get_observation().joint_positions, 1.0)
+        stepping, checked = threading.Event(), threading.Event()
+
+        def wait() -> None:
+            stepping.set()
+            checked.wait(60.0)
+
+        task.runtime.after_tick.append(wait)
+        with ThreadPoolExecutor(1) as other:
+            done = other.submit(task.step, action)
+            assert stepping.wait(60.0)
+            state_calls = (task.get_state, task.get_observation, lambda: task.step(action), lambda: task.reset(seed=2))
+            for call in (*state_calls, lambda: task.get_demos(1, live_demos=True)):
+                with pytest.raises(UsedByTwoThreads, match="another thread.*an environment of its own"):
+                    call()
+            checked.set()
+            assert done.result(60.0)[1] == 0.0
+        task.step(action)
 
 
 def test_shaped_rewards_are_the_tasks_own() -> None:

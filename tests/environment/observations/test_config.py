@@ -98,7 +98,7 @@ def test_empty_pictures_are_refused() -> None:
 
 def test_an_unknown_render_mode_is_refused_at_once() -> None:
     """When the settings are made, and when they are changed."""
-    with pytest.raises(UnknownName, match="No CameraConfig.render_mode is called 'opengl9'. Did you mean 'opengl3'"):
+    with pytest.raises(UnknownName, match="No CameraConfig.render_mode is called 'opengl9'. Did you mean 'opengl'"):
         CameraConfig(render_mode="opengl9")  # type: ignore[arg-type]
     config = CameraConfig(render_mode="opengl")
     with pytest.raises(UnknownName, match="opengl9"):
