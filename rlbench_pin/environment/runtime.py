@@ -123,7 +123,6 @@ class Runtime:
         task: The task that is running.
         model: Analytic model of the arm.
         planner: Motion planner over `model`.
-        attach_grasped_objects: Whether closing the gripper fixes grasped bodies to it, unless the gripper mode says otherwise.
         listeners: Called for ticks, observations and segments; see `listening`.
         before_tick: Functions that `step` calls before each control tick, in order.
         after_tick: Functions that `step` calls after each control tick, in order: listeners, the step of the task, randomization,
@@ -144,7 +143,7 @@ class Runtime:
         self.world, self.task, self.description, self.model, self.planner = world, task, robot, model, planner
         self.robot, self.gripper = world.robot, world.gripper
         self.observer = Observer(world, model, config, camera_places)
-        self.attach_grasped_objects = attach_grasped_objects
+        self.gripper.attaches = attach_grasped_objects
         self.variation = 0
         self._planning_seed = 0
         self.instructions: tuple[str, ...] = ()
@@ -303,7 +302,7 @@ class Runtime:
 
     def touching(self) -> tuple[str, ...]:
         """Names of bodies that the arm touches and does not hold."""
-        held = set(self.gripper.grasped)
+        held = set(self.gripper.held)
         return tuple(name for name in self.robot.touching() if name not in held)
 
     def check_target_in_workspace(self, position: FloatArray) -> None:
@@ -356,7 +355,7 @@ def build_runtime(
         model: The arm.
         config: What observations contain.
         planning: Settings of the planner.
-        attach_grasped_objects: As in `Runtime`.
+        attach_grasped_objects: Whether closing the gripper fixes grasped bodies to it.
         renderer: Who draws pictures.
         camera_places: Where cameras stand that were put elsewhere; shared with other runtimes.
         kind: `Runtime`, or a subclass of it.

@@ -49,10 +49,14 @@ class SimGripper:
         robot: The arm that carries the gripper.
         find: Appearance a body up by name.
         bodies: Returns all bodies of the scene.
+
+    Attributes:
+        attaches: Whether closing fixes bodies to the gripper; otherwise friction alone holds them.
     """
 
     def __init__(self, robot: SimRobot, find: Callable[[str], Body], bodies: Callable[[], tuple[Body, ...]]) -> None:
         self._robot, self._find, self._bodies = robot, find, bodies
+        self.attaches = True
         self._model, self._client = robot.model, robot.model.client
         description = robot.description
         infos = [self._model.joints[name] for name in description.gripper_joints]
@@ -124,6 +128,11 @@ class SimGripper:
     def grasped(self) -> tuple[str, ...]:
         """Names of the bodies fixed to the gripper."""
         return self._attachments.names
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """Names of the bodies that the gripper holds: those fixed to it or, where nothing is fixed, those between the fingers."""
+        return self.grasped if self.attaches else self.between_fingers()
 
     def between_fingers(self) -> tuple[str, ...]:
         """Names of graspable bodies that both fingers touch and that reach into the thin box between the pads."""
