@@ -10,7 +10,8 @@ from rlbench_pin.tasks import AllOf, Detected, Grasped, InOrder, NothingGrasped,
 class TakeFrameOffHanger(Task):
     """The frame must be carried to the table in front of the wall, lie there, off the hook, and be let go.
 
-    A frame that was knocked off the hook or dropped from above does not count. It lies when the four corners of its back are within 3 cm of the table and 2 cm away from the wall.
+    A frame that was knocked off the hook or dropped from above does not count.
+    It lies when the four corners of its back are within 3 cm of the table and 2 cm away from the wall.
     """
 
     def init_task(self) -> None:
