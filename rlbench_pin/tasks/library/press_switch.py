@@ -25,8 +25,8 @@ class PressSwitch(Task):
         self.step()
         return [
             "Flip the switch on the wall.",
-            "The upper half of the rocker stands out, so press it in.",
-            "It should be light in here: tip the wall switch over to its other end.",
+            "The upper half of the switch sticks out, so press it in.",
+            "It is dark in here, please turn on the light at the wall.",
         ]
 
     def step(self) -> None:

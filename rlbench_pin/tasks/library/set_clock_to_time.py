@@ -47,7 +47,7 @@ class SetClockToTime(Task):
         time, number, digits = self.words[variation]
         return [
             f"Set the alarm clock to {time}.",
-            f"It is twelve by this clock: rotate the key at its back until the long hand points to the {number}.",
+            f"It is twelve by this clock: move it forward until the long hand points to the {number}.",
             f"With the knob behind the dial, make the hands read {digits}.",
         ]
 
