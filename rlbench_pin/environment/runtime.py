@@ -143,7 +143,8 @@ class Runtime:
         self.world, self.task, self.description, self.model, self.planner = world, task, robot, model, planner
         self.robot, self.gripper = world.robot, world.gripper
         self.observer = Observer(world, model, config, camera_places)
-        self.gripper.attaches = attach_grasped_objects
+        if not attach_grasped_objects:
+            self.gripper.rely_on_friction()
         self.variation = 0
         self._planning_seed = 0
         self.instructions: tuple[str, ...] = ()

@@ -87,7 +87,8 @@ class TaskEnvironment:
         self._prev_ee_velocity: Any = None
         self._enable_path_observations = False
         scene.load(task)
-        scene.runtime.gripper.attaches = attaches_grasped(action_mode, attach_grasped_objects)
+        if not attaches_grasped(action_mode, attach_grasped_objects):
+            scene.runtime.gripper.rely_on_friction()
         pyrep.start()
 
     @cached_property
