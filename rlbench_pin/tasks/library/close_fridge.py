@@ -10,6 +10,8 @@ from rlbench_pin.tasks import JointMoved, Task
 class CloseFridge(Task):
     """The upper door stands wide open, at 97 degrees, and must swing by 76; success leaves it up to 22 degrees open."""
 
+    solved_by_chance = True  # a blow can shut the door
+
     def init_task(self) -> None:
         """Success is a turn of the upper door by more than 1.32 rad, which only goes inwards."""
         self.register_success_conditions([JointMoved(self.world.joint("fridge/upper_door"), 1.32)])
