@@ -12,7 +12,7 @@ from harness import state_only
 
 from rlbench_pin.control import SafetyConfig
 from rlbench_pin.environment import Discrete, Environment, JointVelocity, MoveArmThenGripper, SafeArm, TaskEnvironment
-from rlbench_pin.environment.actions.safe_arm import LIMIT_MARGIN, Guard, wanted_velocity
+from rlbench_pin.environment.actions.safe_arm import LIMIT_MARGIN, RuntimeFilter, wanted_velocity
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.scene.snapshot import WorldSnapshot
@@ -24,14 +24,14 @@ EPISODE = 204
 SLACK = 0.001
 """How much below its margin a distance may be [m]."""
 TREMBLE = 1e-6
-"""Moves of fingers and bodies that the judge does not take over [m], and parts of quaternions."""
+"""Moves of fingers and bodies that the checker ignores [m], and parts of quaternions."""
 KINDS = ("position", "velocity", "acceleration", "contact", "distance")
 State = tuple[FloatArray, FloatArray, FloatArray]
 
 
 @dataclass
 class Figures:
-    """What was measured in one scene."""
+    """Measurements of one scene."""
 
     actions: int = 0
     ticks: int = 0
@@ -58,7 +58,7 @@ class Figures:
     loop_tick_us: dict[str, float] = field(default_factory=dict)
     """And of the filter as it ran, between steps of physics, taking over a world that moved included."""
     events: list[str] = field(default_factory=list)
-    """What was violated, where and when, in words."""
+    """Violations with place and time, in words."""
 
     def violations(self) -> int:
         """Return ticks with a violation, of all kinds."""
@@ -82,16 +82,16 @@ def merged(parts: Sequence[Figures]) -> Figures:
 
 
 @dataclass
-class TimedGuard(Guard):
+class TimedFilter(RuntimeFilter):
     """A filter that notes what it takes to take over the world [s]."""
 
-    looking: list[float] = field(default_factory=list)
+    update_seconds: list[float] = field(default_factory=list)
 
-    def look_at(self, snapshot: WorldSnapshot) -> None:
+    def update_world(self, snapshot: WorldSnapshot) -> None:
         """Give the filter the world."""
         began = time.process_time()
-        super().look_at(snapshot)
-        self.looking.append(time.process_time() - began)
+        super().update_world(snapshot)
+        self.update_seconds.append(time.process_time() - began)
 
 
 class TimedArm(SafeArm):
@@ -102,29 +102,29 @@ class TimedArm(SafeArm):
         self.states: list[State] = []
         self.seconds: list[float] = []
 
-    def make_guard(self, runtime: Runtime) -> Guard:
+    def make_filter(self, runtime: Runtime) -> RuntimeFilter:
         """Make the filter, timed."""
-        return TimedGuard(super().make_guard(runtime).filter)
+        return TimedFilter(super().make_filter(runtime).filter)
 
-    def filter_command(self, runtime: Runtime, guard: Guard) -> None:
+    def filter_command(self, runtime: Runtime, runtime_filter: RuntimeFilter) -> None:
         q, v = runtime.robot.joint_positions, runtime.robot.joint_velocities
         self.states.append((q, v, wanted_velocity(runtime, q, v).copy()))
         began = time.process_time()
-        super().filter_command(runtime, guard)
-        self.seconds.append(time.process_time() - began + guard.looking[-1])
+        super().filter_command(runtime, runtime_filter)
+        self.seconds.append(time.process_time() - began + runtime_filter.update_seconds[-1])
 
     def alone(self, runtime: Runtime) -> list[float]:
         """Filter the states again, and nothing else; return the processor time of each [s]."""
-        guard = self.guard(runtime).filter
+        runtime_filter = self.filter_of(runtime).filter
         seconds = []
         for state in self.states:
             began = time.process_time()
-            guard.filter(*state)
+            runtime_filter.filter(*state)
             seconds.append(time.process_time() - began)
         return seconds
 
 
-class Judge:
+class Checker:
     """Measures the simulated arm after every tick."""
 
     def __init__(self, task: TaskEnvironment) -> None:
@@ -133,11 +133,11 @@ class Judge:
         self.figures = Figures()
         self._seen = np.zeros(0)
 
-    def look(self, episode: str) -> None:
+    def begin(self, episode: str) -> None:
         """Begin an episode, which is named in what is reported."""
         self.v, self.tick, self.episode = self.task.world.robot.joint_velocities, 0, episode
 
-    def judge(self, arm: SafeArm) -> None:
+    def measure(self, arm: SafeArm) -> None:
         """Measure one tick."""
         f, robot, limits = self.figures, self.task.world.robot, self.limits
         q, v = robot.joint_positions, robot.joint_velocities
@@ -189,20 +189,20 @@ def measure_scene(name: str, ticks: int, hold: int, rng: np.random.Generator, fi
     mode = MoveArmThenGripper(arm, Discrete())
     with Environment(mode, obs_config=state_only(), seed=0) as env:
         task = env.get_task(name)
-        judge, fastest = Judge(task), task.runtime.model.limits.velocity
+        checker, fastest = Checker(task), task.runtime.model.limits.velocity
         for tick in range(ticks):
             if tick % EPISODE == 0:
                 seed = first + tick // EPISODE
                 arm.states.clear()
                 task.reset(seed=seed)
-                judge.look(f"{name}, held {hold}, seed {seed}")
+                checker.begin(f"{name}, held {hold}, seed {seed}")
             if tick % EPISODE % hold == 0:
                 action = np.append(rng.uniform(-fastest, fastest), 1.0)
-                judge.figures.actions += 1
+                checker.figures.actions += 1
             mode.action(task.runtime, action)  # a step without observation and reward
-            judge.judge(arm)
-        judge.figures.loop_tick_us, judge.figures.tick_us = _percentiles(arm.seconds), _percentiles(arm.alone(task.runtime))
-    return judge.figures
+            checker.measure(arm)
+        checker.figures.loop_tick_us, checker.figures.tick_us = _percentiles(arm.seconds), _percentiles(arm.alone(task.runtime))
+    return checker.figures
 
 
 def _percentiles(seconds: Sequence[float]) -> dict[str, float]:

@@ -22,7 +22,7 @@ EPISODES = 10
 SHARES = {1: 0.95, 6: 0.034, 12: 0.017}
 """Ticks for which an action is kept -> share of the actions. Those kept take about 200,000 ticks each in a million actions."""
 SETTINGS = {"episode_ticks": EPISODE, "episodes": EPISODES, "shares": [SHARE, ACCELERATION_SHARE], **asdict(CONFIG)}
-"""What has to be the same for pieces of one run."""
+"""Settings that all shards of one run share."""
 
 
 @dataclass(frozen=True)

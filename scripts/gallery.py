@@ -1,6 +1,6 @@
 """Draw docs/images/gallery/: every task of the library late in a demonstration, and write docs/gallery.md, which shows them.
 
-Usage: python scripts/gallery.py [TASK ...]    some tasks: their pictures and their entries anew, the others as they are
+Usage: python scripts/gallery.py [TASK ...]    some tasks: their images and their entries anew, the others as they are
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ VIEW = CameraView(
 HEAD = """# Gallery
 
 The {count} tasks of the library, each late in a demonstration of seed 0 and variation 0, with a sentence that asks for it.
-A picture leads to the task's contact sheet: the five cameras and the clear view at five moments.
+An image leads to the task's contact sheet: the five cameras and the clear view at five moments.
 `rlbench-pin view TASK` draws the sheet of any task, `rlbench-pin video TASK` films it. Written by `python scripts/gallery.py`.
 
 """
 
 
 def late_in_a_demonstration(name: str) -> tuple[Image.Image, str]:
-    """Play a demonstration and return one picture of it, and its first instruction."""
+    """Play a demonstration and return one image of it, and its first instruction."""
     shots: list[np.ndarray] = []
     with make_environment(low_dim_config()) as environment:
         task = environment.get_task(name)
@@ -54,10 +54,10 @@ def late_in_a_demonstration(name: str) -> tuple[Image.Image, str]:
 
 
 def draw(name: str) -> str:
-    """Write the picture of a task and return its first instruction."""
-    picture, instruction = late_in_a_demonstration(name)
+    """Write the image of a task and return its first instruction."""
+    image, instruction = late_in_a_demonstration(name)
     PICTURES.mkdir(parents=True, exist_ok=True)
-    picture.resize(SIZE, Image.Resampling.LANCZOS).save(PICTURES / f"{name}.jpg", quality=80, optimize=True)
+    image.resize(SIZE, Image.Resampling.LANCZOS).save(PICTURES / f"{name}.jpg", quality=80, optimize=True)
     return instruction
 
 
@@ -82,7 +82,7 @@ def page(instructions: dict[str, str]) -> str:
 
 
 def main() -> None:
-    """Draw the pictures of some or all tasks, and write the page."""
+    """Draw the images of some or all tasks, and write the page."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("tasks", nargs="*")
     instructions = written()

@@ -56,7 +56,7 @@ class Environment:
         arm_max_velocity: Cap on the speed of planned motions along the joint-space path, the norm of the joint velocity [rad/s].
         arm_max_acceleration: Cap on how fast that speed changes, and on the acceleration of each joint [rad/s^2].
         seed: Seed of everything that is drawn and not seeded by a call.
-        renderer: Who draws images: `cpu`, `egl`, or `auto` for EGL where there is one. Images of the two differ a little.
+        renderer: Renderer of images: `cpu`, `egl`, or `auto` for EGL where there is one. Images of the two differ a little.
 
     Raises:
         DatasetError: `dataset_root` does not exist (also a RuntimeError).

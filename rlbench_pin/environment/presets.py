@@ -18,7 +18,7 @@ from rlbench_pin.values import as_names
 
 
 def low_dim_config() -> ObservationConfig:
-    """All joint, gripper and task data; no pictures.
+    """All joint, gripper and task data; no images.
 
     Poses of joints are left out: `RobotModel.joint_poses` has them from the joint positions.
     """
@@ -43,10 +43,10 @@ def image_config(
 
 
 def clear_view(image_size: tuple[int, int] = (128, 128)) -> dict[str, ExtraCamera]:
-    """Two cameras for all who are not bound to the known poses; assigned to `extra_cameras`, they stand beside the five.
+    """Return two cameras with a free view, to be added to the five standard ones by `extra_cameras`.
 
     At the reset `front` cuts the gripper off and `overhead` looks over the arm's shoulder. `clear_front` has the whole arm and
-    the whole table top, `clear_overhead` stands ahead of the arm and looks back down, so that the arm hides little.
+    the whole table top, `clear_overhead` is ahead of the arm and looks back down, so that the arm hides little.
 
     Args:
         image_size: Width and height [px].

@@ -10,11 +10,11 @@ from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.environment import demos
 from rlbench_pin.environment.actions.modes import ActionMode
 from rlbench_pin.environment.demos import DemoOutcome
-from rlbench_pin.environment.episode import MOST_DEMOS, EnvironmentState, EpisodeOrigin, EpisodeRandom, checked_seed, demo_seeds
+from rlbench_pin.environment.episode import MAX_DEMOS, EnvironmentState, EpisodeOrigin, EpisodeRandom, checked_seed, demo_seeds
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.randomization.randomizer import Randomizer
 from rlbench_pin.environment.reset import start_episode
-from rlbench_pin.environment.runtime import Runtime, success_lasts
+from rlbench_pin.environment.runtime import Runtime, success_is_stable
 from rlbench_pin.environment.stored import StoredSelection, read_stored_demos
 from rlbench_pin.errors import InvalidArgument, NotReset, TaskEnvironmentError
 from rlbench_pin.observation import Demo, Observation
@@ -78,7 +78,7 @@ class TaskEnvironment:
 
     @property
     def action_mode(self) -> ActionMode:
-        """What actions mean."""
+        """The action mode."""
         return self._action_mode
 
     @property
@@ -108,7 +108,7 @@ class TaskEnvironment:
         """Choose the variation of the next episodes; -1 draws one for each.
 
         Raises:
-            TaskEnvironmentError: The task has no such variation, or it is no whole number.
+            TaskEnvironmentError: The task has no such variation, or it is not a whole number.
         """
         count = self.variation_count()
         v = as_whole(v, f"A variation of '{self.get_name()}'", InvalidArgument)
@@ -180,10 +180,10 @@ class TaskEnvironment:
         self._succeeded = result.success
         return self.get_observation(), result.reward(self._shaped_rewards), result.over
 
-    def success_lasts(self) -> bool:
+    def success_is_stable(self) -> bool:
         """Whether the goal, reached now, lasts 1 s with the arm stationary, the gripper as it is. Afterwards all is as it was."""
-        self._started("success_lasts")
-        return success_lasts(self._runtime)
+        self._started("success_is_stable")
+        return success_is_stable(self._runtime)
 
     def action_bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Return lowest and highest values of an action, each of shape (n,)."""
@@ -251,7 +251,7 @@ class TaskEnvironment:
             lambda s, attempt: self.try_demo(seed=s, attempt=attempt, on_frame=callable_each_step),
             self.task,
             demo_seeds(amount, seed, self._seeds),
-            as_whole(max_attempts, "max_attempts", InvalidArgument, least=1, most=MOST_DEMOS),
+            as_whole(max_attempts, "max_attempts", InvalidArgument, least=1, most=MAX_DEMOS),
         )
 
     def try_demo(
@@ -263,7 +263,7 @@ class TaskEnvironment:
         on_frame: Callable[[Observation], None] | None = None,
         record: bool = True,
     ) -> DemoOutcome:
-        """Reset with (seed, attempt) and play the demonstration once, whatever comes of it.
+        """Reset with (seed, attempt) and play the demonstration once, with or without success.
 
         Args:
             seed: Seed of the episode.

@@ -39,7 +39,7 @@ from rlbench_pin.observation import LOW_DIM, Demo, Observation
 from rlbench_pin.sim import CameraView, RendererName, World, look_at
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Task
-from rlbench_pin.values import as_array, as_picture_size, as_record, as_whole
+from rlbench_pin.values import as_array, as_image_size, as_record, as_whole
 
 VISION_CAMERAS = ("left_shoulder", "right_shoulder", "wrist", "front")
 """Cameras of vision observations unless others are asked for."""
@@ -137,7 +137,7 @@ class Window:
     """Shows one image after the other; opens with the first.
 
     Args:
-        title: Stands above the pictures.
+        title: Text above the images.
 
     Raises:
         WindowMissing: There is no screen, or no pygame.
@@ -210,7 +210,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         invalid_action: What a refused action does, such as a pose that cannot be reached: `continue` (nothing moves, reward 0),
             `terminate` (likewise, and the episode ends), or `raise`.
         image_size: Width and height of images [px].
-        renderer: Who draws: `cpu`, `egl` or `auto`.
+        renderer: Renderer of images: `cpu`, `egl` or `auto`.
         cameras: Cameras of vision observations.
 
     Raises:
@@ -248,7 +248,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         self._window = Window(f"rlbench_pin: {task}") if render_mode == "human" else None
         self._invalid_action, self._shaped_rewards = invalid_action, shaped_rewards
         seen = tuple(cameras) if observation_mode == "vision" else ()
-        size = as_picture_size(image_size, "image_size", InvalidCamera)
+        size = as_image_size(image_size, "image_size", InvalidCamera)
         mode, settings = _own_copy(action_mode), boxed_settings(seen, size)
         self._environment = Environment(mode, obs_config=settings, shaped_rewards=shaped_rewards, renderer=renderer)
         try:
@@ -334,7 +334,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         return {
             "success": success,
             "is_success": success,
-            "held": success and self._task.success_lasts(),
+            "held": success and self._task.success_is_stable(),
             "text_descriptions": self._task.get_task_descriptions(),
             "variation": self._task.runtime.variation,
         }

@@ -35,7 +35,7 @@ SIZE = 500
 
 
 def noisy_demo(seed: int) -> Demo:
-    """A demo whose pictures no format makes small."""
+    """A demo whose images no format makes small."""
     rng = np.random.default_rng(seed)
     frames = []
     for index in range(12):

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 
 from rlbench_pin.control.differential_ik import DifferentialIK, DifferentialIKConfig
 from rlbench_pin.environment.runtime import Runtime, hold_or_release, move_gripper
-from rlbench_pin.errors import InvalidActionError, InvalidValue, shown
+from rlbench_pin.errors import InvalidActionError, InvalidArgument, InvalidValue, shown
 from rlbench_pin.spatial import FloatArray, compose
 from rlbench_pin.values import as_array, as_flag, as_vector
 
@@ -147,7 +147,10 @@ class ActionMode(Mode):
     """
 
     def __init__(self, arm_action_mode: ArmActionMode, gripper_action_mode: GripperActionMode) -> None:
-        self.arm_action_mode, self.gripper_action_mode = arm_action_mode, gripper_action_mode
+        arm, gripper = example_call(arm_action_mode, ArmActionMode), example_call(gripper_action_mode, GripperActionMode)
+        hint = f"Write `{type(self).__name__}({arm}, {gripper})`."
+        self.arm_action_mode = checked_mode(arm_action_mode, "arm_action_mode", ArmActionMode, hint)
+        self.gripper_action_mode = checked_mode(gripper_action_mode, "gripper_action_mode", GripperActionMode, hint)
 
     @property
     def optional_values(self) -> int:
@@ -188,6 +191,33 @@ class MoveArmThenGripper(ActionMode):
         self.arm_action_mode.run(runtime, arm)
         if not runtime.over:
             self.gripper_action_mode.run(runtime, gripper)
+
+
+KindOfMode = TypeVar("KindOfMode", bound=Mode)
+_KINDS = {ArmActionMode: "an arm mode", GripperActionMode: "a gripper mode", ActionMode: "a whole action mode"}
+
+
+def checked_mode(mode: object, what: str, kind: type[KindOfMode], hint: str) -> KindOfMode:
+    """Return a mode of one kind.
+
+    Raises:
+        InvalidArgument: It is a class, a mode of another kind, or no mode; `hint` shows the right call.
+    """
+    if isinstance(mode, kind):
+        return mode
+    if isinstance(mode, type):
+        found = f", not the class {mode.__name__}"
+    else:
+        found = next((f", not {words}" for other, words in _KINDS.items() if isinstance(mode, other)), "")
+    raise InvalidArgument(what, mode, f"has to be {_KINDS[kind]}{found}", hint)
+
+
+def example_call(mode: object, kind: type[Mode]) -> str:
+    """Return a call that makes a mode of one kind: of the class that was given, where that is of the kind."""
+    given = mode if isinstance(mode, type) else type(mode)
+    if not issubclass(given, kind):
+        given = JointVelocity if kind is ArmActionMode else Discrete
+    return f"{given.__name__}()"
 
 
 def as_action(action: object, size: int, what: str, more: int = 0) -> FloatArray:

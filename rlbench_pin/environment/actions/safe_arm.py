@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rlbench_pin.control.safety_filter import FilterCounts, SafeCommand, SafetyConfig, SafetyFilter
-from rlbench_pin.environment.actions.modes import ActionSpec, ArmActionMode
+from rlbench_pin.environment.actions.modes import ActionSpec, ArmActionMode, checked_mode, example_call
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray
@@ -24,18 +24,18 @@ The simulator finds the motors' torques by sweeps over the joints, and stops bef
 ones drag along, such as the third, end a tick up to 7 % of a dt beyond the commanded velocity.
 """
 UNSEEN = 2e-5
-"""Where bodies and fingers tremble by less than this, the filter's world stays as it is [m], or of a quaternion."""
+"""Motions of bodies and fingers below this do not update the world of the filter [m], or in parts of a quaternion."""
 
 
 @dataclass
-class Guard:
+class RuntimeFilter:
     """The safety filter of one runtime."""
 
     filter: SafetyFilter
     seen: WorldSnapshot | None = None
     """The world as the filter has it."""
 
-    def look_at(self, snapshot: WorldSnapshot) -> None:
+    def update_world(self, snapshot: WorldSnapshot) -> None:
         """Give the filter the world, when something but the arm has moved since it was given."""
         if self.seen is None or not _same_surroundings(snapshot, self.seen):
             self.filter.distances.update(snapshot)
@@ -58,24 +58,24 @@ class SafeArm(ArmActionMode):
     """
 
     def __init__(self, mode: ArmActionMode, config: SafetyConfig | None = None) -> None:
-        self.mode = mode
+        self.mode = checked_mode(mode, "mode", ArmActionMode, f"Write `SafeArm({example_call(mode, ArmActionMode)})`.")
         self.config = SafetyConfig(limit_margin=LIMIT_MARGIN) if config is None else as_record(config, SafetyConfig, "config")
         self.counts = FilterCounts()
         self.last: SafeCommand | None = None
 
-    def guard(self, runtime: Runtime) -> Guard:
+    def filter_of(self, runtime: Runtime) -> RuntimeFilter:
         """Return the filter of this arm and tick, with the world as it is now."""
-        guard = runtime.kept(self, lambda: self.make_guard(runtime))
-        guard.look_at(runtime.world.snapshot())
-        return guard
+        runtime_filter = runtime.kept(self, lambda: self.make_filter(runtime))
+        runtime_filter.update_world(runtime.world.snapshot())
+        return runtime_filter
 
-    def make_guard(self, runtime: Runtime) -> Guard:
+    def make_filter(self, runtime: Runtime) -> RuntimeFilter:
         """Make the filter of one runtime."""
         limits, arm = runtime.model.limits, runtime.description
         shares = np.where(np.arange(len(limits.acceleration)) < arm.loaded_joints, arm.loaded_share, ACCELERATION_SHARE)
         reduced = replace(limits, velocity=SHARE * limits.velocity, acceleration=shares * limits.acceleration)
         config = replace(self.config, dt=runtime.world.control_dt, hold="any")
-        return Guard(SafetyFilter(runtime.model, config, limits=reduced, counts=self.counts))
+        return RuntimeFilter(SafetyFilter(runtime.model, config, limits=reduced, counts=self.counts))
 
     @property
     def ticks(self) -> int | None:  # type: ignore[override]
@@ -105,20 +105,20 @@ class SafeArm(ArmActionMode):
 
     def pre_step(self, runtime: Runtime, values: FloatArray) -> None:
         """Command the motors as the inner mode does; filter the command where it takes one tick, which others may share."""
-        guard = self.guard(runtime)
+        runtime_filter = self.filter_of(runtime)
         self.mode.pre_step(runtime, values)
         if self.mode.ticks == 1:
-            self.filter_command(runtime, guard)
+            self.filter_command(runtime, runtime_filter)
 
     def steps(self, runtime: Runtime, values: FloatArray) -> None:
         """Run the ticks of the inner action; those of a motion are filtered one by one."""
-        guard: Guard = runtime.kept(self, lambda: self.make_guard(runtime))
+        runtime_filter: RuntimeFilter = runtime.kept(self, lambda: self.make_filter(runtime))
         filtered = self.mode.ticks == 1  # by `pre_step`, for the first tick
 
         def before_tick() -> None:
             nonlocal filtered
             if not filtered:
-                self.filter_command(runtime, guard)
+                self.filter_command(runtime, runtime_filter)
             filtered = False
 
         with runtime.calling(before=before_tick):
@@ -128,11 +128,11 @@ class SafeArm(ArmActionMode):
         """Do what the inner mode does after its ticks."""
         self.mode.post_step(runtime, values)
 
-    def filter_command(self, runtime: Runtime, guard: Guard) -> None:
+    def filter_command(self, runtime: Runtime, runtime_filter: RuntimeFilter) -> None:
         """Replace the command of the motors for the coming tick by a safe one where needed."""
         robot = runtime.robot
         q, v = robot.joint_positions, robot.joint_velocities
-        self.last = guard.filter.filter(q, v, wanted_velocity(runtime, q, v))
+        self.last = runtime_filter.filter.filter(q, v, wanted_velocity(runtime, q, v))
         if self.last.intervened:
             robot.set_velocity_targets(self.last.velocity)
 

@@ -81,7 +81,7 @@ class Lighting:
 
     @property
     def mean_fill(self) -> float:
-        """What the fills give on average over all directions that objects are seen from."""
+        """Mean brightness of the fill lights over all directions that objects are seen from."""
         return 0.35 * sum(fill.intensity for fill in self.fills)
 
 
@@ -114,7 +114,7 @@ def light_view(light: Light) -> CameraView:
 
 @dataclass(frozen=True, eq=False)
 class LightSpots:
-    """Where points lie in a shadow map: a texel and the place in it, and the distance from the light."""
+    """Places of points in a shadow map: texel, place in it, and distance from the light."""
 
     texel: NDArray[np.int64]
     """Texel (n,)."""

@@ -53,7 +53,7 @@ class KeptBackdrop:
         return padded.ravel()
 
     def spots(self, light: CameraView) -> LightSpots:
-        """Where its pixels lie in the image that the key light takes."""
+        """Places of its pixels in the shadow map of the key light."""
         if self._spots is None or self._spots[0] is not light:
             self._spots = light, spots_in_image(light, self.view, self.image.depth)
         return self._spots[1]

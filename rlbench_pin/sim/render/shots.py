@@ -1,4 +1,4 @@
-"""What cameras see of moving things: drawn by numpy for all of them at once, or by PyBullet's renderers one after the other."""
+"""Images of moving objects: drawn by numpy for all cameras at once, or by PyBullet's renderers one after the other."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ class Shot:
     colors: NDArray[np.float32]
     """Colours (3, n) in 0..255; none when no colours were wanted."""
     normals: NDArray[np.float32] | None
-    """Unit normals (3, n) in the world. None when the renderer does not tell; then the colours are those in the ambient and key
-    light without shadows, otherwise those of the objects themselves."""
+    """Unit normals (3, n) in the world. None when the renderer does not report them; then the colours are those in the
+    ambient and key light without shadows, otherwise those of the objects themselves."""
     glossy: NDArray[np.int64] = field(default_factory=lambda: _NONE)
     """Which of the pixels see something glossy (k,)."""
     gloss: NDArray[np.float32] = field(default_factory=lambda: _DULL)
@@ -55,7 +55,7 @@ class NumpyRasterizer:
     Args:
         client: The physics server.
         room: Numbers of the bodies of the room.
-        appearance: What the server does not tell.
+        appearance: Appearance that the server does not report.
     """
 
     def __init__(self, client: PhysicsClient, room: frozenset[int], appearance: Appearance) -> None:

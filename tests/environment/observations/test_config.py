@@ -31,7 +31,7 @@ def test_every_config_gets_fresh_cameras() -> None:
 
 
 def test_all_products_have_the_documented_shapes_and_types() -> None:
-    """Pictures are height x width with the stated types, and every pixel of a mask is an integer id."""
+    """Images are height x width with the stated types, and every pixel of a mask is an integer id."""
     config = ObservationConfig()
     for camera in config.cameras().values():
         camera.image_size = (64, 48)

@@ -1,4 +1,4 @@
-"""Smooth edges, soft shadows, dark feet, and a bright room; what is left out of a picture to save time changes nothing in it."""
+"""Smooth edges, soft shadows, dark feet, and a bright room; what is left out of an image to save time changes nothing in it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def world():
 
 
 def test_antialiasing_changes_colours_alone(world):
-    """Depth and mask are the same bytes; colours are the means of the picture of twice the size, but for the dark feet."""
+    """Depth and mask are the same bytes; colours are the means of the image of twice the size, but for the dark feet."""
     plain, smooth = (world.renderer.render_all([Request(SIDE, antialiasing=wanted)])[0] for wanted in (False, True))
     assert smooth.rgb.shape == plain.rgb.shape and smooth.rgb.dtype == np.uint8
     assert smooth.depth.tobytes() == plain.depth.tobytes() and smooth.mask.tobytes() == plain.mask.tobytes()
@@ -86,7 +86,7 @@ def test_the_table_is_darker_around_the_feet_of_what_stands_on_it(world):
 
 
 def test_a_still_scene_does_not_flicker(world):
-    """Successive pictures are the same bytes, smooth ones as well, also when layers begin to be kept."""
+    """Successive images are the same bytes, smooth ones as well, also when layers begin to be kept."""
     for antialiasing in (False, True):
         taken = [world.renderer.render_all([Request(SIDE, shadows=True, antialiasing=antialiasing)])[0].rgb for _ in range(6)]
         assert all(picture.tobytes() == taken[0].tobytes() for picture in taken)
@@ -114,14 +114,14 @@ def test_links_out_of_sight_are_left_out_and_nothing_else(world):
 
 
 def test_pictures_for_people_are_smooth(world):
-    """`picture` has shadows, smooth edges and dark feet."""
+    """`image` has shadows, smooth edges and dark feet."""
     view = camera_view("front", CameraConfig(), world, PANDA)
     wanted = world.renderer.render_all([Request(view, shadows=True, antialiasing=True)])[0].rgb
     np.testing.assert_array_equal(world.renderer.image(view), wanted)
 
 
 def _cans(folder, view, **request):
-    """A dull can and one with each finish in turn, of the same grey: the picture, and where each is seen."""
+    """A dull can and one with each finish in turn, of the same grey: the image, and where each is seen."""
     for name, gloss in (
         ("dull", ""),
         ("metal", '<specular rgb="0.35 0.35 0.35"/>'),
