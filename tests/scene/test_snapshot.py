@@ -76,8 +76,6 @@ def test_motions_keep_away_from_the_points(arm: RobotModel) -> None:
     ],
 )
 def test_wrong_boxes_are_refused(boxes: dict[str, object], attached: tuple[str, ...], message: str) -> None:
-    boxes: dict[str, tuple[list[float], list[float]]], attached: tuple[str, ...], message: str
-) -> None:
     """The message names the box."""
     with pytest.raises(InvalidValue, match=message):
         WorldSnapshot.from_boxes(boxes, np.zeros(7), attached=attached)  # type: ignore[arg-type]
