@@ -10,6 +10,7 @@ ends in the ring that floats above the table.
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -17,9 +18,10 @@ from scipy.spatial import cKDTree
 from rlbench_pin import Discrete, Environment, JointVelocity, MoveArmThenGripper, Observation, TaskEnvironment
 from rlbench_pin.control import DifferentialIK
 from rlbench_pin.environment import image_config
+from rlbench_pin.errors import PlanningError
 from rlbench_pin.planning import MotionPlanner, Plan, symmetric_poses
 from rlbench_pin.robot import RobotModel, robot_description
-from rlbench_pin.scene import WorldSnapshot
+from rlbench_pin.scene import Box, WorldSnapshot
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, compose, pose_at
 from rlbench_pin.tasks import COLORS
 
@@ -108,31 +110,39 @@ class Picker:
         rest = cloud.points[cKDTree(block.points).query(cloud.points)[0] > 0.01]
         rest = rest[cKDTree(ring.points).query(rest)[0] > 0.01]  # the ring is a mark in the air: the block goes into it
 
-        yaw = heading(block.points)
-        grasp = [compose(pose_at(middle, yaw=yaw + quarter), DOWN) for quarter in (0.0, 0.5 * np.pi)]
         boxes = {"table": TABLE, "block": block.box()}
-        self.planner.update(WorldSnapshot.from_point_cloud(rest, self.obs.joint_positions, boxes=boxes))
-        self.follow(self.plan([compose(ABOVE, pose) for pose in grasp]))
-        down = compose(pose_at([0.0, 0.0, -0.1]), self.obs.gripper_pose)
-        self.follow(self.plan(down, straight=True, allowed=["block"]))
+        self.see(rest, boxes)
+        for plan in self.plan_grasp(middle, heading(block.points)):
+            self.follow(plan)
         self.grip(CLOSED)
 
-        held = WorldSnapshot.from_point_cloud(
-            rest, self.obs.joint_positions, self.obs.gripper_joint_positions, boxes=boxes, attached=["block"]
-        )
-        self.planner.update(held)
+        self.see(rest, boxes, ["block"])
         self.follow(self.plan(compose(ABOVE, self.obs.gripper_pose), straight=True))
-        self.planner.update(
-            WorldSnapshot.from_point_cloud(
-                rest, self.obs.joint_positions, self.obs.gripper_joint_positions, boxes={"table": TABLE}
-            )
-        )
+        self.see(rest, {"table": TABLE})
         self.follow(self.plan(symmetric_poses(compose(pose_at(ring.box()[1]), DOWN), 4)))
         return self.success
 
-    def plan(self, pose: FloatArray | list[FloatArray], straight: bool | None = None, allowed: list[str] | None = None) -> Plan:
+    def see(self, points: FloatArray, boxes: Mapping[str, Box], attached: Sequence[str] = ()) -> None:
+        """Give the planner the world: points, known boxes, and which of them the gripper holds."""
+        q, fingers = self.obs.joint_positions, self.obs.gripper_joint_positions
+        self.planner.update(WorldSnapshot.from_point_cloud(points, q, fingers, boxes=boxes, attached=attached, cell=0.015))
+
+    def plan_grasp(self, middle: FloatArray, yaw: float) -> tuple[Plan, Plan]:
+        """Plan above the block and straight down to it, with the first rotation of the gripper for which both are possible."""
+        refused = []
+        for quarter in range(4):
+            grasp = compose(pose_at(middle, yaw=yaw + 0.5 * np.pi * quarter), DOWN)
+            try:
+                above = self.plan(compose(ABOVE, grasp))
+                down = self.planner.plan_to_pose(above.path[-1], grasp, straight=True, allowed=["block"], rng=self.rng)
+                return above, down
+            except PlanningError as error:
+                refused.append(error)
+        raise refused[0]
+
+    def plan(self, pose: FloatArray | list[FloatArray], straight: bool | None = None) -> Plan:
         """Plan from where the arm is."""
-        return self.planner.plan_to_pose(self.obs.joint_positions, pose, straight=straight, allowed=allowed or [], rng=self.rng)
+        return self.planner.plan_to_pose(self.obs.joint_positions, pose, straight=straight, rng=self.rng)
 
     def follow(self, plan: Plan) -> None:
         """Follow the tip poses of a trajectory with a QP controller that keeps the joint limits."""

@@ -22,11 +22,8 @@ SAYS = {
 NEEDS = {"06_train_ppo": "stable_baselines3", "10_frame_dataset": "torch"}
 """What an example needs beyond the package; without it the example is skipped."""
 EXAMPLES = sorted((ROOT / "examples").glob("[0-9]*.py"))
-WORKED = [
-    ("07_plan_and_follow",),
-    ("09_pick_from_point_cloud",),
-    *(("08_policy_by_ik", "--task", t) for t in ("reach_target", "push_button", "pick_and_lift")),
-]
+BY_IK = ("reach_target", "push_button", "pick_and_lift")
+WORKED = [("07_plan_and_follow",), ("09_pick_from_point_cloud",), *(("08_policy_by_ik", "--task", task) for task in BY_IK)]
 """The worked programs, with what they play."""
 
 
