@@ -16,7 +16,7 @@ from rlbench_pin.environment.episode import MAX_DEMOS, EnvironmentState, Episode
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.randomization.randomizer import Randomizer
 from rlbench_pin.environment.reset import start_episode
-from rlbench_pin.environment.runtime import Runtime, success_is_stable
+from rlbench_pin.environment.runtime import RefusedOpening, Runtime, success_is_stable
 from rlbench_pin.environment.stored import StoredSelection, read_stored_demos
 from rlbench_pin.errors import InvalidArgument, NotReset, TaskEnvironmentError, UsedByTwoThreads
 from rlbench_pin.observation import Demo, Observation
@@ -59,6 +59,7 @@ class TaskEnvironment:
         self._randomizer = randomizer
         runtime.world.end_building()
         self._variation_number, self._succeeded = 0, False
+        self._refused_opening: RefusedOpening | None = None
         self._episode: EpisodeOrigin | None = None
         self._in_use = RLock()
 
@@ -93,6 +94,11 @@ class TaskEnvironment:
     def succeeded(self) -> bool:
         """Whether the goal was reached by the last step; False after a reset."""
         return self._succeeded
+
+    @property
+    def refused_opening(self) -> RefusedOpening | None:
+        """Why `SafeArm` kept the fingers as they were in the last action; None when it did not."""
+        return self._refused_opening
 
     def get_name(self) -> str:
         """Return the snake-case task name."""
@@ -156,7 +162,7 @@ class TaskEnvironment:
             return self._begin(seed, attempt, variation)
 
     def _begin(self, seed: int, attempt: int, variation: int | None) -> EpisodeOrigin:
-        self._episode, self._succeeded = None, False
+        self._episode, self._succeeded, self._refused_opening = None, False, None
         random = EpisodeRandom.from_seed(seed, attempt)
         variation = self._variation_number if variation is None else variation
         if variation == ALL_VARIATIONS:
@@ -186,7 +192,7 @@ class TaskEnvironment:
         with self._alone("step"):
             with self._runtime.acting() as result:
                 self._action_mode.action(self._runtime, action)
-            self._succeeded = result.success
+            self._succeeded, self._refused_opening = result.success, result.refused_opening
             return self.get_observation(), result.reward(self._shaped_rewards), result.over
 
     def success_is_stable(self) -> bool:

@@ -194,8 +194,8 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
     """One task behind gymnasium's interface. Every instance has a world of its own.
 
     Observations are a dict of float32 boxes, and of four images with `observation_mode="vision"`. Quaternions in actions are
-    brought to unit length. `info` holds `success`, `is_success` (the same), `text_descriptions`, `variation`, and `error` when
-    the action was refused.
+    brought to unit length. `info` holds `success`, `is_success` (the same), `text_descriptions`, `variation`, `error` when
+    the action was refused, and `refused_opening` when `SafeArm` kept the fingers as they were.
 
     A seed given to `reset` is the seed of that very episode, the same as `TaskEnvironment.reset(seed=...)`; without one the
     seed is drawn from `np_random`.
@@ -323,7 +323,10 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
                 raise
             return self._refused(error)
         self._show()
-        return self._observed(observation), reward, terminated, False, self._info(success=self._task.succeeded)
+        info = self._info(success=self._task.succeeded)
+        if self._task.refused_opening is not None:
+            info["refused_opening"] = self._task.refused_opening
+        return self._observed(observation), reward, terminated, False, info
 
     def _refused(self, error: InvalidActionError) -> tuple[GymObservation, float, bool, bool, dict[str, Any]]:
         """Report an action after which everything is as it was."""

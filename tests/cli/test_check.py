@@ -145,12 +145,12 @@ def test_a_dead_worker_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
         def __init__(self, workers: int) -> None:
             pass
 
-        def map(self, worker: object, items: Sequence[Item], stop: object) -> Iterator[GivenUp[Item]]:
+        def map(self, worker: object, items: Sequence[Item], stop: object, max_deaths: int) -> Iterator[GivenUp[Item]]:
             yield GivenUp(items[0], "worker died: 3 times, the last with SIGKILL")
 
     monkeypatch.setattr(run, "ProcessEngine", Dying)
     items = [Item("reach_target", "demos", (seed,), 1) for seed in (0, 1)]
-    with pytest.raises(RlbenchPinError, match="'demos' of 'reach_target'.* died.*goes on from here"):
+    with pytest.raises(RlbenchPinError, match="'demos' of 'reach_target'.* died.*continues from here"):
         run.run_trials(items, 2, TrialJournal(None, ["reach_target"]))
 
 

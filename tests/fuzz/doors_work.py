@@ -66,7 +66,7 @@ def condition_doors(task: TaskEnvironment) -> list[Door]:
     body = next(body for body in world.bodies.values() if body.joints)
     held = conditions.NothingGrasped(world.gripper)
     good: dict[str, object] = {
-        "members": [held], "thing": body, "sensor": _Volume(), "things": [body, body], "count": 1, "robot": world.robot,
+        "members": [held], "element": body, "sensor": _Volume(), "elements": [body, body], "count": 1, "robot": world.robot,
         "body": body, "points": np.zeros((2, 3)), "gripper": world.gripper, "rgb": [1.0, 0.0, 0.0],
         "joint": next(iter(body.joints.values())), "distance": 0.1, "items": [1],
     }  # fmt: skip
