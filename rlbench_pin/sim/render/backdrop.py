@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -199,6 +198,8 @@ def _windows(view: CameraView, points: NDArray[np.float64]) -> tuple[NDArray[np.
     return low, np.maximum(high, 1)
 
 
+_LEVEL, _DEEP = 0.9999, -100.0
+"""From which z of its normal on a rectangle is level; the height of the table where there is none [m]."""
 _ON_WALLS = 0.65
 """By how much more of the ambient light upright sides of the room get, as from lamps along the ceiling."""
 PIXEL = np.dtype("V3")
@@ -207,15 +208,14 @@ _OUTSIDE = np.array((118, 128, 138), dtype=np.uint8).view(PIXEL)[0]
 
 
 class Paints:
-    """The colours of all rectangles that were seen so far, rgb bytes of type `PIXEL`; the first is that of emptiness.
+    """The colours of all rectangles that were seen so far in the key light, rgb bytes of type `PIXEL`; the first is emptiness.
 
     Attributes:
-        lit: Texels (t,) in the key light.
-        dark: In its shadow.
+        lit: Texels (t,).
     """
 
     def __init__(self) -> None:
-        self.lit = self.dark = np.array([_OUTSIDE], dtype=PIXEL)
+        self.lit = np.array([_OUTSIDE], dtype=PIXEL)
         self._starts: dict[int, int] = {}
 
     def start(self, number: int, panel: Panel, lighting: Lighting) -> int:
@@ -223,9 +223,7 @@ class Paints:
         if number not in self._starts:
             self._starts[number] = len(self.lit)
             texels = np.ones((1, 3), dtype=np.float32) if panel.texture is None else panel.texture.texels
-            bright, shaded = _light_on(panel, lighting)
-            self.lit = np.concatenate([self.lit, _packed(texels * bright)])
-            self.dark = np.concatenate([self.dark, _packed(texels * shaded)])
+            self.lit = np.concatenate([self.lit, _packed(texels * _light_on(panel, lighting)[0])])
         return self._starts[number]
 
 
@@ -239,19 +237,8 @@ class Backdrop:
     """Depth [m], `far` where nothing is in range, (h, w)."""
     mask: NDArray[np.int32]
     """Ids, 0 where nothing is in range, (h, w)."""
-    texel: NDArray[np.int32]
-    """Number of the texel that each pixel sees (h * w,)."""
-    paints: Paints
-    """The colours of the texels."""
-
-    def dark(self, pixels: NDArray[np.int64]) -> NDArray[np.void]:
-        """Colours (n,), of type `PIXEL`, of some pixels in the shadow of the key light."""
-        return self.paints.dark.take(self.texel.take(pixels))
-
-    @cached_property
-    def all_dark(self) -> NDArray[np.void]:
-        """Colours (h * w,), of type `PIXEL`, of all pixels in the shadow of the key light."""
-        return self.paints.dark.take(self.texel)
+    owner: NDArray[np.int32]
+    """Number of the rectangle that each pixel sees, -1 for none, (h, w)."""
 
 
 class Painter:
@@ -260,6 +247,10 @@ class Painter:
     Args:
         panels: The rectangles.
         lighting: The lights.
+
+    Attributes:
+        table_height: z of the highest level rectangle, which is the table top [m].
+        table_key: Share (3,) of its colour that the key light gives.
     """
 
     def __init__(self, panels: Sequence[Panel], lighting: Lighting) -> None:
@@ -268,6 +259,11 @@ class Painter:
         self._corners, self._edges = np.array([p.corner for p in panels]), np.array([p.edges for p in panels])
         self._bases = _bases(self._edges)
         self._paints = Paints()
+        level = [panel for panel in panels if panel.normal[2] > _LEVEL]
+        top = max(level, key=lambda panel: panel.corner[2], default=None)
+        self.table_height = _DEEP if top is None else float(top.corner[2])
+        bright, shaded = (np.ones(3), np.ones(3)) if top is None else _light_on(top, lighting)
+        self.table_key = (1.0 - shaded / np.maximum(bright, 1e-6)).astype(np.float32)
 
     def draw(self, view: CameraView) -> Backdrop:
         """Draw all rectangles as a camera sees them."""
@@ -292,7 +288,7 @@ class Painter:
         if len(outside := (inverse.ravel() * np.float32(view.far) < 1.0).nonzero()[0]):
             depth.ravel()[outside], ids.ravel()[outside] = view.far, 0
         rgb = self._paints.lit.take(texel).view(np.uint8).reshape(*owner.shape, 3)
-        return Backdrop(rgb, depth, ids, texel, self._paints)
+        return Backdrop(rgb, depth, ids, owner)
 
 
 def _bases(edges: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,9 +1,9 @@
 """Three directional lights, and the shadows of the first: one image of the moving objects from the light, for all cameras.
 
-A point is in shadow as far as texels around its place are nearer to the light: a square of 2 x 2, of which each of 3 x 3 counts
-by what of it lies there. Most points lie beyond all of these texels or before them all, which two looks tell; only those
-at edges are looked at nine times. The same image says where objects stand on the table: what of them is seen low above it
-keeps light from around their feet.
+Its texels are 3 mm wide. On the table, which is level, a shadow is the image of what lies above it, smoothed: as wide as a few
+texels below low things, four times as wide below high ones. Points of moving objects are in shadow as far as texels around them
+are nearer to the light. The same image says where objects stand on the table: what of them is seen low above it keeps light from
+around their feet.
 """
 
 from __future__ import annotations
@@ -86,17 +86,21 @@ class Lighting:
 
 
 _CENTER = np.array([0.15, 0.0, TABLE_HEIGHT + 0.1])
-_REACH = 0.84  # half a side of the square around the centre whose shadows are drawn [m]
+_SIZE, _TEXEL = 512, 0.003
+"""Side of the image that the key light takes [px], and of one of its texels at the table [m]."""
 _DISTANCE = 30.0  # far away, so that its rays are almost parallel [m]
-_SIZE = 256
-_ROOM_BIAS = 0.002  # [m]
 _FAR = np.float32(np.inf)
-_MARGIN = 8  # texels that a shadow, or what objects keep from the table, reaches beyond them
+_BORDER, _MARGIN = 4, 48
+"""So many texels at the border of the image stay free, and so far a shadow on the table reaches beyond what casts it [px]."""
+_TOUCHING = np.float32(0.002)  # so little above the table things cast no shadow on it [m]
+_ON_TABLE = np.float32(0.001)  # so near the table top points count as its own [m]
+_SHARP, _SOFT = 0.02, 0.30
+"""Heights of casters above the table up to which their shadows are sharp, and from which on they are soft [m]."""
 _LOW, _HIGH = (0.002, 0.014), (0.02, 0.09)
 """Between these heights above the table objects begin to darken it, and cease to [m]."""
-_DARKENING = np.float32(0.45)
-_ON_TABLE = np.float32(0.01)  # so near the table top points count as its own [m]
-_STEPS = tuple(tuple(row * _SIZE + column for column in range(-1, 2)) for row in range(-1, 2))
+_DARKENING = np.float32(1.1)
+_TAPS = tuple((row, column) for row in range(-2, 3) for column in range(-2, 3) if (row + column) % 2 == 0)
+"""Every other texel of 5 x 5."""
 
 
 def light_view(light: Light) -> CameraView:
@@ -108,31 +112,34 @@ def light_view(light: Light) -> CameraView:
     matrix = np.eye(4)
     matrix[:3, :3] = np.column_stack([np.cross(up, forward), up, forward])
     matrix[:3, 3] = _CENTER - _DISTANCE * forward
-    fov = 2.0 * float(np.arctan(_REACH / _DISTANCE))
+    fov = 2.0 * float(np.arctan(0.5 * _SIZE * _TEXEL / _DISTANCE))
     return CameraView(pose=matrix_to_pose(matrix), fov=fov, size=(_SIZE, _SIZE), near=_DISTANCE - 2.0, far=_DISTANCE + 2.0)
 
 
 @dataclass(frozen=True, eq=False)
 class LightSpots:
-    """Where points lie in a shadow map: a texel and the place in it, and the distance from the light."""
+    """Where points lie in the image that the key light takes."""
 
-    texel: NDArray[np.int64]
-    """Texel (n,)."""
     right: NDArray[np.float32]
-    """Share (n,) of it that lies to the left."""
+    """Column (n,), the middle of the first at 0.5 [px]."""
     down: NDArray[np.float32]
-    """Share (n,) of it that lies above."""
+    """Row (n,) [px]."""
     depth: NDArray[np.float32]
     """Distance along the light (n,) [m]."""
 
-    def at(self, chosen: NDArray[np.int64]) -> LightSpots:
-        """Return some of them."""
-        return LightSpots(self.texel.take(chosen), self.right.take(chosen), self.down.take(chosen), self.depth.take(chosen))
 
+@dataclass(frozen=True, eq=False)
+class TableSpots:
+    """Where the pixels of a camera that see the table lie in the image that the key light takes."""
 
-def joined_spots(spots: Sequence[LightSpots]) -> LightSpots:
-    """Return some spots after each other."""
-    return LightSpots(*(np.concatenate([getattr(s, name) for s in spots]) for name in ("texel", "right", "down", "depth")))
+    pixels: NDArray[np.int64]
+    """Flat indices of the pixels (n,)."""
+    texel: NDArray[np.int64]
+    """Texel (n,)."""
+    right: NDArray[np.float32]
+    """How far to the right of its middle (n,) [px]."""
+    down: NDArray[np.float32]
+    """How far below its middle (n,) [px]."""
 
 
 class ShadowMap:
@@ -140,96 +147,132 @@ class ShadowMap:
 
     Args:
         view: Camera of the light.
-        depth: Distance (n, n) along the light to the first moving object [m], infinite where there is none; changed here.
+        texels: Flat indices of its pixels that see a moving object (n,), ascending.
+        depth: Distance (n,) along the light to that object [m].
+        height: z of the table top [m].
 
     Attributes:
+        view: The same.
         is_empty: Whether nothing stands in the light.
     """
 
-    def __init__(self, view: CameraView, depth: NDArray[np.float32]) -> None:
-        for edge in (depth[:2], depth[-2:], depth[:, :2], depth[:, -2:]):
-            edge[:] = _FAR
-        self.view, self._image, self._depth = view, depth, depth.ravel()
-        self._window = _window_of(depth < _FAR)
-        self.is_empty = self._window is None
-        self._least, self._greatest = (np.full((_SIZE, _SIZE), _FAR, dtype=np.float32) for _ in range(2))
-        if self._window is not None:
-            rows, columns = self._window
-            seen = depth[rows, columns]
-            inner = slice(rows.start + 1, rows.stop - 1), slice(columns.start + 1, columns.stop - 1)
-            self._least[inner], self._greatest[inner] = _of_neighbours(np.minimum, seen), _of_neighbours(np.maximum, seen)
+    def __init__(self, view: CameraView, texels: NDArray[np.int64], depth: NDArray[np.float32], height: float) -> None:
+        self.view, self._height = view, height
+        row = texels // _SIZE
+        column = texels - row * _SIZE
+        last = _SIZE - _BORDER
+        inside = ((column >= _BORDER) & (column < last) & (row >= _BORDER) & (row < last)).nonzero()[0]
+        self.is_empty = not len(inside)
+        if self.is_empty:
+            return
+        row, column = row.take(inside), column.take(inside)
+        self._rows, self._columns = (_span(int(own.min()), int(own.max())) for own in (row, column))
+        width = self._columns.stop - self._columns.start
+        self._image = np.full((self._rows.stop - self._rows.start, width), _FAR, dtype=np.float32)
+        place = (row - self._rows.start) * width
+        place += column - self._columns.start
+        self._image.ravel()[place] = depth.take(inside)
 
-    @cached_property
-    def is_near(self) -> NDArray[np.bool_]:
-        """Of every texel (n * n,), whether one of those around it is blocked."""
-        return (self._least < _FAR).ravel()
+    def lit(self, spots: LightSpots, bias: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Share (n,) of the key light that reaches points of moving objects, 0..1: how many of 13 texels around it passes.
 
-    @cached_property
-    def is_dim(self) -> NDArray[np.bool_]:
-        """Of every texel (n * n,), whether objects keep light from the table there."""
-        return (self._contact > 0.0).ravel()
-
-    @cached_property
-    def _contact(self) -> NDArray[np.float32]:
-        """How much of the light from all sides objects keep from the table (n, n), 0..1."""
-        result = np.zeros((_SIZE, _SIZE), dtype=np.float32)
-        if self._window is not None:
-            ground, image = _ground(self.view)[self._window], self._image[self._window]
-            # two of four texels, as the corners of a chequered pattern
-            coarse = _lowness(ground[0::2, 0::2] - image[0::2, 0::2], self.view)
-            coarse += _lowness(ground[1::2, 1::2] - image[1::2, 1::2], self.view)
-            coarse *= np.float32(0.5 / 16.0**2) * _DARKENING
-            rows, columns = self._window
-            inner = slice(rows.start + 4, rows.stop - 4), slice(columns.start + 4, columns.stop - 4)
-            result[inner] = _twice_as_fine(_twice_as_fine(_smooth(_smooth(coarse).T)).T)
-        return result
-
-    def open(self, spots: LightSpots) -> NDArray[np.float32]:
-        """Share (n,) of the light from all sides that reaches points of the room, 0..1: less around what stands on the table."""
-        contact = self._contact.ravel()
-        value = contact.take(spots.texel)
-        for place, step in ((spots.right, 1), (spots.down, _SIZE)):
-            slope = contact.take(spots.texel + step) - contact.take(spots.texel - step)
-            slope *= np.float32(0.5) * place - np.float32(0.25)
-            value += slope
-        value *= np.abs(_ground(self.view).ravel().take(spots.texel) - spots.depth) < _ON_TABLE
-        return np.subtract(np.float32(1.0), value, out=value)
-
-    def lit(self, spots: LightSpots, bias: NDArray[np.float32] | float = _ROOM_BIAS) -> NDArray[np.float32]:
-        """Share (n,) of the key light that reaches points, 0..1.
+        Most points lie beyond all of 5 x 5 texels or before them all, which two looks tell.
 
         Args:
             spots: The points, from `spots_of`.
-            bias: By how much an object must be nearer to the light to shade a point [m].
+            bias: By how much an object must be nearer to the light to shade a point (n,) [m].
         """
-        limit = spots.depth - np.float32(bias)
-        share = (self._least.ravel().take(spots.texel) >= limit).astype(np.float32)
+        height, width = self._image.shape
+        column, row = spots.right - np.float32(self._columns.start), spots.down - np.float32(self._rows.start)
+        for values, side in ((column, width), (row, height)):
+            np.maximum(values, np.float32(2.0), out=values)
+            np.minimum(values, np.float32(side - 3), out=values)
+        texel = row.astype(np.int64)
+        texel *= width
+        texel += column.astype(np.int64)
+        limit = spots.depth - bias
+        least, greatest = self._extremes
+        share = (least.take(texel) >= limit).astype(np.float32)
         reached = (share == 0.0).nonzero()[0]
-        edge = reached.take((self._greatest.ravel().take(spots.texel.take(reached)) >= limit.take(reached)).nonzero()[0])
-        share[edge] = self._share(spots.at(edge), limit.take(edge))
+        edge = reached.take((greatest.take(texel.take(reached)) >= limit.take(reached)).nonzero()[0])
+        share[edge] = self._share(texel.take(edge), limit.take(edge))
         return share
 
-    def _share(self, spots: LightSpots, limit: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Mean of 2 x 2 texels around points."""
-        total = np.zeros(len(spots.texel), dtype=np.float32)
-        for row, weight in zip(_STEPS, (np.float32(1.0) - spots.down, None, spots.down), strict=True):
-            free = [(self._depth.take(spots.texel + step) >= limit).astype(np.float32) for step in row]
-            part = free[2] - free[0]
-            part *= spots.right
-            part += free[0]
-            part += free[1]
-            if weight is not None:
-                part *= weight
-            total += part
-        total *= np.float32(0.25)
-        return total
+    def _share(self, texel: NDArray[np.int64], limit: NDArray[np.float32]) -> NDArray[np.float32]:
+        depth, width = self._image.ravel(), self._image.shape[1]
+        free = np.zeros(len(texel), dtype=np.uint8)
+        for row, column in _TAPS:
+            free += depth.take(texel + (row * width + column)) >= limit
+        return free * np.float32(1.0 / len(_TAPS))
+
+    @cached_property
+    def _extremes(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Of every texel of the window, flat, the least and the greatest of 5 x 5; those at the border are free."""
+        found = []
+        for function in (np.minimum, np.maximum):
+            full = np.full_like(self._image, _FAR)
+            full[2:-2, 2:-2] = _of_five(function, _of_five(function, self._image).T).T
+            found.append(full.ravel())
+        return found[0], found[1]
+
+    @cached_property
+    def on_table(self) -> NDArray[np.float32]:
+        """How much of the key light the table misses at each texel (n * n,): 1 in full shadow, more at the feet of things.
+
+        Two filters: one of 5 x 5 texels for what is low above the table, one four times as wide for what is high; between them by
+        the mean height of what casts the shadow.
+        """
+        result = np.zeros((_SIZE, _SIZE), dtype=np.float32)
+        if self.is_empty:
+            return result.ravel()
+        height = ground_distance(self.view, self._height)[self._rows, self._columns] - self._image
+        blocked = height > _TOUCHING
+        shadow = blocked.astype(np.float32)
+        np.maximum(height, np.float32(0.0), out=height)
+        coarse, lifted = _by_four(shadow), _by_four(height)
+        lowness = _lowness(height[0::4, 0::4], self.view)
+        lowness += _lowness(height[2::4, 2::4], self.view)
+        coarse, lifted, contact = (_smooth(_smooth(values).T).T for values in (coarse, lifted, lowness))
+        lifted /= np.maximum(coarse, np.float32(1e-6))
+        lifted -= np.float32(_SHARP)
+        lifted *= np.float32(1.0 / (_SOFT - _SHARP))
+        softness = np.minimum(np.maximum(lifted, np.float32(0.0), out=lifted), np.float32(1.0), out=lifted)
+        coarse *= softness
+        coarse *= np.float32(1.0 / (16.0 * 256.0))
+        contact *= np.float32(0.5 / 256.0) * _DARKENING
+        coarse += contact
+        fine = _smooth(_smooth(shadow[6:-6, 6:-6]).T).T
+        fine *= np.float32(1.0 / 256.0)
+        fine *= np.float32(1.0) - _four_times(softness)
+        fine += _four_times(coarse)
+        result[self._rows.start + 8 : self._rows.stop - 8, self._columns.start + 8 : self._columns.stop - 8] = fine
+        return result.ravel()
+
+    def at(self, spots: TableSpots) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+        """Return which of some points of the table are darker (k,), and how much of the key light these miss (k,)."""
+        values = self.on_table
+        found = values.take(spots.texel)
+        chosen = (found > np.float32(0.004)).nonzero()[0]
+        texel, missing = spots.texel.take(chosen), found.take(chosen)
+        for place, step in ((spots.right, 1), (spots.down, _SIZE)):
+            slope = values.take(texel + step)
+            slope -= values.take(texel - step)
+            slope *= place.take(chosen)
+            slope *= np.float32(0.5)
+            missing += slope
+        return chosen, missing
 
 
 @lru_cache(maxsize=4)
-def _ground(view: CameraView) -> NDArray[np.float32]:
-    """Distance (n, n) along the light to the plane of the table top [m]."""
+def ground_distance(view: CameraView, height: float) -> NDArray[np.float32]:
+    """Distance (n, n) along the light to a level plane [m].
+
+    Args:
+        view: Camera of the light.
+        height: z of the plane [m].
+    """
     rays = view.rays[:, 2].reshape(_SIZE, _SIZE)
-    return (np.float32(TABLE_HEIGHT - view.pose[2]) / np.minimum(rays, np.float32(-1e-3))).astype(np.float32)
+    return (np.float32(height - view.pose[2]) / np.minimum(rays, np.float32(-1e-3))).astype(np.float32)
 
 
 def _lowness(above: NDArray[np.float32], view: CameraView) -> NDArray[np.float32]:
@@ -248,6 +291,23 @@ def _smooth(values: NDArray[np.float32]) -> NDArray[np.float32]:
     return values
 
 
+def _by_four(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Sums (n / 4, m / 4) of four by four."""
+    rows = values[0::4] + values[1::4]
+    rows += values[2::4]
+    rows += values[3::4]
+    result = rows[:, 0::4] + rows[:, 1::4]
+    result += rows[:, 2::4]
+    result += rows[:, 3::4]
+    return result
+
+
+def _four_times(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Four rows and columns (4 n, 4 m) for each of (n, m): twice as fine with values between them, then each twice."""
+    fine = _twice_as_fine(_twice_as_fine(values).T).T
+    return np.repeat(np.repeat(fine, 2, axis=0), 2, axis=1)
+
+
 def _twice_as_fine(values: NDArray[np.float32]) -> NDArray[np.float32]:
     """Two rows (2 n, m) for each of (n, m), a quarter of a row before and after it."""
     result = np.repeat(values * np.float32(0.75), 2, axis=0)
@@ -257,26 +317,20 @@ def _twice_as_fine(values: NDArray[np.float32]) -> NDArray[np.float32]:
     return result
 
 
-def _window_of(blocked: NDArray[np.bool_]) -> tuple[slice, slice] | None:
-    """Rows and columns that hold all blocked texels and a margin; None when there are none."""
-    rows, columns = (np.flatnonzero(blocked.any(axis=axis)) for axis in (1, 0))
-    if not len(rows):
-        return None
-    first, last = (
-        slice(max(int(own[0]) - _MARGIN, 0) & ~1, min(int(own[-1]) + _MARGIN + 1, _SIZE) & ~1) for own in (rows, columns)
-    )
-    return first, last
+def _span(first: int, last: int) -> slice:
+    """Texels from `first` to `last` and a margin, a multiple of four."""
+    return slice(max(first - _MARGIN, 0) & ~3, min(last + _MARGIN + 4, _SIZE) & ~3)
 
 
-def _of_neighbours(function: np.ufunc, values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Of every texel but those at the border, the least or greatest of 3 x 3."""
-    across = function(function(values[:, :-2], values[:, 2:]), values[:, 1:-1])
-    result: NDArray[np.float32] = function(function(across[:-2], across[2:]), across[1:-1])
+def _of_five(function: np.ufunc, values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Least or greatest (n - 4, m) of five rows of (n, m)."""
+    two = function(values[:-1], values[1:])
+    result: NDArray[np.float32] = function(function(two[:-3], two[2:-1]), values[4:])
     return result
 
 
 def spots_of(light: CameraView, view: CameraView, points: NDArray[np.float32]) -> LightSpots:
-    """Find points (3, n) [m] in the frame of a camera in shadow maps taken with `light`."""
+    """Find points (3, n) [m] in the frame of a camera in the image that `light` takes."""
     x, y, z = points
     found = []
     for a, b, c, shift in (light.to_image @ view.extrinsics()).astype(np.float32):
@@ -285,39 +339,50 @@ def spots_of(light: CameraView, view: CameraView, points: NDArray[np.float32]) -
         value += z * c
         value += shift
         found.append(value)
-    return _spots(*found)
+    right, down, depth = found
+    for values in (right, down):
+        values /= depth
+        values += np.float32(0.5)
+    return LightSpots(right, down, depth)
 
 
-def spots_in_image(light: CameraView, view: CameraView, depth: NDArray[np.float32]) -> LightSpots:
-    """Find what all pixels of a camera see in shadow maps taken with `light`.
+def joined_spots(spots: Sequence[LightSpots]) -> LightSpots:
+    """Return some spots after each other."""
+    return LightSpots(*(np.concatenate([getattr(s, name) for s in spots]) for name in ("right", "down", "depth")))
+
+
+def table_spots(light: CameraView, height: float, view: CameraView, depth: NDArray[np.float32]) -> TableSpots:
+    """Find the pixels of a camera that see the table in the image that `light` takes.
 
     Args:
         light: Camera of the light.
+        height: z of the table top [m].
         view: The camera.
-        depth: What it sees, (h, w) [m].
+        depth: What it sees of the room, (h, w) [m].
     """
-    matrix = light.to_image @ view.extrinsics()
     columns, rows = pixel_rays(view)
-    found = []
-    for a, b, c, shift in matrix:
-        slope = (b * rows + c).astype(np.float32)[:, None] + (a * columns).astype(np.float32)
-        slope *= depth
-        slope += np.float32(shift)
-        found.append(slope.ravel())
-    return _spots(*found)
-
-
-def _spots(u: NDArray[np.float32], v: NDArray[np.float32], depth: NDArray[np.float32]) -> LightSpots:
-    """Spots of homogeneous image points u z, v z and z (n,); overwrites the first two."""
-    last = np.float32(_SIZE - 1.501)
-    for values in (u, v):
-        values /= depth
-        values += np.float32(0.5)
+    across, along, forward = view.extrinsics()[2, :3].tolist()
+    level = (along * rows + forward).astype(np.float32)[:, None] + (across * columns).astype(np.float32)
+    level *= depth
+    level += np.float32(view.pose[2] - height)
+    pixels = (np.abs(level, out=level).ravel() < _ON_TABLE).nonzero()[0]
+    row = pixels // view.size[0]
+    column = (pixels - row * view.size[0]).astype(np.float32)
+    k = view.intrinsics().astype(np.float32)
+    z = depth.ravel().take(pixels)
+    points = np.empty((3, len(pixels)), dtype=np.float32)
+    np.multiply(column - k[0, 2], z / k[0, 0], out=points[0])
+    np.multiply(row.astype(np.float32) - k[1, 2], z / k[1, 1], out=points[1])
+    points[2] = z
+    spots = spots_of(light, view, points)
+    right, down = spots.right, spots.down
+    for values in (right, down):
         np.maximum(values, np.float32(1.0), out=values)
-        np.minimum(values, last, out=values)
-    column, row = np.floor(u), np.floor(v)
-    u -= column
-    v -= row
-    row *= np.float32(_SIZE)
-    row += column
-    return LightSpots(row.astype(np.int64), u, v, depth)
+        np.minimum(values, np.float32(_SIZE - 1.501), out=values)
+    left, upper = np.floor(right), np.floor(down)
+    right -= left + np.float32(0.5)
+    down -= upper + np.float32(0.5)
+    texel = upper.astype(np.int64)
+    texel *= _SIZE
+    texel += left.astype(np.int64)
+    return TableSpots(pixels, texel, right, down)

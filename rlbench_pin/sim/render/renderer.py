@@ -26,11 +26,10 @@ from rlbench_pin.sim.render.shading import (
     LinkTexture,
     as_bytes,
     colors_in_light,
-    darken_feet,
     halved,
     put_pixels,
     put_textures,
-    shade_rooms,
+    shade_tables,
     surfaces_of,
 )
 from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, Shot
@@ -56,14 +55,12 @@ class Request:
     """Draw shadows and fill lights."""
     antialiasing: bool = False
     """Take each colour as the mean of two by two, and darken the table around what stands on it; depth and mask stay the same."""
-    feet: bool = False
-    """Darken the table around what stands on it, if shadows are drawn."""
 
     def parts(self) -> tuple[Request, ...]:
         """What is drawn for it: itself, or its colours at twice the size, and depth and mask if they are wanted."""
         if not (self.antialiasing and self.rgb):
             return (self,)
-        colors = Request(self.view.finer, rgb=True, depth=False, mask=False, shadows=self.shadows, feet=True)
+        colors = Request(self.view.finer, rgb=True, depth=False, mask=False, shadows=self.shadows)
         rest = Request(self.view, rgb=False, depth=self.depth, mask=self.mask)
         return (colors, rest) if self.depth or self.mask else (colors,)
 
@@ -124,8 +121,8 @@ class Renderer:
 
     def shadow_map(self) -> ShadowMap:
         """Look from the key light, for cameras that look at the present instant."""
-        view = self._view_of_light()
-        return _shadow_map(view, self._rasterizer.shoot([_sight_of_light(view)], self.lighting)[0])
+        view, height = self._view_of_light(), self._present_painter().table_height
+        return _shadow_map(view, self._rasterizer.shoot([_sight_of_light(view)], self.lighting)[0], height)
 
     def render(
         self, view: CameraView, *, rgb: bool, depth: bool, mask: bool, shadows: bool | ShadowMap, antialiasing: bool = False
@@ -176,7 +173,7 @@ class Renderer:
         view = self._view_of_light()
         shots = self._rasterizer.shoot([*sights, _sight_of_light(view)] if makes_map else sights, self.lighting)
         if makes_map:
-            shadows = _shadow_map(view, shots.pop())
+            shadows = _shadow_map(view, shots.pop(), painter.table_height)
         images = self._images(requests, backdrops, shots, shadows)
         return [
             self._put_together(request, backdrop, shot, image)
@@ -221,10 +218,8 @@ class Renderer:
             surfaces = [surfaces_of(backdrops[n], shots[n]) for n in chosen]
             chosen_images = [image for n in chosen if (image := images[n]) is not None]
             if is_shaded and shadows is not None:
-                shade_rooms(chosen_images, [backdrops[n] for n in chosen], shadows)
-                for image, n in zip(chosen_images, chosen, strict=True):
-                    if requests[n].feet:
-                        darken_feet(image, backdrops[n], shadows)
+                room = self._present_painter()
+                shade_tables(chosen_images, [backdrops[n] for n in chosen], shadows, room.table_height, room.table_key)
             colors = colors_in_light(surfaces, self.lighting, shadows if is_shaded else None)
             for image, own, seen in zip(chosen_images, colors, surfaces, strict=True):
                 if self._link_textures:
@@ -280,7 +275,5 @@ def _sight_of_light(view: CameraView) -> Sight:
     return Sight(view, None)
 
 
-def _shadow_map(view: CameraView, shot: Shot) -> ShadowMap:
-    depth = np.full(view.size[0] * view.size[1], np.inf, dtype=np.float32)
-    depth[shot.pixels] = shot.depth
-    return ShadowMap(view, depth.reshape(view.size))
+def _shadow_map(view: CameraView, shot: Shot, table_height: float) -> ShadowMap:
+    return ShadowMap(view, shot.pixels, shot.depth, table_height)

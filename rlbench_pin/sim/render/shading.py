@@ -20,9 +20,10 @@ from rlbench_pin.sim.render.lighting import (
     Lighting,
     LightSpots,
     ShadowMap,
+    TableSpots,
     joined_spots,
-    spots_in_image,
     spots_of,
+    table_spots,
 )
 from rlbench_pin.sim.render.masks import segment_of
 from rlbench_pin.sim.render.shots import Shot
@@ -41,8 +42,7 @@ class KeptBackdrop:
 
     def __init__(self, view: CameraView, image: Backdrop) -> None:
         self.view, self.image = view, image
-        self._spots: tuple[CameraView, LightSpots] | None = None
-        self._was_shaded = False
+        self._spots: tuple[CameraView, float, TableSpots] | None = None
 
     @cached_property
     def inverse(self) -> NDArray[np.float32]:
@@ -52,54 +52,41 @@ class KeptBackdrop:
         np.divide(np.float32(1.0), self.image.depth, out=padded[1:-1, 1:-1])
         return padded.ravel()
 
-    def spots(self, light: CameraView) -> LightSpots:
-        """Where its pixels lie in the image that the key light takes."""
-        if self._spots is None or self._spots[0] is not light:
-            self._spots = light, spots_in_image(light, self.view, self.image.depth)
-        return self._spots[1]
-
-    def dark(self, pixels: NDArray[np.int64]) -> NDArray[np.void]:
-        """Colours (n,), of type `PIXEL`, of some pixels in the shadow of the key light; from the second time on all are kept."""
-        if self._was_shaded:
-            return self.image.all_dark.take(pixels)
-        self._was_shaded = True
-        return self.image.dark(pixels)
+    def table(self, light: CameraView, height: float) -> TableSpots:
+        """Where its pixels that see the table, at some height [m], lie in the image that the key light takes."""
+        if self._spots is None or self._spots[:2] != (light, height):
+            self._spots = light, height, table_spots(light, height, self.view, self.image.depth)
+        return self._spots[2]
 
 
-def shade_rooms(images: Sequence[NDArray[np.uint8]], backdrops: Sequence[KeptBackdrop], shadows: ShadowMap) -> None:
-    """Darken the room in images (h, w, 3) where moving objects stand in the key light.
+def shade_tables(
+    images: Sequence[NDArray[np.uint8]],
+    backdrops: Sequence[KeptBackdrop],
+    shadows: ShadowMap,
+    height: float,
+    key: NDArray[np.float32],
+) -> None:
+    """Darken the table in images (h, w, 3) where moving objects stand in the key light.
 
     Args:
         images: The images, of all cameras.
         backdrops: The room as these cameras see it.
         shadows: The shadows.
+        height: z of the table top [m].
+        key: Share (3,) of its colour that the key light gives.
     """
-    if shadows.is_empty or not images:
-        return
-    spots = [backdrop.spots(shadows.view) for backdrop in backdrops]
-    near = [shadows.is_near.take(each.texel).nonzero()[0] for each in spots]
-    share = shadows.lit(joined_spots([each.at(pixels) for each, pixels in zip(spots, near, strict=True)]))
-    ends = np.cumsum([0, *(len(pixels) for pixels in near)])
-    shaded = (share < 1.0).nonzero()[0]
-    parts = np.searchsorted(shaded, ends)
-    chosen = [pixels.take(shaded[a:b] - end) for pixels, a, b, end in zip(near, parts, parts[1:], ends)]
-    colors = np.concatenate([backdrop.dark(pixels) for backdrop, pixels in zip(backdrops, chosen, strict=True)])
-    share = share.take(shaded)
-    between = (share > 0.0).nonzero()[0]
-    high = np.concatenate([image.reshape(-1).view(PIXEL).take(pixels) for image, pixels in zip(images, chosen, strict=True)])
-    colors[between] = _mixed(colors.take(between), high.take(between), share.take(between)).reshape(-1).view(PIXEL)
-    for image, pixels, a, b in zip(images, chosen, parts, parts[1:]):
-        image.reshape(-1).view(PIXEL)[pixels] = colors[a:b]
-
-
-def darken_feet(image: NDArray[np.uint8], backdrop: KeptBackdrop, shadows: ShadowMap) -> None:
-    """Darken the table in an image (h, w, 3) around the feet of what stands on it."""
     if shadows.is_empty:
         return
-    spots = backdrop.spots(shadows.view)
-    pixels = shadows.is_dim.take(spots.texel).nonzero()[0]
-    colors = image.reshape(-1, 3).take(pixels, axis=0).T * shadows.open(spots.at(pixels))
-    put_pixels(image, pixels, as_bytes(colors))
+    tables = [backdrop.table(shadows.view, height) for backdrop in backdrops]
+    found = [shadows.at(spots) for spots in tables]
+    pixels = [spots.pixels.take(chosen) for spots, (chosen, _) in zip(tables, found, strict=True)]
+    missing = np.concatenate([each for _, each in found])
+    own = np.concatenate([image.reshape(-1).view(PIXEL).take(each) for image, each in zip(images, pixels, strict=True)])
+    colors = own.view(np.uint8).reshape(-1, 3).T * (np.float32(1.0) - key[:, None] * missing)
+    shaded = as_bytes(np.maximum(colors, np.float32(0.0), out=colors))
+    ends = np.cumsum([0, *(len(each) for each in pixels)])
+    for image, each, a, b in zip(images, pixels, ends, ends[1:]):
+        put_pixels(image, each, shaded[a:b])
 
 
 def put_pixels(image: NDArray[np.uint8], pixels: NDArray[np.int64], colors: NDArray[np.uint8]) -> None:
@@ -126,18 +113,6 @@ def halved(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     pairs += np.uint16(2)
     pairs >>= np.uint16(2)
     return pairs.astype(np.uint8)
-
-
-def _mixed(low: NDArray[np.void], high: NDArray[np.void], share: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Colours (n, 3) between those of two arrays (n,) of type `PIXEL`."""
-    colors = np.empty((3, len(share)), dtype=np.float32)
-    first, last = low.view(np.uint8).reshape(-1, 3), high.view(np.uint8).reshape(-1, 3)
-    for channel, values in enumerate(colors):
-        start = first[:, channel].astype(np.float32)
-        np.subtract(last[:, channel], start, out=values)
-        values *= share
-        values += start
-    return as_bytes(colors)
 
 
 _HEIGHTS = np.array([-1.0, -0.25, 0.0, 0.15, 0.55, 0.8, 1.0], dtype=np.float32)
