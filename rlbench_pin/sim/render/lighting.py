@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from rlbench_pin.errors import CameraError, InvalidCamera
 from rlbench_pin.sim.render.camera import CameraView, pixel_rays
+from rlbench_pin.sim.render.raster.drawing import Blocked
 from rlbench_pin.spatial import TABLE_HEIGHT, matrix_to_pose
 from rlbench_pin.values import as_number, as_vector
 
@@ -90,7 +91,7 @@ _SIZE, _TEXEL = 512, 0.003
 """Side of the image that the key light takes [px], and of one of its texels at the table [m]."""
 _DISTANCE = 30.0  # far away, so that its rays are almost parallel [m]
 _FAR = np.float32(np.inf)
-_BORDER, _MARGIN = 4, 48
+_BORDER, _MARGIN = 4, 24
 """So many texels at the border of the image stay free, and so far a shadow on the table reaches beyond what casts it [px]."""
 _TOUCHING = np.float32(0.002)  # so little above the table things cast no shadow on it [m]
 _ON_TABLE = np.float32(0.001)  # so near the table top points count as its own [m]
@@ -136,10 +137,10 @@ class TableSpots:
     """Flat indices of the pixels (n,)."""
     texel: NDArray[np.int64]
     """Texel (n,)."""
-    right: NDArray[np.float32]
-    """How far to the right of its middle (n,) [px]."""
-    down: NDArray[np.float32]
-    """How far below its middle (n,) [px]."""
+    right: NDArray[np.float32] | None
+    """How far to the right of its middle (n,) [px]; None where no pixel is as small as a texel."""
+    down: NDArray[np.float32] | None
+    """How far below its middle (n,) [px]; None where no pixel is as small as a texel."""
 
 
 class ShadowMap:
@@ -147,31 +148,27 @@ class ShadowMap:
 
     Args:
         view: Camera of the light.
-        texels: Flat indices of its pixels that see a moving object (n,), ascending.
-        depth: Distance (n,) along the light to that object [m].
         height: z of the table top [m].
+        blocked: Where moving objects stand in the light.
 
     Attributes:
         view: The same.
         is_empty: Whether nothing stands in the light.
     """
 
-    def __init__(self, view: CameraView, texels: NDArray[np.int64], depth: NDArray[np.float32], height: float) -> None:
+    def __init__(self, view: CameraView, height: float, blocked: Blocked) -> None:
         self.view, self._height = view, height
-        row = texels // _SIZE
-        column = texels - row * _SIZE
-        last = _SIZE - _BORDER
-        inside = ((column >= _BORDER) & (column < last) & (row >= _BORDER) & (row < last)).nonzero()[0]
-        self.is_empty = not len(inside)
+        rows, columns = (
+            slice(max(first, _BORDER), min(first + count, _SIZE - _BORDER))
+            for first, count in zip((blocked.row, blocked.column), blocked.depth.shape, strict=True)
+        )
+        self.is_empty = rows.start >= rows.stop or columns.start >= columns.stop
         if self.is_empty:
             return
-        row, column = row.take(inside), column.take(inside)
-        self._rows, self._columns = (_span(int(own.min()), int(own.max())) for own in (row, column))
-        width = self._columns.stop - self._columns.start
-        self._image = np.full((self._rows.stop - self._rows.start, width), _FAR, dtype=np.float32)
-        place = (row - self._rows.start) * width
-        place += column - self._columns.start
-        self._image.ravel()[place] = depth.take(inside)
+        self._rows, self._columns = _span(rows), _span(columns)
+        self._image = np.full((self._rows.stop - self._rows.start, self._columns.stop - self._columns.start), _FAR, np.float32)
+        part = blocked.depth[_moved(rows, blocked.row), _moved(columns, blocked.column)]
+        self._image[_moved(rows, self._rows.start), _moved(columns, self._columns.start)] = part
 
     def lit(self, spots: LightSpots, bias: NDArray[np.float32]) -> NDArray[np.float32]:
         """Share (n,) of the key light that reaches points of moving objects, 0..1: how many of 13 texels around it passes.
@@ -187,15 +184,17 @@ class ShadowMap:
         for values, side in ((column, width), (row, height)):
             np.maximum(values, np.float32(2.0), out=values)
             np.minimum(values, np.float32(side - 3), out=values)
-        texel = row.astype(np.int64)
-        texel *= width
-        texel += column.astype(np.int64)
+        row, column = row.astype(np.int64), column.astype(np.int64)
+        block = row >> 2
+        block *= width >> 2
+        block += column >> 2
         limit = spots.depth - bias
         least, greatest = self._extremes
-        share = (least.take(texel) >= limit).astype(np.float32)
-        reached = (share == 0.0).nonzero()[0]
-        edge = reached.take((greatest.take(texel.take(reached)) >= limit.take(reached)).nonzero()[0])
-        share[edge] = self._share(texel.take(edge), limit.take(edge))
+        is_free = least.take(block) >= limit
+        share = is_free.astype(np.float32)
+        reached = (~is_free).nonzero()[0]
+        edge = reached.take((greatest.take(block.take(reached)) >= limit.take(reached)).nonzero()[0])
+        share[edge] = self._share(row.take(edge) * width + column.take(edge), limit.take(edge))
         return share
 
     def _share(self, texel: NDArray[np.int64], limit: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -207,11 +206,14 @@ class ShadowMap:
 
     @cached_property
     def _extremes(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Of every texel of the window, flat, the least and the greatest of 5 x 5; those at the border are free."""
+        """Of every four by four texels of the window, flat, the least and the greatest of these and those around them."""
         found = []
         for function in (np.minimum, np.maximum):
-            full = np.full_like(self._image, _FAR)
-            full[2:-2, 2:-2] = _of_five(function, _of_five(function, self._image).T).T
+            blocks = function(function(self._image[0::4], self._image[1::4]), function(self._image[2::4], self._image[3::4]))
+            blocks = function(function(blocks[:, 0::4], blocks[:, 1::4]), function(blocks[:, 2::4], blocks[:, 3::4]))
+            full = np.full_like(blocks, _FAR)
+            across = function(function(blocks[:, :-2], blocks[:, 2:]), blocks[:, 1:-1])
+            function(function(across[:-2], across[2:]), across[1:-1], out=full[1:-1, 1:-1])
             found.append(full.ravel())
         return found[0], found[1]
 
@@ -227,12 +229,11 @@ class ShadowMap:
             return result.ravel()
         height = ground_distance(self.view, self._height)[self._rows, self._columns] - self._image
         blocked = height > _TOUCHING
-        shadow = blocked.astype(np.float32)
         np.maximum(height, np.float32(0.0), out=height)
-        coarse, lifted = _by_four(shadow), _by_four(height)
         lowness = _lowness(height[0::4, 0::4], self.view)
         lowness += _lowness(height[2::4, 2::4], self.view)
-        coarse, lifted, contact = (_smooth(_smooth(values).T).T for values in (coarse, lifted, lowness))
+        sums = (_by_four(blocked.view(np.uint8)).astype(np.float32), _by_four(height), lowness)
+        coarse, lifted, contact = (_smooth(_smooth(values).T).T for values in sums)
         lifted /= np.maximum(coarse, np.float32(1e-6))
         lifted -= np.float32(_SHARP)
         lifted *= np.float32(1.0 / (_SOFT - _SHARP))
@@ -241,10 +242,11 @@ class ShadowMap:
         coarse *= np.float32(1.0 / (16.0 * 256.0))
         contact *= np.float32(0.5 / 256.0) * _DARKENING
         coarse += contact
-        fine = _smooth(_smooth(shadow[6:-6, 6:-6]).T).T
-        fine *= np.float32(1.0 / 256.0)
-        fine *= np.float32(1.0) - _four_times(softness)
-        fine += _four_times(coarse)
+        rows = _smooth(blocked.view(np.uint8)[6:-6, 6:-6]).astype(np.uint16)  # at most 16, then 256
+        fine = _smooth(rows.T).T.astype(np.float32, order="C")
+        pairs = fine.reshape(len(fine) // 2, 2, -1)
+        pairs *= _four_times((np.float32(1.0) - softness) * np.float32(1.0 / 256.0))
+        pairs += _four_times(coarse)
         result[self._rows.start + 8 : self._rows.stop - 8, self._columns.start + 8 : self._columns.stop - 8] = fine
         return result.ravel()
 
@@ -255,6 +257,8 @@ class ShadowMap:
         chosen = (found > np.float32(0.004)).nonzero()[0]
         texel, missing = spots.texel.take(chosen), found.take(chosen)
         for place, step in ((spots.right, 1), (spots.down, _SIZE)):
+            if place is None:
+                continue
             slope = values.take(texel + step)
             slope -= values.take(texel - step)
             slope *= place.take(chosen)
@@ -284,14 +288,14 @@ def _lowness(above: NDArray[np.float32], view: CameraView) -> NDArray[np.float32
     return np.maximum(share, np.float32(0.0), out=share)
 
 
-def _smooth(values: NDArray[np.float32]) -> NDArray[np.float32]:
+def _smooth(values: NDArray) -> NDArray:
     """Sums (n - 4, m) of five rows of (n, m), weighted by 1, 4, 6, 4 and 1."""
     for _ in range(4):
         values = values[:-1] + values[1:]
     return values
 
 
-def _by_four(values: NDArray[np.float32]) -> NDArray[np.float32]:
+def _by_four(values: NDArray) -> NDArray:
     """Sums (n / 4, m / 4) of four by four."""
     rows = values[0::4] + values[1::4]
     rows += values[2::4]
@@ -303,9 +307,8 @@ def _by_four(values: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def _four_times(values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Four rows and columns (4 n, 4 m) for each of (n, m): twice as fine with values between them, then each twice."""
-    fine = _twice_as_fine(_twice_as_fine(values).T).T
-    return np.repeat(np.repeat(fine, 2, axis=0), 2, axis=1)
+    """Pairs of rows (2 n, 1, 4 m) for each of (n, m): twice as fine with values between them, then each column twice."""
+    return np.repeat(_twice_as_fine(_twice_as_fine(values).T).T, 2, axis=1)[:, None]
 
 
 def _twice_as_fine(values: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -317,16 +320,14 @@ def _twice_as_fine(values: NDArray[np.float32]) -> NDArray[np.float32]:
     return result
 
 
-def _span(first: int, last: int) -> slice:
-    """Texels from `first` to `last` and a margin, a multiple of four."""
-    return slice(max(first - _MARGIN, 0) & ~3, min(last + _MARGIN + 4, _SIZE) & ~3)
+def _span(own: slice) -> slice:
+    """Texels and a margin, a multiple of four."""
+    return slice(max(own.start - _MARGIN, 0) & ~3, min(own.stop + _MARGIN + 3, _SIZE) & ~3)
 
 
-def _of_five(function: np.ufunc, values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Least or greatest (n - 4, m) of five rows of (n, m)."""
-    two = function(values[:-1], values[1:])
-    result: NDArray[np.float32] = function(function(two[:-3], two[2:-1]), values[4:])
-    return result
+def _moved(own: slice, start: int) -> slice:
+    """The same texels, counted from another one."""
+    return slice(own.start - start, own.stop - start)
 
 
 def spots_of(light: CameraView, view: CameraView, points: NDArray[np.float32]) -> LightSpots:
@@ -379,10 +380,9 @@ def table_spots(light: CameraView, height: float, view: CameraView, depth: NDArr
     for values in (right, down):
         np.maximum(values, np.float32(1.0), out=values)
         np.minimum(values, np.float32(_SIZE - 1.501), out=values)
-    left, upper = np.floor(right), np.floor(down)
-    right -= left + np.float32(0.5)
-    down -= upper + np.float32(0.5)
-    texel = upper.astype(np.int64)
-    texel *= _SIZE
-    texel += left.astype(np.int64)
-    return TableSpots(pixels, texel, right, down)
+    column, row = right.astype(np.int64), down.astype(np.int64)
+    texel = row * _SIZE
+    texel += column
+    if not len(z) or float(z.min()) > -_TEXEL * float(k[0, 0]):
+        return TableSpots(pixels, texel, None, None)
+    return TableSpots(pixels, texel, right - column - np.float32(0.5), down - row - np.float32(0.5))

@@ -122,7 +122,9 @@ class Renderer:
     def shadow_map(self) -> ShadowMap:
         """Look from the key light, for cameras that look at the present instant."""
         view, height = self._view_of_light(), self._present_painter().table_height
-        return _shadow_map(view, self._rasterizer.shoot([_sight_of_light(view)], self.lighting)[0], height)
+        blocked = self._rasterizer.shoot([], self.lighting, view)[1]
+        assert blocked is not None
+        return ShadowMap(view, height, blocked)
 
     def render(
         self, view: CameraView, *, rgb: bool, depth: bool, mask: bool, shadows: bool | ShadowMap, antialiasing: bool = False
@@ -171,10 +173,10 @@ class Renderer:
         sights = [self._sight(request, backdrop) for request, backdrop in zip(requests, backdrops, strict=True)]
         makes_map = shadows is None and any(request.is_shaded for request in requests)
         view = self._view_of_light()
-        shots = self._rasterizer.shoot([*sights, _sight_of_light(view)] if makes_map else sights, self.lighting)
-        if makes_map:
-            shadows = _shadow_map(view, shots.pop(), painter.table_height)
-        images = self._images(requests, backdrops, shots, shadows)
+        shots, blocked = self._rasterizer.shoot(sights, self.lighting, view if makes_map else None)
+        if blocked is not None:
+            shadows = ShadowMap(view, painter.table_height, blocked)
+        images = self._images(requests, painter, backdrops, shots, shadows)
         return [
             self._put_together(request, backdrop, shot, image)
             for request, backdrop, shot, image in zip(requests, backdrops, shots, images, strict=True)
@@ -205,7 +207,12 @@ class Renderer:
         return Images(image, distance, ids)
 
     def _images(
-        self, requests: Sequence[Request], backdrops: Sequence[KeptBackdrop], shots: Sequence[Shot], shadows: ShadowMap | None
+        self,
+        requests: Sequence[Request],
+        room: Painter,
+        backdrops: Sequence[KeptBackdrop],
+        shots: Sequence[Shot],
+        shadows: ShadowMap | None,
     ) -> list[NDArray[np.uint8] | None]:
         """Colours of what moves before those of the room, with shadows, fill lights and textures; None where none are wanted."""
         images = [
@@ -218,7 +225,6 @@ class Renderer:
             surfaces = [surfaces_of(backdrops[n], shots[n]) for n in chosen]
             chosen_images = [image for n in chosen if (image := images[n]) is not None]
             if is_shaded and shadows is not None:
-                room = self._present_painter()
                 shade_tables(chosen_images, [backdrops[n] for n in chosen], shadows, room.table_height, room.table_key)
             colors = colors_in_light(surfaces, self.lighting, shadows if is_shaded else None)
             for image, own, seen in zip(chosen_images, colors, surfaces, strict=True):
@@ -269,11 +275,3 @@ def _joined(request: Request, parts: Sequence[Images]) -> Images:
     if parts[0].rgb is None or not request.antialiasing:
         return parts[0]
     return replace(parts[-1], rgb=halved(parts[0].rgb))
-
-
-def _sight_of_light(view: CameraView) -> Sight:
-    return Sight(view, None)
-
-
-def _shadow_map(view: CameraView, shot: Shot, table_height: float) -> ShadowMap:
-    return ShadowMap(view, shot.pixels, shot.depth, table_height)

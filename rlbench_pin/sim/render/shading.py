@@ -148,6 +148,7 @@ class Surfaces:
     normals: NDArray[np.float32]
     """Unit normals (3, n) in the world."""
 
+    @cached_property
     def points(self) -> NDArray[np.float32]:
         """Where they are (3, n), in the frame of the camera [m]."""
         k, depth = self.backdrop.view.intrinsics().astype(np.float32), self.shot.depth
@@ -160,12 +161,9 @@ class Surfaces:
 
     def rays(self) -> NDArray[np.float32]:
         """Unit directions (3, k) in the world in which the camera sees what is glossy."""
-        view = self.backdrop.view
-        k = view.intrinsics().astype(np.float32)
-        row, column = _places(self.shot.pixels.take(self.shot.glossy), view.size[0])
-        rays = np.stack([(column - k[0, 2]) / k[0, 0], (row - k[1, 2]) / k[1, 1], np.ones_like(row)])
-        rays /= np.sqrt((rays * rays).sum(axis=0))
-        return view.extrinsics()[:3, :3].astype(np.float32) @ rays
+        points = self.points.take(self.shot.glossy, axis=1)
+        points /= np.sqrt((points * points).sum(axis=0))
+        return self.backdrop.view.extrinsics()[:3, :3].astype(np.float32) @ points
 
 
 def surfaces_of(backdrop: KeptBackdrop, shot: Shot) -> Surfaces:
@@ -293,7 +291,7 @@ def _on(normals: NDArray[np.float32], light: Light) -> NDArray[np.float32]:
 
 
 def _spots(surfaces: Surfaces, shadows: ShadowMap) -> LightSpots:
-    return spots_of(shadows.view, surfaces.backdrop.view, surfaces.points())
+    return spots_of(shadows.view, surfaces.backdrop.view, surfaces.points)
 
 
 def _bias(cosine: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -316,7 +314,7 @@ def put_textures(
         frame: Says where a link is.
     """
     shot, focal = surfaces.shot, np.float32(-surfaces.backdrop.view.intrinsics()[0, 0])
-    pose, local = surfaces.backdrop.view.extrinsics().astype(np.float32), surfaces.points()
+    pose, local = surfaces.backdrop.view.extrinsics().astype(np.float32), surfaces.points
     segments = shot.segments.take(shot.segment)
     for (body, link), texture in textures.items():
         chosen = np.flatnonzero(segments == segment_of(body, link))

@@ -14,7 +14,7 @@ from rlbench_pin.sim.output import captured_output
 from rlbench_pin.sim.render.camera import CameraView, projection_matrix
 from rlbench_pin.sim.render.lighting import SPECULAR, Lighting
 from rlbench_pin.sim.render.masks import bodies_of
-from rlbench_pin.sim.render.raster.drawing import TOUCHING, Drawn, Sight, draw
+from rlbench_pin.sim.render.raster.drawing import TOUCHING, Blocked, Drawn, Sight, draw
 from rlbench_pin.sim.render.raster.stage import Appearance, Parts, Stage
 
 _HARDWARE_NEAR = 0.03  # its depth has so few bits that a nearer plane would cost millimetres [m]
@@ -61,16 +61,17 @@ class NumpyRasterizer:
     def __init__(self, client: PhysicsClient, room: frozenset[int], appearance: Appearance) -> None:
         self._stage, self._other = Stage(client, room, appearance), BulletRasterizer(client, room)
 
-    def shoot(self, sights: Sequence[Sight], lighting: Lighting) -> list[Shot]:
-        """Return one shot for each camera."""
+    def shoot(self, sights: Sequence[Sight], lighting: Lighting, light: CameraView | None) -> tuple[list[Shot], Blocked | None]:
+        """Return one shot for each camera, and what stands in a light, whose camera is `light`."""
         placed = self._stage.update()
         if placed is None:
-            return self._other.shoot(sights, lighting)
+            return self._other.shoot(sights, lighting, light)
         colors, shape = self._stage.colors, placed.parts.shape
-        drawn = draw(placed, self._stage.layers, (colors[:, 3] > 0.0).take(shape), sights)
+        drawn, blocked = draw(placed, self._stage.layers, (colors[:, 3] > 0.0).take(shape), sights, light)
         paint = np.ascontiguousarray((colors[:, :3] * np.float32(255.0)).T)
         gloss = np.ascontiguousarray(self._stage.gloss.T)
-        return [_shot(image, placed.parts, paint, gloss, sight.is_lit) for image, sight in zip(drawn, sights, strict=True)]
+        shots = [_shot(image, placed.parts, paint, gloss, sight.is_lit) for image, sight in zip(drawn, sights, strict=True)]
+        return shots, blocked
 
 
 def _shot(drawn: Drawn, parts: Parts, paint: NDArray[np.float32], gloss: NDArray[np.float32], is_lit: bool) -> Shot:
@@ -97,9 +98,16 @@ class BulletRasterizer:
         self._client, self._hardware = client, client.hardware
         self._room = np.array(sorted(room), dtype=np.int32)
 
-    def shoot(self, sights: Sequence[Sight], lighting: Lighting) -> list[Shot]:
-        """Return one shot for each camera."""
-        return [self._shot(sight, lighting) for sight in sights]
+    def shoot(self, sights: Sequence[Sight], lighting: Lighting, light: CameraView | None) -> tuple[list[Shot], Blocked | None]:
+        """Return one shot for each camera, and what stands in a light, whose camera is `light`."""
+        shots = [self._shot(sight, lighting) for sight in sights]
+        return shots, None if light is None else self._blocked(light, lighting)
+
+    def _blocked(self, light: CameraView, lighting: Lighting) -> Blocked:
+        shot = self._shot(Sight(light, None), lighting)
+        depth = np.full(light.size[0] * light.size[1], np.inf, dtype=np.float32)
+        depth[shot.pixels] = shot.depth
+        return Blocked(0, 0, depth.reshape(light.size[::-1]))
 
     def _shot(self, sight: Sight, lighting: Lighting) -> Shot:
         view = sight.view

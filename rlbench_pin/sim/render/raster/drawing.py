@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rlbench_pin.sim.render.camera import CameraView
-from rlbench_pin.sim.render.raster.spans import Projection, Spans, outlines_of, parts_of_keys
+from rlbench_pin.sim.render.raster.spans import Projection, Spans, inverses_of_keys, outlines_of, parts_of_keys
 from rlbench_pin.sim.render.raster.stage import Layers, Placed
 
 TOUCHING = np.float32(1e-5)
@@ -51,7 +51,21 @@ class Drawn:
     """Unit normals (3, n) in the world, between those of the corners; none where no colours are wanted."""
 
 
-def draw(placed: Placed, layers: Layers, shown: NDArray[np.bool_], sights: Sequence[Sight]) -> list[Drawn]:
+@dataclass(frozen=True, eq=False)
+class Blocked:
+    """Where moving objects stand in a light, in a part of the image that it takes."""
+
+    row: int
+    """First row of the part."""
+    column: int
+    """Its first column."""
+    depth: NDArray[np.float32]
+    """Distance along the light to the first object, infinite where there is none, (h, w) [m]."""
+
+
+def draw(
+    placed: Placed, layers: Layers, shown: NDArray[np.bool_], sights: Sequence[Sight], light: CameraView | None
+) -> tuple[list[Drawn], Blocked | None]:
     """Draw all triangles as some cameras see them; an image is the same whatever other cameras look, and was drawn before.
 
     Args:
@@ -59,13 +73,17 @@ def draw(placed: Placed, layers: Layers, shown: NDArray[np.bool_], sights: Seque
         layers: What was drawn before.
         shown: Whether each is seen (m,).
         sights: The cameras.
+        light: Camera of a light.
+
+    Returns:
+        What each camera sees, and what stands in the light; None where that is not asked for.
     """
-    views = [sight.view for sight in sights]
+    views = [*(sight.view for sight in sights), *([] if light is None else [light])]
     projection = Projection(placed, views)
     starts = np.cumsum([0, *(view.size[0] * view.size[1] for view in views)])
     nearest = np.zeros(int(starts[-1]), dtype=np.int64)
     _draw_into(nearest, starts, projection, shown & _from_layers(nearest, starts, projection, placed, layers, shown))
-    pixels = (nearest > 0).nonzero()[0]
+    pixels = (nearest[: starts[len(sights)]] > 0).nonzero()[0]
     triangles, inverse = parts_of_keys(nearest.take(pixels))
     depth: NDArray[np.float32] = np.float32(1.0) / inverse
     ends = np.searchsorted(pixels, starts)
@@ -79,7 +97,17 @@ def draw(placed: Placed, layers: Layers, shown: NDArray[np.bool_], sights: Seque
             if not seen.all():
                 quantities = tuple(values[seen] for values in quantities)
         drawn.append(quantities)
-    return _with_normals(drawn, sights, projection)
+    blocked = None if light is None else _blocked(nearest[starts[len(sights)] :], projection)
+    return _with_normals(drawn, sights, projection), blocked
+
+
+def _blocked(nearest: NDArray[np.int64], projection: Projection) -> Blocked:
+    """What stands in the light, which is the last camera, from the keys (n,) of its pixels."""
+    width, height = projection.views[-1].size
+    (first, begin), (last, end) = projection.bounds(len(projection.views) - 1)
+    part = nearest.reshape(height, width)[begin : end + 1, first : last + 1]
+    with np.errstate(divide="ignore"):
+        return Blocked(begin, first, np.float32(1.0) / inverses_of_keys(part))
 
 
 def _from_layers(
