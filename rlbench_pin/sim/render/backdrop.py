@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from rlbench_pin.sim.render.camera import CameraView, pixel_rays
 from rlbench_pin.sim.render.lighting import Lighting
 from rlbench_pin.sim.render.texture import Texture
+from rlbench_pin.sim.render.tone import toned
 
 _CLOSE = 1e-3  # [m]
 _SLACK = 1.0001  # for rounding
@@ -312,4 +313,4 @@ def _light_on(panel: Panel, lighting: Lighting) -> tuple[NDArray[np.float32], ND
 
 def _packed(colors: NDArray) -> NDArray[np.void]:
     """Colours (n, 3) in 0..1 as rgb bytes (n,) of type `PIXEL`."""
-    return np.minimum(colors * 255.0 + 0.5, 255.0).astype(np.uint8).reshape(-1).view(PIXEL)
+    return toned((colors * 255.0).astype(np.float32)).reshape(-1).view(PIXEL)

@@ -61,11 +61,11 @@ class Light:
 class Lighting:
     """All light in a world."""
 
-    key: Light = Light((0.6, 0.4, 1.6), 0.42)
+    key: Light = Light((0.6, 0.4, 1.6), 0.36)
     """The sun of the scene; casts the shadows."""
     fills: tuple[Light, ...] = field(default=(Light((-0.9, 0.8, 0.9), 0.10), Light((0.5, -1.2, 0.5), 0.10)))
     """Soft lights from the other sides."""
-    ambient: float = 0.50
+    ambient: float = 0.56
     """Brightness of a white surface that no light reaches."""
 
     def __post_init__(self) -> None:

@@ -9,7 +9,7 @@ right. What rests before a camera at rest is drawn once: keys of pixels, which m
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,10 @@ from rlbench_pin.sim.render.raster.stage import Layers, Placed
 
 TOUCHING = np.float32(1e-5)
 """So far behind the room objects are still seen [m]."""
+
+
+_SOLID = np.float32(0.999)
+"""From this opacity on nothing is seen through a thing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +53,8 @@ class Drawn:
     """(n,) [m]."""
     normals: NDArray[np.float32]
     """Unit normals (3, n) in the world, between those of the corners; none where no colours are wanted."""
+    behind: Drawn | None = None
+    """What is seen through glass; None where there is none, or no colours are wanted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,14 +70,14 @@ class Blocked:
 
 
 def draw(
-    placed: Placed, layers: Layers, shown: NDArray[np.bool_], sights: Sequence[Sight], light: CameraView | None
+    placed: Placed, layers: Layers, opacity: NDArray[np.float32], sights: Sequence[Sight], light: CameraView | None
 ) -> tuple[list[Drawn], Blocked | None]:
     """Draw all triangles as some cameras see them; an image is the same whatever other cameras look, and was drawn before.
 
     Args:
         placed: The triangles.
         layers: What was drawn before.
-        shown: Whether each is seen (m,).
+        opacity: Of each (m,): 0 is not seen, 1 hides all, what lies between is glass, which casts no shadow.
         sights: The cameras.
         light: Camera of a light.
 
@@ -81,10 +87,25 @@ def draw(
     views = [*(sight.view for sight in sights), *([] if light is None else [light])]
     projection = Projection(placed, views)
     starts = np.cumsum([0, *(view.size[0] * view.size[1] for view in views)])
+    solid, glass = opacity >= _SOLID, (opacity > 0.0) & (opacity < _SOLID)
     nearest = np.zeros(int(starts[-1]), dtype=np.int64)
-    _draw_into(nearest, starts, projection, shown & _from_layers(nearest, starts, projection, placed, layers, shown))
-    pixels = (nearest[: starts[len(sights)]] > 0).nonzero()[0]
-    triangles, inverse = parts_of_keys(nearest.take(pixels))
+    _draw_into(nearest, starts, projection, solid & _from_layers(nearest, starts, projection, placed, layers, solid))
+    blocked = None if light is None else _blocked(nearest[starts[len(sights)] :], projection)
+    keys = nearest[: starts[len(sights)]]
+    if not glass.any():
+        return _with_normals(_seen(keys, sights, starts), sights, projection), blocked
+    front = keys.copy()
+    is_camera = np.arange(len(views)) < len(sights)
+    _draw_into(front, starts, projection, glass & is_camera[:, None])
+    seen = _with_normals(_seen(front, sights, starts), sights, projection)
+    behind = _with_normals(_seen(np.where(front != keys, keys, 0), sights, starts), sights, projection)
+    return [replace(own, behind=far) if len(far.pixels) else own for own, far in zip(seen, behind, strict=True)], blocked
+
+
+def _seen(keys: NDArray[np.int64], sights: Sequence[Sight], starts: NDArray[np.int64]) -> list[tuple[NDArray, ...]]:
+    """Of each camera pixels, triangles, inverse depths and depths (n,) of keys that are not 0, before what hides them."""
+    pixels = (keys > 0).nonzero()[0]
+    triangles, inverse = parts_of_keys(keys.take(pixels))
     depth: NDArray[np.float32] = np.float32(1.0) / inverse
     ends = np.searchsorted(pixels, starts)
     drawn = []
@@ -97,8 +118,7 @@ def draw(
             if not seen.all():
                 quantities = tuple(values[seen] for values in quantities)
         drawn.append(quantities)
-    blocked = None if light is None else _blocked(nearest[starts[len(sights)] :], projection)
-    return _with_normals(drawn, sights, projection), blocked
+    return drawn
 
 
 def _blocked(nearest: NDArray[np.int64], projection: Projection) -> Blocked:
