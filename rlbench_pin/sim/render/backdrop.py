@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,6 +88,18 @@ class Canvas:
             return
         for sight in sights:
             self._add(sight)
+
+    def draw_alone(self, sights: Sequence[PanelSight], number: int) -> bool:
+        """Draw a rectangle, before which there is no other, if it fills the image, and tell whether it does.
+
+        Args:
+            sights: Where it can be seen, if it can.
+            number: Its number.
+        """
+        if not sights or not self._hides(sights[0], ()):
+            return False
+        self.draw([replace(sights[0], number=number)])
+        return True
 
     def _hides(self, sight: PanelSight, others: Sequence[PanelSight]) -> bool:
         """Whether a rectangle fills the image and lies before all others; if its corners do, all of the image does."""
@@ -240,6 +252,8 @@ class Backdrop:
     """Ids, 0 where nothing is in range, (h, w)."""
     owner: NDArray[np.int32]
     """Number of the rectangle that each pixel sees, -1 for none, (h, w)."""
+    table: NDArray[np.int64]
+    """Flat indices of the pixels that see the table top (n,)."""
 
 
 class Painter:
@@ -260,11 +274,30 @@ class Painter:
         self._corners, self._edges = np.array([p.corner for p in panels]), np.array([p.edges for p in panels])
         self._bases = _bases(self._edges)
         self._paints = Paints()
-        level = [panel for panel in panels if panel.normal[2] > _LEVEL]
-        top = max(level, key=lambda panel: panel.corner[2], default=None)
-        self.table_height = _DEEP if top is None else float(top.corner[2])
-        bright, shaded = (np.ones(3), np.ones(3)) if top is None else _light_on(top, lighting)
+        heights = [panel.corner[2] if panel.normal[2] > _LEVEL else -np.inf for panel in panels]
+        self._top = int(np.argmax(heights))
+        self.table_height = float(heights[self._top])
+        bright, shaded = _light_on(self._panels[self._top], lighting)
         self.table_key = (1.0 - shaded / np.maximum(bright, 1e-6)).astype(np.float32)
+
+        corners = self._panels[self._top].corner + np.array([[0, 0], [1, 0], [0, 1], [1, 1]]) @ self._panels[self._top].edges
+        aside = [
+            p for p in panels if max(p.corner[2] + z for z in (0.0, *p.edges[:, 2], p.edges[:, 2].sum())) > self.table_height
+        ]
+        normals = np.array([panel.normal for panel in aside]).reshape(-1, 3)
+        offsets = np.array([panel.normal @ panel.corner for panel in aside])
+        sides = normals @ corners.T - offsets[:, None]
+        # a camera that is on the same side of all of them as the table has none before it
+        self._aside = normals, offsets, np.where(sides.min(axis=1) > 0.0, 1.0, np.where(sides.max(axis=1) < 0.0, -1.0, 0.0))
+
+    def _is_clear(self, eye: NDArray[np.float64]) -> bool:
+        """Whether no other rectangle lies between a point and the table top."""
+        normals, offsets, sides = self._aside
+        return bool(eye[2] > self.table_height and ((normals @ eye - offsets) * sides > 0.0).all())
+
+    def _alone(self, *arrays: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
+        """The part (1, ...) of arrays (m, ...) that belongs to the table top."""
+        return (values[self._top : self._top + 1] for values in arrays)
 
     def draw(self, view: CameraView) -> Backdrop:
         """Draw all rectangles as a camera sees them."""
@@ -272,7 +305,11 @@ class Painter:
         to_camera = np.linalg.inv(view.extrinsics())
         rotation, shift = to_camera[:3, :3], to_camera[:3, 3]
         corners, edges = self._corners @ rotation.T + shift, self._edges @ rotation.T
-        canvas.draw(sights_of(canvas, corners, edges, self._bases @ rotation.T))
+        bases = self._bases @ rotation.T
+        if not (
+            self._is_clear(view.pose[:3]) and canvas.draw_alone(sights_of(canvas, *self._alone(corners, edges, bases)), self._top)
+        ):
+            canvas.draw(sights_of(canvas, corners, edges, bases))
         owner, inverse = canvas.owner, canvas.inverse
         texel = np.zeros(owner.size, dtype=np.int32)
         for number, pixels in canvas.visible():
@@ -289,7 +326,12 @@ class Painter:
         if len(outside := (inverse.ravel() * np.float32(view.far) < 1.0).nonzero()[0]):
             depth.ravel()[outside], ids.ravel()[outside] = view.far, 0
         rgb = self._paints.lit.take(texel).view(np.uint8).reshape(*owner.shape, 3)
-        return Backdrop(rgb, depth, ids, owner)
+        table = (
+            np.arange(owner.size)
+            if canvas.only is not None and canvas.only.number == self._top
+            else (owner.ravel() == self._top).nonzero()[0]
+        )
+        return Backdrop(rgb, depth, ids, owner, table)
 
 
 def _bases(edges: NDArray[np.float64]) -> NDArray[np.float64]:

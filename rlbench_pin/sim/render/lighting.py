@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rlbench_pin.errors import CameraError, InvalidCamera
-from rlbench_pin.sim.render.camera import CameraView, pixel_rays
+from rlbench_pin.sim.render.camera import CameraView
 from rlbench_pin.sim.render.raster.drawing import Blocked
 from rlbench_pin.spatial import TABLE_HEIGHT, matrix_to_pose
 from rlbench_pin.values import as_number, as_vector
@@ -242,12 +242,13 @@ class ShadowMap:
         coarse *= np.float32(1.0 / (16.0 * 256.0))
         contact *= np.float32(0.5 / 256.0) * _DARKENING
         coarse += contact
-        rows = _smooth(blocked.view(np.uint8)[6:-6, 6:-6]).astype(np.uint16)  # at most 16, then 256
-        fine = _smooth(rows.T).T.astype(np.float32, order="C")
+        # 3 x 3 before and after both are put together make 5 x 5, and no steps are seen of the coarse one
+        fine = _smooth(_smooth(blocked.view(np.uint8)[7:-7, 7:-7], 2).T, 2).T.astype(np.float32, order="C")
         pairs = fine.reshape(len(fine) // 2, 2, -1)
         pairs *= _four_times((np.float32(1.0) - softness) * np.float32(1.0 / 256.0))
-        pairs += _four_times(coarse)
-        result[self._rows.start + 8 : self._rows.stop - 8, self._columns.start + 8 : self._columns.stop - 8] = fine
+        pairs += _four_times(coarse * np.float32(1.0 / 16.0))
+        fine = _smooth(_smooth(fine, 2).T, 2).T
+        result[self._rows.start + 9 : self._rows.stop - 9, self._columns.start + 9 : self._columns.stop - 9] = fine
         return result.ravel()
 
     def at(self, spots: TableSpots) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
@@ -288,9 +289,9 @@ def _lowness(above: NDArray[np.float32], view: CameraView) -> NDArray[np.float32
     return np.maximum(share, np.float32(0.0), out=share)
 
 
-def _smooth(values: NDArray) -> NDArray:
-    """Sums (n - 4, m) of five rows of (n, m), weighted by 1, 4, 6, 4 and 1."""
-    for _ in range(4):
+def _smooth(values: NDArray, times: int = 4) -> NDArray:
+    """Sums (n - times, m) of rows of (n, m), weighted by 1, 2 and 1, or by 1, 4, 6, 4 and 1."""
+    for _ in range(times):
         values = values[:-1] + values[1:]
     return values
 
@@ -352,21 +353,15 @@ def joined_spots(spots: Sequence[LightSpots]) -> LightSpots:
     return LightSpots(*(np.concatenate([getattr(s, name) for s in spots]) for name in ("right", "down", "depth")))
 
 
-def table_spots(light: CameraView, height: float, view: CameraView, depth: NDArray[np.float32]) -> TableSpots:
+def table_spots(light: CameraView, view: CameraView, depth: NDArray[np.float32], pixels: NDArray[np.int64]) -> TableSpots:
     """Find the pixels of a camera that see the table in the image that `light` takes.
 
     Args:
         light: Camera of the light.
-        height: z of the table top [m].
         view: The camera.
         depth: What it sees of the room, (h, w) [m].
+        pixels: Flat indices of the pixels that see the table (n,).
     """
-    columns, rows = pixel_rays(view)
-    across, along, forward = view.extrinsics()[2, :3].tolist()
-    level = (along * rows + forward).astype(np.float32)[:, None] + (across * columns).astype(np.float32)
-    level *= depth
-    level += np.float32(view.pose[2] - height)
-    pixels = (np.abs(level, out=level).ravel() < _ON_TABLE).nonzero()[0]
     row = pixels // view.size[0]
     column = (pixels - row * view.size[0]).astype(np.float32)
     k = view.intrinsics().astype(np.float32)

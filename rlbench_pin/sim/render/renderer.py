@@ -229,10 +229,10 @@ class Renderer:
             views, shots = [backdrops[n] for n in chosen], [shooting.shots[n] for n in chosen]
             chosen_images = [image for n in chosen if (image := images[n]) is not None]
             if is_shaded and shadows is not None:
-                shade_tables(chosen_images, views, shadows, room.table_height, room.table_key)
+                shade_tables(chosen_images, views, shadows, room.table_key)
                 if shooting.lamps:
                     for image, view in zip(chosen_images, views, strict=True):
-                        put_pools(image, view, view.table(shadows.view, room.table_height), shooting.lamps)
+                        put_pools(image, view, view.table(shadows.view), shooting.lamps)
             # what is seen through glass first
             layers = [(n, shot.behind) for n, shot in enumerate(shots) if shot.behind is not None] + list(enumerate(shots))
             surfaces = [surfaces_of(views[n], shot) for n, shot in layers]

@@ -44,7 +44,7 @@ class KeptBackdrop:
 
     def __init__(self, view: CameraView, image: Backdrop) -> None:
         self.view, self.image = view, image
-        self._spots: tuple[CameraView, float, TableSpots] | None = None
+        self._spots: tuple[CameraView, TableSpots] | None = None
 
     @cached_property
     def inverse(self) -> NDArray[np.float32]:
@@ -54,18 +54,17 @@ class KeptBackdrop:
         np.divide(np.float32(1.0), self.image.depth, out=padded[1:-1, 1:-1])
         return padded.ravel()
 
-    def table(self, light: CameraView, height: float) -> TableSpots:
-        """Where its pixels that see the table, at some height [m], lie in the image that the key light takes."""
-        if self._spots is None or self._spots[:2] != (light, height):
-            self._spots = light, height, table_spots(light, height, self.view, self.image.depth)
-        return self._spots[2]
+    def table(self, light: CameraView) -> TableSpots:
+        """Where its pixels that see the table lie in the image that the key light takes."""
+        if self._spots is None or self._spots[0] is not light:
+            self._spots = light, table_spots(light, self.view, self.image.depth, self.image.table)
+        return self._spots[1]
 
 
 def shade_tables(
     images: Sequence[NDArray[np.uint8]],
     backdrops: Sequence[KeptBackdrop],
     shadows: ShadowMap,
-    height: float,
     key: NDArray[np.float32],
 ) -> None:
     """Darken the table in images (h, w, 3) where moving objects stand in the key light.
@@ -74,18 +73,23 @@ def shade_tables(
         images: The images, of all cameras.
         backdrops: The room as these cameras see it.
         shadows: The shadows.
-        height: z of the table top [m].
         key: Share (3,) of its colour that the key light gives.
     """
     if shadows.is_empty:
         return
-    tables = [backdrop.table(shadows.view, height) for backdrop in backdrops]
+    tables = [backdrop.table(shadows.view) for backdrop in backdrops]
     found = [shadows.at(spots) for spots in tables]
     pixels = [spots.pixels.take(chosen) for spots, (chosen, _) in zip(tables, found, strict=True)]
     missing = np.concatenate([each for _, each in found])
     own = np.concatenate([image.reshape(-1).view(PIXEL).take(each) for image, each in zip(images, pixels, strict=True)])
-    colors = own.view(np.uint8).reshape(-1, 3).T * (np.float32(1.0) - key[:, None] * missing)
-    shaded = as_bytes(np.maximum(colors, np.float32(0.0), out=colors))
+    shaded = own.view(np.uint8).reshape(-1, 3)
+    for channel, part in enumerate(key.tolist()):
+        values = missing * np.float32(-part)
+        values += np.float32(1.0)
+        np.maximum(values, np.float32(0.0), out=values)
+        values *= shaded[:, channel]
+        values += np.float32(0.5)
+        shaded[:, channel] = values
     ends = np.cumsum([0, *(len(each) for each in pixels)])
     for image, each, a, b in zip(images, pixels, ends, ends[1:]):
         put_pixels(image, each, shaded[a:b])
@@ -94,16 +98,6 @@ def shade_tables(
 def put_pixels(image: NDArray[np.uint8], pixels: NDArray[np.int64], colors: NDArray[np.uint8]) -> None:
     """Write colours (n, 3) to some pixels, by flat index, of an image (h, w, 3)."""
     image.reshape(-1).view(PIXEL)[pixels] = np.ascontiguousarray(colors).reshape(-1).view(PIXEL)
-
-
-def as_bytes(colors: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Colours (n, 3) of those in 0..255, (3, n), rounded; overwrites them."""
-    colors += np.float32(0.5)
-    np.minimum(colors, np.float32(255.0), out=colors)
-    result = np.empty((colors.shape[1], 3), dtype=np.uint8)
-    for channel, values in enumerate(colors):
-        result[:, channel] = values.astype(np.uint8)
-    return result
 
 
 def toned_pixels(colors: NDArray[np.float32]) -> NDArray[np.uint8]:
