@@ -3,7 +3,20 @@
 from __future__ import annotations
 
 from assets_lib.mesh import Mesh, box, cylinder, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal, plastic
+from assets_lib.urdf import (
+    Joint,
+    Link,
+    Model,
+    Shape,
+    Visual,
+    box_shape,
+    cylinder_shape,
+    mesh_shape,
+    metal,
+    pane,
+    plastic,
+    shining,
+)
 
 DEPTH, WIDTH, HEIGHT, FOOT = 0.28, 0.38, 0.24, 0.01
 DOOR = (0.018, 0.28, 0.22)
@@ -16,7 +29,7 @@ HINGE = (FRONT - GAP, WIDTH / 2.0, (FOOT + HEIGHT) / 2.0)
 HANDLE = (-0.018 - 0.042, -0.255, 0.0)
 """Centre of the handle bar in the door frame [m]."""
 BAR_RADIUS, BAR_LENGTH = 0.006, 0.15
-SHELL, BLACK, GLASS = plastic((0.80, 0.81, 0.82)), (0.10, 0.10, 0.11), glass((0.20, 0.26, 0.30))
+SHELL, BLACK, GLASS = plastic((0.80, 0.81, 0.82)), (0.10, 0.10, 0.11), pane((0.12, 0.15, 0.17), 0.55)
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 
@@ -107,7 +120,7 @@ def _body_link() -> Link:
         Visual(mesh_shape("shell", _merged(_body())), SHELL),
         Visual(mesh_shape("control_panel", _merged((_control_panel(),))), BLACK),
         Visual(mesh_shape("keys", _keys()), (0.75, 0.76, 0.78)),
-        Visual(mesh_shape("display", display), (0.15, 0.85, 0.45)),
+        Visual(mesh_shape("display", display), shining((0.15, 0.85, 0.45))),
         Visual(mesh_shape("feet", _feet()), BLACK),
         Visual(mesh_shape("vents", _vents()), (0.30, 0.31, 0.33)),
         Visual(mesh_shape("turntable", _turntable()), (0.62, 0.72, 0.76)),
