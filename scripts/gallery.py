@@ -27,8 +27,9 @@ VIEW = CameraView(
 )
 HEAD = """# Gallery
 
-The {count} tasks of the library, each late in a demonstration of seed 0 and variation 0, from its left and from behind
-the robot (`clear_robot_side`), with a sentence that asks for it. A picture leads to the task's contact sheet: the five cameras and the three clear views at five moments.
+The {count} tasks of the library, each late in a demonstration of seed 0 and variation 0, from the side and from behind the robot
+(`clear_robot_side`), with a sentence that asks for it. A picture leads to the task's contact sheet: the five cameras and the
+three clear views at five moments.
 `rlbench-pin view TASK` draws the sheet of any task, `rlbench-pin video TASK` films it. Written by `python scripts/gallery.py`.
 
 """

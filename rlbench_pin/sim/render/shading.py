@@ -136,7 +136,7 @@ def _pool(squared: NDArray[np.float32], lamp: Lamp) -> NDArray[np.float32]:
     return _LAMP * np.exp(squared * np.float32(-1.0 / lamp.reach**2))
 
 
-def smoothed(images: NDArray[np.uint8], surfaces: NDArray[np.int32]) -> None:
+def smoothed(images: NDArray[np.uint8], surfaces: NDArray[np.uint8]) -> None:
     """Smooth the edges in images (c, h, w, 3) between pixels that see different surfaces (c, h, w).
 
     Of a row of pixels along such an edge, one line goes from where it steps to one side to where it steps to the next; each pixel
@@ -165,7 +165,7 @@ def _turned_back(pixels: NDArray[np.int64], height: int, width: int) -> NDArray[
     return image * (height * width) + (pixels - column * height) * width + (column - image * width)
 
 
-def _crossings(surfaces: NDArray[np.int32]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]:
+def _crossings(surfaces: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]:
     """Pixels (n,) of images (c, h, w) that see another surface than those below them, these, and how far the edge lies above
     their border as a share of a pixel (n,), negative where it lies below.
     """

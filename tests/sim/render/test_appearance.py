@@ -99,7 +99,7 @@ def test_smooth_edges_change_colours_at_edges_alone(world):
 
 def test_a_slanting_edge_becomes_a_ramp():
     """An edge that climbs one pixel in eight is a line of shares that grow evenly; steps of one pixel are no more."""
-    surfaces = (np.arange(16)[:, None] > 4 + np.arange(64)[None, :] / 8.0).astype(np.int32)[None]
+    surfaces = (np.arange(16)[:, None] > 4 + np.arange(64)[None, :] / 8.0).astype(np.uint8)[None]
     images = np.repeat((surfaces * 200)[..., None], 3, axis=3).astype(np.uint8)
     smoothed(images, surfaces)
     share = images[0, :, 8:56, 0].sum(axis=0) / 200.0

@@ -253,7 +253,8 @@ def parts_of_keys(keys: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[n
 
 def inverses_of_keys(keys: NDArray[np.int64]) -> NDArray[np.float32]:
     """Inverse depth [1/m] of keys (...); 0 where they are 0."""
-    return (keys >> _BITS).astype(np.int32).view(np.float32)
+    inverse: NDArray[np.float32] = np.right_shift(keys, _BITS).astype(np.int32).view(np.float32)
+    return inverse
 
 
 def _runs(counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
