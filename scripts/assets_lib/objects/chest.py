@@ -83,7 +83,7 @@ def _handle_mesh() -> Mesh:
 def _rosettes() -> Mesh:
     """Return the round plates under the posts of the handle."""
     turn = (0.0, HALF_PI, 0.0)
-    return merge(cylinder(0.011, 0.003, 14).moved((-0.0005, y, HANDLE[2]), turn) for y in (-0.042, 0.042))
+    return merge(cylinder(0.011, 0.003, 8).moved((-0.0005, y, HANDLE[2]), turn) for y in (-0.042, 0.042))
 
 
 def _handle_shapes() -> tuple[Shape, ...]:

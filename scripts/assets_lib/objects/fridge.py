@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assets_lib.cabinets import bevelled, cabinet
+from assets_lib.cabinets import bevelled, cabinet, rectangle_at
 from assets_lib.mesh import Mesh, box, cylinder, icosphere, merge, rod
 from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic, shining
 
@@ -94,8 +94,8 @@ def _lining() -> Mesh:
 def _coil() -> Mesh:
     """Return the pipes on the back, seen by the front camera."""
     x = DEPTH / 2.0 + 0.006
-    runs = [box((0.006, 0.28, 0.007), (x, 0.0, 0.20 + 0.035 * i)) for i in range(10)]
-    bends = [box((0.006, 0.007, 0.035), (x, (0.14 if i % 2 else -0.14), 0.2175 + 0.035 * i)) for i in range(9)]
+    runs = [box((0.006, 0.28, 0.007), (x, 0.0, 0.20 + 0.045 * i)) for i in range(8)]
+    bends = [box((0.006, 0.007, 0.045), (x, (0.14 if i % 2 else -0.14), 0.2225 + 0.045 * i)) for i in range(7)]
     return merge([*runs, *bends, *(box((0.008, 0.006, 0.36), (x - 0.002, y, 0.36)) for y in (-0.09, 0.09))])
 
 
@@ -134,22 +134,18 @@ def _handle(z: float, length: float) -> tuple[Mesh, tuple[Shape, ...]]:
     return merge([bar, *posts]), (cylinder_shape(BAR_RADIUS, length, (x, y, z)), *stays)
 
 
-def _rosettes(z: float, length: float) -> Mesh:
-    """Return the plates with bolts by which a handle is fixed to its door."""
-    y, parts = HANDLE[1], []
-    for end in (z + side * (length / 2.0 - 0.012) for side in (-1, 1)):
-        parts.append(cylinder(0.013, 0.004, 14).moved((-THICK - 0.001, y, end), (0.0, HALF_PI, 0.0)))
-        parts.append(icosphere(0.0085, 1).scaled((0.6, 1.0, 1.0)).moved((HANDLE[0], y, end)))
-    return merge(parts)
+def _bolted_plates(z: float, length: float) -> Mesh:
+    """Return the plates by which a handle is fixed to its door."""
+    ends = (z + side * (length / 2.0 - 0.012) for side in (-1, 1))
+    return merge(box((0.004, 0.026, 0.028), (-THICK - 0.001, HANDLE[1], end)) for end in ends)
 
 
 def _seal(tall: float) -> Mesh:
-    """Return the rubber around the inner side of a door, which is seen as a dark line where the door meets the body."""
-    x, y, z = (0.0, 0.0014), (-WIDTH + 0.004, -0.004), (-tall / 2.0 + 0.004, tall / 2.0 - 0.004)
-    wide = 0.014
-    sides = [_between(x, span, z) for span in ((y[0], y[0] + wide), (y[1] - wide, y[1]))]
-    ends = [_between(x, (y[0] + wide, y[1] - wide), span) for span in ((z[0], z[0] + wide), (z[1] - wide, z[1]))]
-    return _merged((*sides, *ends))
+    """Return the rubber around the inner side of a door, seen when it is open."""
+    y, z, wide = (-WIDTH + 0.006, -0.006), (-tall / 2.0 + 0.006, tall / 2.0 - 0.006), 0.016
+    strips = [((y[0], y[0] + wide), z), ((y[1] - wide, y[1]), z), (y, (z[0], z[0] + wide)), (y, (z[1] - wide, z[1]))]
+    # a rectangle is seen from -x, turned about z from +x
+    return merge(rectangle_at(-0.0012, (-own[1], -own[0]), high) for own, high in strips).moved(rpy=(0.0, 0.0, 2.0 * HALF_PI))
 
 
 def _racks(tall: float) -> tuple[Box, ...]:
@@ -171,7 +167,7 @@ def _door_link(name: str, bounds: tuple[float, float], mass: float) -> Link:
         Visual(mesh_shape(f"{name}_door", bevelled((slab,), 0.004)), MINT),
         Visual(mesh_shape(f"{name}_pad", _merged((pad,))), WHITE),
         Visual(mesh_shape(f"{name}_seal", _seal(tall)), SEAL),
-        Visual(mesh_shape(f"{name}_handle", merge([handle, _rosettes(*BARS[name])])), CHROME),
+        Visual(mesh_shape(f"{name}_handle", merge([handle, _bolted_plates(*BARS[name])])), CHROME),
     ]
     solid: list[Box] = [slab]
     if name == "upper":

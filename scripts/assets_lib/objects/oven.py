@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assets_lib.cabinets import bevelled_box, cabinet
+from assets_lib.cabinets import bevelled_box, cabinet, rectangle_at
 from assets_lib.mesh import Mesh, box, cylinder, merge, rod
 from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal
 
@@ -76,7 +76,7 @@ def _lining() -> Mesh:
 def _plates() -> Mesh:
     """Return the four cooking plates."""
     places = ((-0.085, 0.105, 0.07), (0.085, 0.105, 0.055), (-0.085, -0.105, 0.055), (0.085, -0.105, 0.07))
-    return merge(cylinder(r, 0.006, 14).moved((x, y, HEIGHT + 0.003)) for x, y, r in places)
+    return merge(cylinder(r, 0.006, 12).moved((x, y, HEIGHT + 0.003)) for x, y, r in places)
 
 
 def _knob_mesh() -> Mesh:
@@ -123,6 +123,14 @@ def _body_link() -> Link:
     return Link("oven", 15.0, visuals, (*shapes, *fixed))
 
 
+def _rim() -> Mesh:
+    """Return the dark edge of the window on both sides of the door."""
+    t, w, h = DOOR
+    y, low, high = w / 2.0 - 0.042, h / 2.0 - 0.015 - (h - 0.104) / 2.0, h / 2.0 - 0.015 + (h - 0.104) / 2.0
+    outside = rectangle_at(-t - 0.0005, (-y, y), (low, high))
+    return merge([outside, rectangle_at(-0.0005, (-y, y), (low, high)).moved(rpy=(0.0, 0.0, 2.0 * HALF_PI))])
+
+
 def _door_link() -> Link:
     t, w, h = DOOR
     x, y, z = HANDLE
@@ -130,8 +138,7 @@ def _door_link() -> Link:
     bar = rod((x, -BAR_LENGTH / 2.0, z), (x, BAR_LENGTH / 2.0, z), BAR_RADIUS, 10)
     visuals = (
         Visual(mesh_shape("door", bevelled_box(DOOR, (-t / 2.0, 0.0, h / 2.0), 0.004)), BRUSHED),
-        Visual(mesh_shape("window_rim", box((t + 0.001, w - 0.084, h - 0.104), (-t / 2.0, 0.0, h / 2.0 - 0.015))), DARK),
-        Visual(mesh_shape("badge", box((t + 0.001, 0.05, 0.010), (-t / 2.0, 0.0, 0.022))), DARK),
+        Visual(mesh_shape("window_rim", _rim()), DARK),
         Visual(mesh_shape("window", box((t + 0.002, w - 0.10, h - 0.12), (-t / 2.0, 0.0, h / 2.0 - 0.015))), GLASS),
         Visual(mesh_shape("handle", merge([bar, *posts])), SILVER),
     )
