@@ -221,6 +221,8 @@ _SHARPNESS, _HIGHLIGHT = 6, np.float32(4.0)
 _WINDOWS = np.float32(0.35)
 """How much brighter four of eight directions around are, which draw streaks along round walls."""
 _OTHERS = np.array([[1, 2], [0, 2], [0, 1]])
+_SKY = np.float32(0.06)
+"""By how much more of the ambient light what looks upwards gets, and by how much less what looks downwards."""
 _BRIGHT = np.float32(1.25)
 """Light on what shines by itself."""
 _LAMP, _WARM = np.float32(0.75), np.array([1.0, 0.86, 0.58], dtype=np.float32)
@@ -397,13 +399,15 @@ def _light(
         key *= share
     if not has_fills:
         return key + np.float32(lighting.ambient + lighting.mean_fill)
+    ambient = normals[2] * _SKY
+    ambient += np.float32(lighting.ambient)
     if lighting.is_white:
-        key += np.float32(lighting.ambient)
+        key += ambient
         for fill in lighting.fills:
             key += _on(normals, fill) * np.float32(fill.intensity)
         return key
     tint = np.array(key_light.color, dtype=np.float32)
-    mixed = np.float32(lighting.ambient) * (tint * np.float32(0.5) + np.float32(0.5))[:, None] + key * tint[:, None]
+    mixed = ambient * (tint * np.float32(0.5) + np.float32(0.5))[:, None] + key * tint[:, None]
     for fill in lighting.fills:
         mixed += _on(normals, fill) * np.array(fill.color, dtype=np.float32)[:, None] * np.float32(fill.intensity)
     return mixed
